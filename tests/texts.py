@@ -93,8 +93,11 @@ def renewed(catalogue: Catalog) -> Catalog:
         one = template if isinstance(template, str) else template[0]
         before = catalogue.get(one)
         said = before.string if before is not None and before.id == template else ""
-        fresh.add(template, said or (() if isinstance(template, tuple) else ""),
-                  locations=[(file, 1) for file in files])  # fmt: skip
+        fresh.add(
+            template,
+            said or (() if isinstance(template, tuple) else ""),
+            locations=[(file, 1) for file in files],
+        )
     return fresh
 
 

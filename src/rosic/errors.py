@@ -80,9 +80,13 @@ class Refusal(RosicError):
     counted: bool = False
 
     def __init__(
-        self, sentence: str, *, offers: tuple[str, ...] = (), petition: str = "",
+        self,
+        sentence: str,
+        *,
+        offers: tuple[str, ...] = (),
+        petition: str = "",
         choices: tuple[tuple[str, str], ...] = (),
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__(sentence)
         self.offers = offers
         self.choices = choices

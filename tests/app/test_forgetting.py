@@ -4,7 +4,7 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.app.forgetting import DAY_S, SOON_S, ForgettingStore, forget_daily
+from rosic.app.service import DAY_S, SOON_S, ForgettingStore, forget_daily
 from rosic.errors import StoreFault
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore

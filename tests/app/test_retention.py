@@ -29,9 +29,15 @@ NOW_NS = ManualClock().wall_ns()
 def a_slot(ended_days: float, name: str) -> Fact:
     end_ns = NOW_NS - int(ended_days * DAY_NS)
     return BookedSlot(
-        id=name, principal="bo", robot="omni", start_ns=end_ns - 10**12, end_ns=end_ns, series="",
-        made_ns=0, by="bo",
-    ).fact()  # fmt: skip
+        id=name,
+        principal="bo",
+        robot="omni",
+        start_ns=end_ns - 10**12,
+        end_ns=end_ns,
+        series="",
+        made_ns=0,
+        by="bo",
+    ).fact()
 
 
 async def slots(store: MemoryStore) -> list[str]:

@@ -29,7 +29,7 @@ os.abort()
 """
 LOOKS = """
 import sys
-import rosic.app.loop, rosic.cli.run as command
+import rosic.app.runtime, rosic.cli.run as command
 def run(coroutine):
     coroutine.close()
     import ctypes, resource
@@ -42,8 +42,11 @@ sys.exit(command.run(["-c", sys.argv[1]]))
 def python(program: str, *arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(  # noqa: S603 - our own program
         [sys.executable, "-c", program, *arguments],
-        capture_output=True, text=True, check=False, cwd=cwd,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=cwd,
+    )
 
 
 @LINUX

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rosic.config.profiles import check_profile
 from rosic.features.media import render_queue, snapshot, telemetry_buffer
-from rosic.rendering import draw, encoding, frames
+from rosic.rendering import draw, frames
 from rosic.robots.ros2 import camera_map
 
 TEXT = (Path(__file__).parents[2] / "docs" / "robots" / "seeing.md").read_text("utf-8")
@@ -24,7 +24,7 @@ def test_the_figures_are_right() -> None:
     assert (render_queue.AT_ONCE, render_queue.DRAWN_AT_ONCE) == (4, 2)
     assert (render_queue.LIMIT.burst, 1 / render_queue.LIMIT.per_s) == (10.0, 5.0)
     assert (snapshot.CLIP_COST, snapshot.CLIP_FRAMES, draw.CLIP_WITHIN) == (4.0, 14, 480)
-    assert (draw.WITHIN, encoding.MOST_BYTES) == (1280, 4_000_000)
+    assert (draw.WITHIN, draw.MOST_BYTES) == (1280, 4_000_000)
     assert (frames.MOST_PIXELS, frames.MOST_BYTES) == (16_000_000, 16_000_000)
     assert (telemetry_buffer.KEPT, telemetry_buffer.EVERY_S, telemetry_buffer.WAY_POINTS) == (
         600,

@@ -5,13 +5,13 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from rosic.authoriser.admission import Answer, CodeRedeemed
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.counters import Counters
 from rosic.authoriser.directory import Directory
 from rosic.authoriser.enrolment import Enrolment, EnrolmentRules
+from rosic.authoriser.enrolment_records import Answer, CodeRedeemed
 from rosic.authoriser.guessing import GuessLimits
-from rosic.authoriser.invitation import InvitationRequest, InvitedRights
+from rosic.authoriser.invitations import InvitationRequest, InvitedRights
 from rosic.authoriser.keys import KeyRing
 from rosic.authoriser.locks import Locks
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
@@ -25,7 +25,7 @@ from rosic.testing.clock import ManualClock, SeededEntropy
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from rosic.authoriser.invitation import Invitation
+    from rosic.authoriser.invitations import Invitation
     from rosic.core.records import Record
 
 import msgspec

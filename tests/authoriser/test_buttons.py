@@ -34,9 +34,15 @@ class Shown:
     ) -> tuple[str, bytes]:
         now_ns = self.clock.wall_ns()
         inbound = Inbound(
-            sender=Address("memory", "1"), chat=Chat("memory", chat), message="m", text="",
-            nonce=nonce, sent_ns=now_ns, received_ns=now_ns, listening_since_ns=since_ns,
-        )  # fmt: skip
+            sender=Address("memory", "1"),
+            chat=Chat("memory", chat),
+            message="m",
+            text="",
+            nonce=nonce,
+            sent_ns=now_ns,
+            received_ns=now_ns,
+            listening_since_ns=since_ns,
+        )
         return self.buttons.redeem(nonce, who, inbound)[:2]
 
     async def past_ns(self, lasts_ns: int) -> None:
@@ -150,9 +156,13 @@ def test_what_was_asked_of_somebody_can_be_made_void_and_nothing_else() -> None:
     shown = Shown()
     asked, other, of_another, again = (
         shown.buttons.issue(Button("?", command), who, "c1").nonce
-        for command, who in (("!omni move", "p1"), ("omni move", "p1"), ("!omni move", "p2"),
-                             ("!cf1 move", "p1"))
-    )  # fmt: skip
+        for command, who in (
+            ("!omni move", "p1"),
+            ("omni move", "p1"),
+            ("!omni move", "p2"),
+            ("!cf1 move", "p1"),
+        )
+    )
     assert shown.buttons.void("p1", "?") == 0
     assert shown.buttons.void("p1", "!") == 2
     for nonce in (asked, again):

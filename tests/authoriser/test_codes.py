@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from rosic.authoriser.invite_codes import (
     ALPHABET,
+    WORDS,
     code_said,
     codes_in,
     digest,
@@ -21,7 +22,6 @@ from rosic.authoriser.invite_codes import (
     telegram_link,
     without_these,
 )
-from rosic.authoriser.wordlist import WORDS
 from rosic.core.identity import Address
 from rosic.core.secret import Secret
 from rosic.testing.clock import SeededEntropy

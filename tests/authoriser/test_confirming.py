@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.authoriser import messages as words
-from rosic.authoriser.admission import ApplicantWaits, CodeRedeemed, TurnedAway
+from rosic.authoriser.enrolment_records import ApplicantWaits, CodeRedeemed, TurnedAway
 from rosic.core.records import Fact
 from rosic.errors import Expired, NotPermitted
 from tests.authoriser.office import CY, DI, Office, account

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rosic.authoriser import messages as words
-from rosic.authoriser.admission import Answer, CodeRedeemed, TurnedAway
+from rosic.authoriser.enrolment_records import Answer, CodeRedeemed, TurnedAway
 from rosic.authoriser.guessing import ADDRESSES_AT_MOST, BruteForceGuard, GuessLimits
 from rosic.authoriser.invite_codes import new_code
 from rosic.testing.clock import SeededEntropy
@@ -163,9 +163,14 @@ async def test_limits_are_settings() -> None:
     office = await Office(limits=limits).with_admins()
     kinds = [away(await office.redeem("0000-0000", account(n // 2))).kind for n in range(7)]
     assert kinds == [
-        "code-unknown", "code-paused", "code-unknown", "code-paused", "code-unknown",
-        "code-paused", "code-unknown",
-    ]  # fmt: skip
+        "code-unknown",
+        "code-paused",
+        "code-unknown",
+        "code-paused",
+        "code-unknown",
+        "code-paused",
+        "code-unknown",
+    ]
 
 
 @pytest.mark.parametrize("changes", [{"tries": 0}, {"pause_s": 0.0}, {"breaker_pause_s": -1.0}])

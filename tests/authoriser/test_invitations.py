@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import msgspec
 import pytest
 
-from rosic.authoriser.admission import Answer, CodeRedeemed, TurnedAway
-from rosic.authoriser.invitation import InvitationRequest, InvitedRights
+from rosic.authoriser.enrolment_records import Answer, CodeRedeemed, TurnedAway
+from rosic.authoriser.invitations import InvitationRequest, InvitedRights
 from rosic.authoriser.invite_codes import ALPHABET, CODE_BYTES
 from rosic.core.identity import OPERATOR
 from rosic.core.records import Fact
@@ -16,7 +16,7 @@ from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 from tests.authoriser.office import BO, CY, DI, Office, account
 
 if TYPE_CHECKING:
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Entropy
 
 DAY_S = 86_400.0
 

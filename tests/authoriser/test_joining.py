@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rosic.authoriser import messages as words
-from rosic.authoriser.admission import Answer, ApplicantWaits, CodeRedeemed, TurnedAway
-from rosic.authoriser.invitation import InvitationRequest, InvitedRights
+from rosic.authoriser.enrolment_records import Answer, ApplicantWaits, CodeRedeemed, TurnedAway
+from rosic.authoriser.invitations import InvitationRequest, InvitedRights
 from rosic.core.records import Decided, Enrolled, Fact, KeyIssued
 from tests.authoriser.office import ADA, CY, DI, Office, account
 
@@ -167,8 +167,12 @@ async def test_every_code_that_is_not_good_gets_the_same_answer(office: Office) 
         assert answer.records == ()
         assert answer.alarm is None
     assert set(found) == {
-        "code-used", "code-burnt", "code-withdrawn", "code-expired", "code-unknown"
-    }  # fmt: skip
+        "code-used",
+        "code-burnt",
+        "code-withdrawn",
+        "code-expired",
+        "code-unknown",
+    }
     assert set(found.values()) == {words.NOT_GOOD}
     assert office.tally["code-unknown"] == 2
     assert all(office.tally[kind] >= 1 for kind in found)

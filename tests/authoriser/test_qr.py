@@ -8,7 +8,7 @@ import zlib
 import pytest
 import segno
 
-from rosic.authoriser.qr import QUIET, SCALE, qr_png, qr_text
+from rosic.authoriser.invite_codes import QUIET, SCALE, qr_png, qr_text
 
 LINK = "https://t.me/lab_robots_bot?start=7K3M-Q0ZD"
 URI = "otpauth://totp/lab:Ada?secret=" + "A" * 32 + "&issuer=lab&algorithm=SHA1&digits=6&period=30"

@@ -6,7 +6,7 @@ import asyncio
 from random import Random
 from typing import TYPE_CHECKING
 
-from rosic.authoriser.admission import ApplicantWaits, CodeRedeemed, TurnedAway
+from rosic.authoriser.enrolment_records import ApplicantWaits, CodeRedeemed, TurnedAway
 from rosic.authoriser.guessing import GuessLimits
 from rosic.errors import Expired
 from rosic.stores.memory import MemoryStore

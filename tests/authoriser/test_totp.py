@@ -21,9 +21,17 @@ from rosic.testing.clock import SeededEntropy
 RFC_SECRET = b"12345678901234567890"
 # RFC 4226, appendix D
 COUNTED = (
-    "755224", "287082", "359152", "969429", "338314", "254676", "287922", "162583", "399871",
+    "755224",
+    "287082",
+    "359152",
+    "969429",
+    "338314",
+    "254676",
+    "287922",
+    "162583",
+    "399871",
     "520489",
-)  # fmt: skip
+)
 # RFC 6238, appendix B, SHA-1
 TIMED = (
     (59, "94287082"),
@@ -65,9 +73,7 @@ def test_an_app_reads_what_was_meant() -> None:
     assert (parts.scheme, parts.netloc) == ("otpauth", "totp")
     assert unquote(parts.path) == "/Lab  3 & 4:Zoë Ada/1"
     assert asked.pop("issuer") == "Lab  3 & 4"
-    assert asked == {
-        "algorithm": "SHA1", "digits": "6", "period": "30", "secret": asked["secret"]
-    }  # fmt: skip
+    assert asked == {"algorithm": "SHA1", "digits": "6", "period": "30", "secret": asked["secret"]}
     assert b32decode(asked["secret"]) == secret
     assert b32decode(key_to_type(secret).reveal().replace(" ", "")) == secret
     assert asked["secret"] not in f"{uri!r} {uri}"

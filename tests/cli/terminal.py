@@ -106,9 +106,14 @@ def shell_at(command: Sequence[str], folder: Path, prompt: str) -> Iterator[Term
     """Let somebody's shell run while inside; it is ready when it shows its prompt."""
     ours, theirs = pty.openpty()
     process = subprocess.Popen(  # noqa: S603 - a shell that a test has found
-        command, stdin=theirs, stdout=theirs, stderr=theirs, cwd=folder, start_new_session=True,
+        command,
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+        cwd=folder,
+        start_new_session=True,
         env=environment({"HOME": str(folder), "TERM": "dumb", "PS1": prompt}),
-    )  # fmt: skip
+    )
     os.close(theirs)
     opened = Terminal(ours, process, None)
     try:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.app.admin.dispatch import AdminApi
 from rosic.app.admin.offline import OfflineAdmin, OfflineSeeding
-from rosic.app.admin.operator_desk import AdminApi
 from rosic.app.config import load_config
 from rosic.cli.main import main
 from rosic.errors import RecordUnavailable
@@ -38,9 +38,20 @@ def on_disk(folder: Path) -> bytes:
 
 def test_an_invitation_is_shown_once_and_only_its_digest_is_kept(place: Place) -> None:
     out = place.good(
-        "invite", "--role", "operator", "--robot", "kuka1", "--for", "2h", "--code-ttl", "20m",
-        "--limit", "force <= 20 N", "--as", "Cy",
-    )  # fmt: skip
+        "invite",
+        "--role",
+        "operator",
+        "--robot",
+        "kuka1",
+        "--for",
+        "2h",
+        "--code-ttl",
+        "20m",
+        "--limit",
+        "force <= 20 N",
+        "--as",
+        "Cy",
+    )
 
     said, how, *picture = out.splitlines()
     [code] = set(CODE.findall(out))
@@ -92,11 +103,15 @@ def test_an_admin_invited_where_there_is_none_is_the_first(
     [
         ("", "An invitation needs a role, for example operator. Nothing was done."),
         ("--role operatr", "No role is called 'operatr'. Did you mean operator?"),
-        ("--role operator --robot kuka9",
-         "No robot or group is called 'kuka9'. Did you mean kuka1?"),
+        (
+            "--role operator --robot kuka9",
+            "No robot or group is called 'kuka9'. Did you mean kuka1?",
+        ),
         ("--role operator --robot cf*", "No robot matches 'cf*'. Known here: kuka1, omni."),
-        ("--role operator --for soon",
-         "as a length of time. Write --for 2h, --for 30min or --for 3d."),
+        (
+            "--role operator --for soon",
+            "as a length of time. Write --for 2h, --for 30min or --for 3d.",
+        ),
         ("--role operator --for 2", "I cannot read --for '2' as a length of time."),
         ("--role operator --for 0m", "--for 0m is no time at all. Nothing was done."),
         ("--role operator --for -1h", "--for -1h is less than no time. Nothing was done."),
@@ -108,7 +123,7 @@ def test_an_admin_invited_where_there_is_none_is_the_first(
         ("--role operator --limit height<=2m", "no parameter"),
         ("--role operator --robot kuka1 --limit force<=2kg", "force"),
     ],
-)  # fmt: skip
+)
 def test_a_mistake_in_an_invitation_is_one_sentence(
     place: Place, arguments: str, sentence: str
 ) -> None:
@@ -166,17 +181,21 @@ def test_a_key_is_taken_back_by_its_id_or_by_its_person(place: Place) -> None:
     assert "There is no good key to replace." in place.wrong("key revoke", "Bob")
 
 
-@pytest.mark.parametrize("command", ["key list", "key rotate", "key revoke", "lock", "unlock",
-                                     "revoke"])  # fmt: skip
+@pytest.mark.parametrize(
+    "command", ["key list", "key rotate", "key revoke", "lock", "unlock", "revoke"]
+)
 def test_nobody_of_that_name_is_one_sentence(place: Place, command: str) -> None:
     assert place.wrong(command, "Zed") == "Nobody is called Zed. There are: Ada, Bob."
 
 
 @pytest.mark.parametrize(
     ("grace", "sentence"),
-    [("-5m", "--grace -5m is less than no time."), ("later", "I cannot read --grace 'later'"),
-     ("31d", "An old key stays good for at most 30 days. Nothing was done.")],
-)  # fmt: skip
+    [
+        ("-5m", "--grace -5m is less than no time."),
+        ("later", "I cannot read --grace 'later'"),
+        ("31d", "An old key stays good for at most 30 days. Nothing was done."),
+    ],
+)
 def test_a_grace_that_is_none_is_one_sentence(place: Place, grace: str, sentence: str) -> None:
     assert sentence in place.wrong("key rotate", "Bob", "--grace", grace)
 
@@ -236,10 +255,16 @@ def test_looking_leaves_no_data_behind(tmp_path: Path, capsys: pytest.CaptureFix
 @pytest.mark.parametrize(
     "command",
     [
-        "invite --role viewer", "lock Bob", "unlock Bob", "revoke Bob", "key revoke Bob",
-        "key rotate Bob", "clock --accept", "container limit Bob --names 3",
+        "invite --role viewer",
+        "lock Bob",
+        "unlock Bob",
+        "revoke Bob",
+        "key revoke Bob",
+        "key rotate Bob",
+        "clock --accept",
+        "container limit Bob --names 3",
     ],
-)  # fmt: skip
+)
 def test_nothing_is_said_to_be_done_where_there_is_no_record(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
 ) -> None:

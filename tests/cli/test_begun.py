@@ -22,8 +22,12 @@ os.execv(sys.executable, [sys.executable, "-c", {AGE!r}])
 def age_s(code: str) -> float:
     done = subprocess.run(  # noqa: S603 - our own interpreter
         [sys.executable, "-c", code],
-        capture_output=True, text=True, check=True, timeout=120, env=environment(),
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+        env=environment(),
+    )
     return int(done.stdout) / 1e9
 
 

@@ -112,10 +112,17 @@ async def test_questions_are_answered_line_by_line(tmp_path: Path, desk: Desk) -
 @pytest.mark.usefixtures("server")
 @pytest.mark.parametrize(
     "sent",
-    [b"\n", b"{}\n", b"[]\n", b'{"verb":"fly"}\n', b'{"verb":"stop","more":1}\n', b"\xff\xfe\n",
-     b'{"verb":"status","names":' + b"[" * 2000 + b"\n",
-     b'{"verb":"status","names":["' + b"x" * (2 * ASK_BYTES) + b'"]}\n'],
-)  # fmt: skip
+    [
+        b"\n",
+        b"{}\n",
+        b"[]\n",
+        b'{"verb":"fly"}\n',
+        b'{"verb":"stop","more":1}\n',
+        b"\xff\xfe\n",
+        b'{"verb":"status","names":' + b"[" * 2000 + b"\n",
+        b'{"verb":"status","names":["' + b"x" * (2 * ASK_BYTES) + b'"]}\n',
+    ],
+)
 async def test_what_is_no_request_is_turned_away(tmp_path: Path, sent: bytes, desk: Desk) -> None:
     answer = await raw(tmp_path, sent)
 

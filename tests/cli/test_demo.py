@@ -95,8 +95,12 @@ def test_a_piped_demonstration_imports_nothing_it_does_not_use() -> None:
     done = subprocess.run(  # noqa: S603 - our own command
         [sys.executable, "-X", "importtime", *ROSIC[1:], "demo", "--plain"],
         stdin=subprocess.DEVNULL,
-        capture_output=True, text=True, check=True, timeout=120, env=environment(),
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+        env=environment(),
+    )
     imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
 
     assert {"rosic.app.demo", "rosic_sim.robots.theatre"} <= imported
@@ -107,10 +111,19 @@ def test_a_piped_demonstration_imports_nothing_it_does_not_use() -> None:
 @pytest.mark.limit(300)
 def test_bad_lines_are_answered_and_hold_nothing_up() -> None:
     lines = [
-        "omin move 1 m", "omni mvoe 1 m", "omni move 40 m", "omni move nan m", "omni move -1 m",
-        "omni move 1e400 m", "omni move 1 parsec", "omni move colour=red", "\u202etxet", "\x1b[2J",
-        "x" * 100_000, "omni move 10^400 m",
-    ]  # fmt: skip
+        "omin move 1 m",
+        "omni mvoe 1 m",
+        "omni move 40 m",
+        "omni move nan m",
+        "omni move -1 m",
+        "omni move 1e400 m",
+        "omni move 1 parsec",
+        "omni move colour=red",
+        "\u202etxet",
+        "\x1b[2J",
+        "x" * 100_000,
+        "omni move 10^400 m",
+    ]
     ran = rosic("demo", "--plain", stdin="\n".join(lines), within_s=240)
 
     assert ran.status == 0

@@ -69,8 +69,10 @@ def test_a_draft_is_a_profile_with_careful_bounds(tmp_path: Path) -> None:
     assert set(profile.skills) == {"move", "dance", "dock", "drive"}
     move = profile.skills["move"].parameters
     assert {name: (p.unit, p.max) for name, p in move.items()} == {
-        "distance": ("m", 1), "speed": ("m/s", 0.2), "joint": ("", 10),
-    }  # fmt: skip
+        "distance": ("m", 1),
+        "speed": ("m/s", 0.2),
+        "joint": ("", 10),
+    }
     assert profile.watchdog_s is not None
     assert profile.pose is not None
     assert profile.pose.topic == "/omni/odom"

@@ -26,9 +26,13 @@ def test_what_can_be_pasted_into_a_shell_works() -> None:
     script = script.replace("rosic demo", " ".join([*ROSIC, "demo"]))
 
     done = subprocess.run(  # noqa: S603 - our own page
-        ["/bin/sh", "-c", script], capture_output=True, text=True, timeout=150, check=False,
+        ["/bin/sh", "-c", script],
+        capture_output=True,
+        text=True,
+        timeout=150,
+        check=False,
         env=environment(),
-    )  # fmt: skip
+    )
 
     assert done.returncode == 0
     assert done.stdout.count(": done ") == 3

@@ -16,8 +16,13 @@ from rosic.app.builder import latch_of
 from rosic.app.config import load_config
 from rosic.app.robot_startup import stops_of
 from rosic.app.setup.diagnostics import examine, verdict_of
-from rosic.app.setup.diagnostics_checks import SLOW_MS, examine_clock, examine_disk
-from rosic.app.setup.findings import DiagnosticFinding, FindingVerdict
+from rosic.app.setup.diagnostics_checks import (
+    SLOW_MS,
+    DiagnosticFinding,
+    FindingVerdict,
+    examine_clock,
+    examine_disk,
+)
 from rosic.app.setup.stop_test import StopTest, slow_arguments, streaming_skill, try_robot
 from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.order_gate import OrderGate
@@ -97,8 +102,11 @@ def test_a_trial_is_slow_whatever_the_profile_allows() -> None:
     assert skill is not None
 
     assert slow_arguments(omni, skill) == {
-        "linear": 0.1, "lateral": 0.0, "angular": 0.0, "duration": 2.0,
-    }  # fmt: skip
+        "linear": 0.1,
+        "lateral": 0.0,
+        "angular": 0.0,
+        "duration": 2.0,
+    }
     assert streaming_skill(load_profile(shipped_profiles()["kuka1"])) is None
 
 
@@ -221,8 +229,13 @@ def test_the_command_prints_a_line_for_each(tmp_path: Path) -> None:
 
     assert ran.err == ""
     assert [line.split()[0] for line in ran.out.splitlines()] == [
-        "disk", "record", "space", "memory", "clock", "ROS"
-    ]  # fmt: skip
+        "disk",
+        "record",
+        "space",
+        "memory",
+        "clock",
+        "ROS",
+    ]
 
 
 def test_with_a_running_gateway_the_robot_is_only_stopped(tmp_path: Path) -> None:

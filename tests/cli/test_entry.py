@@ -40,8 +40,12 @@ def test_help_costs_next_to_nothing() -> None:
 def test_help_imports_nothing_heavy() -> None:
     done = subprocess.run(  # noqa: S603 - our own command
         [sys.executable, "-X", "importtime", *ROSIC[1:], "--help"],
-        capture_output=True, text=True, check=True, timeout=120, env=environment(),
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+        env=environment(),
+    )
     imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
 
     assert "rosic.cli.main" in imported
@@ -98,9 +102,12 @@ def test_who_reads_the_first_lines_alone_hears_of_nothing_else(
 ) -> None:
     with subprocess.Popen(  # noqa: S603 - our own command
         [*ROSIC, *arguments],
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
         env=environment(),
-    ) as process:  # fmt: skip
+    ) as process:
         assert process.stdin is not None
         assert process.stdout is not None
         assert process.stderr is not None
@@ -122,9 +129,14 @@ def test_a_reader_who_goes_away_causes_no_trace() -> None:
     os.close(reading)
     with os.fdopen(writing, "w") as gone:
         done = subprocess.run(  # noqa: S603 - our own command
-            [*ROSIC, "--help"], stdout=gone, stderr=subprocess.PIPE, text=True, check=False,
-            timeout=120, env=environment(),
-        )  # fmt: skip
+            [*ROSIC, "--help"],
+            stdout=gone,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+            timeout=120,
+            env=environment(),
+        )
 
     assert done.stderr == ""
     assert done.returncode == UNREAD

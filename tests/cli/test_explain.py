@@ -43,9 +43,20 @@ def test_it_completes_the_arguments_and_names_every_rule(place: Place) -> None:
     assert lines[:2] == ["KUKA iiwa: grasp, 15 N", "Ada may."]
     assert [line.split(":")[0].split() for line in lines[2:]] == [
         ["ok", rule]
-        for rule in ("key", "lock", "sight", "reach", "right", "channel", "limits", "stopped",
-                     "slot", "lease", "care")
-    ]  # fmt: skip
+        for rule in (
+            "key",
+            "lock",
+            "sight",
+            "reach",
+            "right",
+            "channel",
+            "limits",
+            "stopped",
+            "slot",
+            "lease",
+            "care",
+        )
+    ]
 
 
 def test_a_limit_refuses_by_name(place: Place) -> None:

@@ -125,8 +125,11 @@ def bash(script: Path, *words: str) -> list[str]:
     asked = f"source {script}; COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1}; _rosic"
     done = subprocess.run(  # noqa: S603 - our own script
         ["/bin/bash", "-c", f'{asked}; printf "%s\\n" "${{COMPREPLY[@]}}"'],
-        capture_output=True, text=True, timeout=60, check=True,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
     return done.stdout.split()
 
 
@@ -172,8 +175,10 @@ def test_history_says_what_the_operator_did_and_asks_for_known_names(config: Pat
     assert rosic("resume", "omni", "-c", config).status == 0
     [*_, last] = json.loads(rosic("history", "--json", "--robot", "omni", "-c", config).out)
     assert (last["name"], last["asked"], last["told"]) == (
-        "the operator", "resume omni", "ready again"
-    )  # fmt: skip
+        "the operator",
+        "resume omni",
+        "ready again",
+    )
     told = rosic("history", "--since", "1h", "-c", config).out
     assert "resume omni" in told
     assert "the operator  stop omni  stopped" in told

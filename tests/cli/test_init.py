@@ -67,10 +67,12 @@ def test_questions_are_asked_and_answered(folder: Path) -> None:
 
     assert (ran.status, ran.err) == (0, "")
     for wrong in (
-        "Did you mean Europe/Vienna?", "That does not look like a Telegram token.",
-        "No profile is called 'omin'. Did you mean omni?", "Please say yes or no.",
+        "Did you mean Europe/Vienna?",
+        "That does not look like a Telegram token.",
+        "No profile is called 'omin'. Did you mean omni?",
+        "Please say yes or no.",
         "'@ada' is not a Telegram id",
-    ):  # fmt: skip
+    ):
         assert wrong in ran.out, "it is asked again"
     assert ran.out.endswith("Written: telegram-token.txt, rosic.toml. Start with: rosic run\n")
     assert TOKEN not in ran.out
@@ -89,10 +91,24 @@ def test_everything_can_be_said_by_options(
 ) -> None:
     monkeypatch.setenv("LAB_TOKEN", TOKEN)
     status, out, _ = said(
-        capsys, "--yes", "--name", 'The "lab"', "--zone", "Europe/Vienna", "--token-env",
-        "LAB_TOKEN", "--robot", "omni", "cf1", "--link", "ros2", "--admin", "code",
-        "-c", "place.toml",
-    )  # fmt: skip
+        capsys,
+        "--yes",
+        "--name",
+        'The "lab"',
+        "--zone",
+        "Europe/Vienna",
+        "--token-env",
+        "LAB_TOKEN",
+        "--robot",
+        "omni",
+        "cf1",
+        "--link",
+        "ros2",
+        "--admin",
+        "code",
+        "-c",
+        "place.toml",
+    )
 
     assert status == 0
     assert out.startswith("Written: place.toml. Start with: rosic run -c place.toml\n")
@@ -111,8 +127,9 @@ def test_what_cannot_be_simulated_is_said_before_the_next_question(folder: Path)
     assert said < asked
     config = load_config(folder / "rosic.toml")
     assert [(robot.id, robot.link.kind) for robot in config.robots] == [
-        ("omni", "simulated"), ("rover", "ros2"),
-    ]  # fmt: skip
+        ("omni", "simulated"),
+        ("rover", "ros2"),
+    ]
 
 
 @pytest.mark.parametrize(
@@ -258,8 +275,9 @@ def test_a_profile_of_ones_own_is_taken_from_where_it_lies(
     assert left(folder) == ["rosic.toml", "rover.yaml"]
     config = load_config(folder / "rosic.toml")
     assert [(robot.id, robot.link.kind) for robot in config.robots] == [
-        ("omni", "simulated"), ("rover", "memory")
-    ]  # fmt: skip
+        ("omni", "simulated"),
+        ("rover", "memory"),
+    ]
     assert 'profile = "./rover.yaml"' in (folder / "rosic.toml").read_text()
 
 

@@ -17,9 +17,20 @@ if TYPE_CHECKING:
 
 TOKEN = "4242424242:AAabcdefghijklmnopqrstuvwxyz012345"  # noqa: S105 - nobody's
 INIT = (
-    "-m", "rosic", "init", "--name", "lab", "--zone", "UTC", "--robot", "omni", "--link",
-    "simulated", "--admin", "code",
-)  # fmt: skip
+    "-m",
+    "rosic",
+    "init",
+    "--name",
+    "lab",
+    "--zone",
+    "UTC",
+    "--robot",
+    "omni",
+    "--link",
+    "simulated",
+    "--admin",
+    "code",
+)
 
 
 def _said(terminal: int, until: str) -> str:

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING
 import msgspec
 import pytest
 
-from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.api import Ask, Verb
 from rosic.app.admin.offline import OfflineAdmin, OfflineSeeding
-from rosic.app.admin.schedule import BookAsk, SlotBooking, Who
-from rosic.app.admin.wishes import merged_who
+from rosic.app.admin.schedule import BookAsk, SlotBooking, Who, merged_who
 from rosic.app.config import load_config
 from rosic.errors import (
     NotPermitted,
@@ -23,8 +22,8 @@ from rosic.errors import (
     RobotTaken,
     TooManyRequests,
 )
-from rosic.organiser.occasions import SeriesLimits
 from rosic.organiser.planning.problem import NS_PER_MIN
+from rosic.organiser.recurrence import SeriesLimits
 from rosic.system import SystemClock, SystemEntropy
 from tests.cli.offline import Place
 
@@ -85,8 +84,13 @@ def test_what_was_booked_stands(place: Place) -> None:
 
 def test_a_list_in_json_is_read_as_well(place: Place) -> None:
     path = place.folder / "week.json"
-    row = {"person": "Bob", "robots": ["omni"], "length": "30 min",
-           "earliest": f"{DAY} 09:00", "latest": f"{DAY} 12:00"}  # fmt: skip
+    row = {
+        "person": "Bob",
+        "robots": ["omni"],
+        "length": "30 min",
+        "earliest": f"{DAY} 09:00",
+        "latest": f"{DAY} 12:00",
+    }
     path.write_text(json.dumps([row]))
 
     assert "09:00 to 09:30  omni  Bob" in place.good("schedule plan", str(path))
@@ -183,9 +187,12 @@ def test_wrong_lines_are_named_and_nothing_is_planned(place: Place) -> None:
 
 @pytest.mark.parametrize(
     ("name", "text", "sentence"),
-    [("none.csv", None, "There is no such file."), ("week.txt", "", "ends in .csv or .json"),
-     ("week.csv", b"\xff\xfe\xff", "The file is not UTF-8 text.")],
-)  # fmt: skip
+    [
+        ("none.csv", None, "There is no such file."),
+        ("week.txt", "", "ends in .csv or .json"),
+        ("week.csv", b"\xff\xfe\xff", "The file is not UTF-8 text."),
+    ],
+)
 def test_what_is_no_list_is_one_sentence(
     place: Place, name: str, text: str | bytes | None, sentence: str
 ) -> None:

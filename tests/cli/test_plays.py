@@ -16,10 +16,9 @@ from rosic.core.message import Chat, Outbound
 from rosic.rendering.style import SEVERAL
 from rosic.system import SystemClock, SystemEntropy
 from rosic_sim.robots.theatre import theatre_of
-from rosic_sim.scenarios.brisk import FastClock
 from rosic_sim.scenarios.curtain import TerminalView
 from rosic_sim.scenarios.play import OffScript
-from rosic_sim.scenarios.playing import ScenarioOptions, play
+from rosic_sim.scenarios.playing import FastClock, ScenarioOptions, play
 from rosic_sim.scenarios.repertoire import NAMES, play_named
 from tests.cli.running import ROSIC, Ran, environment, rosic
 from tests.cli.terminal import rosic_at

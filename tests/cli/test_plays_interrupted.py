@@ -33,10 +33,16 @@ async def _interrupted(name: str) -> tuple[int, float, str, str]:
     """
     pace = () if name == "swarm" else ("--fast",)  # drones take their time to come down
     process = await asyncio.create_subprocess_exec(
-        *ROSIC, "demo", name, "--plain", *pace,
-        stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.PIPE, env=environment(),
-    )  # fmt: skip
+        *ROSIC,
+        "demo",
+        name,
+        "--plain",
+        *pace,
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.PIPE,
+        env=environment(),
+    )
     assert process.stdout is not None
     try:
         while MOVING[name] not in (line := (await process.stdout.readline()).decode()):

@@ -51,8 +51,12 @@ def test_it_says_when_it_is_ready_and_ends_in_time(tmp_path: Path) -> None:
         took_s = time.monotonic() - begun_s
 
         assert took_s < 5 * patience()
-        assert re.search(r"^\d\d:\d\d:\d\d info rosic.gateway: ready in \d+\.\d\d s: 2 robots, "
-                         r"by terminal$", running.err(), re.MULTILINE)  # fmt: skip
+        assert re.search(
+            r"^\d\d:\d\d:\d\d info rosic.gateway: ready in \d+\.\d\d s: 2 robots, "
+            r"by terminal$",
+            running.err(),
+            re.MULTILINE,
+        )
         assert "ROSIC was shut down" in running.out()
         assert "Traceback" not in running.err()
     assert not (tmp_path / "rosic-data/control.sock").exists()
@@ -75,8 +79,10 @@ def test_commands_reach_it(tmp_path: Path) -> None:
         assert "KUKA iiwa: at rest" in status.out
         assert rosic("status", "kuka1", "-c", config).out == "KUKA iiwa: at rest · free\n"
         assert rosic("status", "kuka2", "-c", config) == (
-            1, "", "There is no robot called kuka2. There are: omni, kuka1.\n"
-        )  # fmt: skip
+            1,
+            "",
+            "There is no robot called kuka2. There are: omni, kuka1.\n",
+        )
 
         running.say("omni move 5 m speed 0.05 m/s")
         running.wait_for("driving")
@@ -123,8 +129,10 @@ def test_somebody_revoked_stays_revoked(tmp_path: Path) -> None:
             "Ada has no access already. Nothing was changed.\n"
         )
         assert rosic("revoke", "Zed", "-c", config) == (
-            1, "", "rosic: Nobody is called Zed. There are: Ada, Bob.\n"
-        )  # fmt: skip
+            1,
+            "",
+            "rosic: Nobody is called Zed. There are: Ada, Bob.\n",
+        )
         running.end()
     with gateway(config) as again:
         again.say("omni arm home")
@@ -154,8 +162,10 @@ def test_without_a_gateway_commands_say_so(tmp_path: Path) -> None:
 
     for command in ("status", "stop"):
         assert rosic(command, "-c", config) == (
-            1, "", f"rosic: No gateway is running on {tmp_path}/rosic-data.\n"
-        )  # fmt: skip
+            1,
+            "",
+            f"rosic: No gateway is running on {tmp_path}/rosic-data.\n",
+        )
 
 
 # ---- what keeps it from starting ----

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.api import Ask, Verb
 from rosic.app.service import GREETING
 from rosic.cli.client import answers
 from rosic.testing.telegram import FakeTelegram

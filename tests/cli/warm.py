@@ -36,10 +36,18 @@ if TYPE_CHECKING:
 
 WARM = (
     *sorted({command.module for command in COMMANDS.values()}),
-    "alembic.command", "alembic.context", "alembic.ddl.sqlite", "anyio._backends._asyncio",
-    "httpcore", "rosic.messengers.telegram", "rosic.messengers.terminal", "rosic.robots.memory",
-    "rosic_sim.robots.robot", "sqlalchemy.dialects.sqlite", "uvloop",
-)  # fmt: skip
+    "alembic.command",
+    "alembic.context",
+    "alembic.ddl.sqlite",
+    "anyio._backends._asyncio",
+    "httpcore",
+    "rosic.messengers.telegram",
+    "rosic.messengers.terminal",
+    "rosic.robots.memory",
+    "rosic_sim.robots.robot",
+    "sqlalchemy.dialects.sqlite",
+    "uvloop",
+)
 LARGEST = 1 << 17
 STARTING = threading.Lock()
 
@@ -62,9 +70,12 @@ class Warmed:
     """
 
     def __init__(
-        self, arguments: Sequence[str], files: tuple[int, int, int], asked_cwd: Path | None,
+        self,
+        arguments: Sequence[str],
+        files: tuple[int, int, int],
+        asked_cwd: Path | None,
         env: Mapping[str, str],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.returncode: int | None = None
         self.stdin: IO[str] | None = None
         asked = Asked(arguments=tuple(arguments), cwd=str(asked_cwd or Path.cwd()), env=dict(env))
@@ -119,9 +130,10 @@ def _server() -> socket.socket:
     with theirs:
         process = subprocess.Popen(  # noqa: S603 - our own program
             [sys.executable, "-m", "tests.cli.warm", str(theirs.fileno())],
-            pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL,
+            pass_fds=[theirs.fileno()],
+            stdin=subprocess.DEVNULL,
             env={**os.environ, "PYTHONPATH": path},
-        )  # fmt: skip
+        )
 
     def end() -> None:
         ours.close()

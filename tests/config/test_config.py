@@ -9,8 +9,8 @@ import pytest
 from rosic.app.builder import settings_of
 from rosic.app.config import load_config, read_config
 from rosic.config.gateway_file import LogLevel
+from rosic.config.missions import fleet_of
 from rosic.config.profiles import known_units
-from rosic.config.rulebook import fleet_of
 from rosic.container.files import FileQuota
 from rosic.core.identity import Address
 from rosic.core.policy.limits import unit_converter
@@ -157,6 +157,11 @@ def test_the_example_is_good() -> None:
     assert read.advice == []
     assert read.config is not None
     assert [robot.id for robot in read.config.robots] == [
-        "omni", "kuka1", "yumi", "cf1", "cf2", "cf3",
-    ]  # fmt: skip
+        "omni",
+        "kuka1",
+        "yumi",
+        "cf1",
+        "cf2",
+        "cf3",
+    ]
     assert {robot.link.kind for robot in read.config.robots} == {"simulated"}

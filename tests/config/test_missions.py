@@ -143,18 +143,27 @@ def test_one_with_parameters_and_deadlines_is_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "sentence"),
     [
-        ("max: 5, default", "max: 40, default",
-         "m0.yaml:9: Nobody of w1 can do this with distance=40 m: "),
-        ("default: 1}", "default: 9}",
-         "m0.yaml:3: The default 9 is not between 0.1 and 5. Change the default"),
+        (
+            "max: 5, default",
+            "max: 40, default",
+            "m0.yaml:9: Nobody of w1 can do this with distance=40 m: ",
+        ),
+        (
+            "default: 1}",
+            "default: 9}",
+            "m0.yaml:3: The default 9 is not between 0.1 and 5. Change the default",
+        ),
         ("unit: cm", "unit: parsec", "m0.yaml:4: 'parsec' is no unit that is known here."),
         ("unit: cm", "unit: N", "m0.yaml:9: Nobody of w1 can do this with far="),
         ("min: 10,", "min: 900,", "m0.yaml:4: min and max have to be finite, and min not above"),
         ("min: 10, max: 200", "min: 10", "m0.yaml:4: "),
         ("  far:", "  Far:", "m0.yaml:4: 'Far' is no name for a parameter. Use small letters"),
         ("  far:", "  every:", "m0.yaml:4: 'every' begins a time here. Call it otherwise."),
-        ("$distance,", "$distanse,",
-         "m0.yaml:9: There is no parameter 'distanse'. Did you mean distance?"),
+        (
+            "$distance,",
+            "$distanse,",
+            "m0.yaml:9: There is no parameter 'distanse'. Did you mean distance?",
+        ),
         ("$far back", "1 m back", "m0.yaml:4: No step uses 'far'. Write $far in a step"),
         ("20 min", "soon", "m0.yaml:5: 'soon' is no length of time. Write for example 20 min."),
         ("deadline: 20 min\n", "", "m0.yaml:5: Without a deadline nothing is late. Write for"),
@@ -164,10 +173,13 @@ def test_one_with_parameters_and_deadlines_is_read(tmp_path: Path) -> None:
         ("with: {way: $distance}", "with: {way: 9 m}", "m0.yaml:12: way goes from 0.1 m to 5 m."),
         (", with: {way: $distance}", "", "m0.yaml:12: Say way, for example way=0.1 m."),
         ("mission: back, with", "on: w1, steps: [wave], with", "m0.yaml:12: Only another mission"),
-        ("mission: back, with: {way: $distance}", "mission: back, deadline: 5 min",
-         "m0.yaml:12: Only a part with steps has a deadline of its own."),
+        (
+            "mission: back, with: {way: $distance}",
+            "mission: back, deadline: 5 min",
+            "m0.yaml:12: Only a part with steps has a deadline of its own.",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_wrong_with_parameters_and_deadlines_is_said_with_its_line(
     old: str, new: str, sentence: str, tmp_path: Path
 ) -> None:

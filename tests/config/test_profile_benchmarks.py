@@ -16,17 +16,26 @@ if TYPE_CHECKING:
 LOCATED = "geometry_msgs/msg/PoseWithCovarianceStamped"
 SPOILT = [
     ("energy: 5", "energy: 5\n      battery: charge", "needs the telemetry of that"),
-    ("duration_s: 30", "duration_s: 30\n      per_s: { place: 2 }",
-     "'place' is not a number that this skill asks for."),
+    (
+        "duration_s: 30",
+        "duration_s: 30\n      per_s: { place: 2 }",
+        "'place' is not a number that this skill asks for.",
+    ),
     ("late: 2", "late: 1", "must be between 1.01 and 1000"),
-    ("wanted: $place.x, within: 0.3", "wanted: $place.z, within: 0.3",
-     "$place.z is no number that a choice stands for."),
-    ("wanted: $place.x, within: 0.3", "wanted: place, within: 0.3",
-     "'place' is neither a number nor a parameter."),
+    (
+        "wanted: $place.x, within: 0.3",
+        "wanted: $place.z, within: 0.3",
+        "$place.z is no number that a choice stands for.",
+    ),
+    (
+        "wanted: $place.x, within: 0.3",
+        "wanted: place, within: 0.3",
+        "'place' is neither a number nor a parameter.",
+    ),
     ("wanted: $place.x, within: 0.3", "wanted: $place.x, within: 0", "Within must be above 0"),
     ("measured: pose.x", "measured: pose.q", "is not something that is measured"),
     ("pose: { topic", "camera: { topic", "needs the profile's 'pose'"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("old", "new", "sentence"), SPOILT)

@@ -15,20 +15,36 @@ SPOILT = [
     ("rover", "$place.x", "$place.z", "$place.z: the choices of place do not stand for 'z'."),
     ("rover", "$place.x", "$place", "$place is a word; what it stands for has names."),
     ("rover", "          dock: { x: 0, y: 0, yaw: 0 }\n", "", "Means and choices must have the"),
-    ("rover", "dock: { x: 0, y: 0, yaw: 0 }", "dock: { x: 0, y: 0 }",
-     "Means must give the same numbers for every choice"),
+    (
+        "rover",
+        "dock: { x: 0, y: 0, yaw: 0 }",
+        "dock: { x: 0, y: 0 }",
+        "Means must give the same numbers for every choice",
+    ),
     ("rover", "dock: { x: 0,", "dock: { x: .nan,", "finite"),
-    ("picker", "home: { joints: [0, -1.57,", "home: { joints: [4, -1.57,",
-     "shoulder_pan_joint goes from -3.14 to 3.14, and is at 4 here."),
-    ("picker", "home: { joints: [0, -1.57,", "home: { joints: [-1.57,",
-     "A pose of this robot has 6 joints."),
+    (
+        "picker",
+        "home: { joints: [0, -1.57,",
+        "home: { joints: [4, -1.57,",
+        "shoulder_pan_joint goes from -3.14 to 3.14, and is at 4 here.",
+    ),
+    (
+        "picker",
+        "home: { joints: [0, -1.57,",
+        "home: { joints: [-1.57,",
+        "A pose of this robot has 6 joints.",
+    ),
     ("picker", "elbow_joint: [elbow]", "elbow: []", "'elbow' is none of this robot's joints."),
     ("picker", "to: $pose.joints, speed: $speed", "to: pose, speed: $speed", "is not a parameter"),
     ("picker", "speed: 0.3", "speed: 3", "Speed is a share of the joints' own"),
     ("picker", "stop: { cancel_only: true }", "stop: {}", "names neither a service nor"),
-    ("picker", "{ cancel_only: true }", "{ cancel_only: true, service: /picker/stop }",
-     "Cancel_only means that there is neither"),
-]  # fmt: skip
+    (
+        "picker",
+        "{ cancel_only: true }",
+        "{ cancel_only: true, service: /picker/stop }",
+        "Cancel_only means that there is neither",
+    ),
+]
 
 
 @pytest.mark.parametrize(("name", "old", "new", "sentence"), SPOILT)

@@ -94,22 +94,32 @@ def test_a_robot_runs_in_process_from_the_same_file(fleet: dict[str, Profile]) -
     assert simulated.skills == fleet["omni"].skills
     models = {name: profile.link.model for name, profile in fleet.items()}
     assert models == {
-        "cf1": "crazyflie", "cf2": "crazyflie", "cf3": "crazyflie",
-        "kuka1": "kuka", "omni": "omni", "picker": "", "rover": "", "talker": "", "yumi": "yumi",
-    }  # fmt: skip
+        "cf1": "crazyflie",
+        "cf2": "crazyflie",
+        "cf3": "crazyflie",
+        "kuka1": "kuka",
+        "omni": "omni",
+        "picker": "",
+        "rover": "",
+        "talker": "",
+        "yumi": "yumi",
+    }
 
 
 SAID: list[tuple[str, dict[str, dict[str, Any]]]] = [
-    ("omni move forward 0.5 m",
-     {"omni": {"direction": "forward", "distance": 0.5, "speed": 0.25}}),
+    ("omni move forward 0.5 m", {"omni": {"direction": "forward", "distance": 0.5, "speed": 0.25}}),
     ("omni move 50 cm backwards", {"omni": {"direction": "back", "distance": 0.5, "speed": 0.25}}),
-    ("omni move fwd 1 m speed=0.5",
-     {"omni": {"direction": "forward", "distance": 1.0, "speed": 0.5}}),
+    (
+        "omni move fwd 1 m speed=0.5",
+        {"omni": {"direction": "forward", "distance": 1.0, "speed": 0.5}},
+    ),
     ("omni rotate right 90", {"omni": {"direction": "right", "angle": pi / 2}}),
     ("omni go to x=1 y=-2", {"omni": {"x": 1.0, "y": -2.0, "yaw": 0.0}}),
     ("omni arm reach", {"omni": {"pose": "reach"}}),
-    ("omni drive linear=0.2 duration=2",
-     {"omni": {"linear": 0.2, "lateral": 0.0, "angular": 0.0, "duration": 2.0}}),
+    (
+        "omni drive linear=0.2 duration=2",
+        {"omni": {"linear": 0.2, "lateral": 0.0, "angular": 0.0, "duration": 2.0}},
+    ),
     ("kuka1 grasp", {"kuka1": {"force": 15.0}}),
     ("kuka grab force=20", {"kuka1": {"force": 20.0}}),
     ("kuka1 move joint 3 45 deg", {"kuka1": {"joint": 3, "angle": pi / 4}}),
@@ -117,13 +127,17 @@ SAID: list[tuple[str, dict[str, dict[str, Any]]]] = [
     ("yumi hand over", {"yumi": {}}),
     ("crazyflies takeoff 1 m", {name: {"height": 1.0} for name in ("cf1", "cf2", "cf3")}),
     ("crazyflies take off", {name: {"height": 0.5} for name in ("cf1", "cf2", "cf3")}),
-    ("crazyflies formation triangle 80 cm",
-     {name: {"shape": "triangle", "spacing": 0.8} for name in ("cf1", "cf2", "cf3")}),
+    (
+        "crazyflies formation triangle 80 cm",
+        {name: {"shape": "triangle", "spacing": 0.8} for name in ("cf1", "cf2", "cf3")},
+    ),
     ("drone 2 go to x=1 y=0 z=1", {"cf2": {"x": 1.0, "y": 0.0, "z": 1.0}}),
     ("cf1 land", {"cf1": {}}),
     ("cf2 follow cf1", {"cf2": {"leader": "cf1", "distance": 1.2, "bearing": 0.0}}),
-    ("drone 2 keep behind drone 1 150 cm bearing=-45 deg",
-     {"cf2": {"leader": "cf1", "distance": 1.5, "bearing": -pi / 4}}),
+    (
+        "drone 2 keep behind drone 1 150 cm bearing=-45 deg",
+        {"cf2": {"leader": "cf1", "distance": 1.5, "bearing": -pi / 4}},
+    ),
     ("rover go to the dock", {"rover": {"place": "dock"}}),
     ("rover goto x=1 y=2 yaw=90", {"rover": {"x": 1.0, "y": 2.0, "yaw": pi / 2}}),
     ("picker go to ready 50 %", {"picker": {"pose": "ready", "speed": 0.5}}),
@@ -131,7 +145,7 @@ SAID: list[tuple[str, dict[str, dict[str, Any]]]] = [
     ("picker grip 20 N", {"picker": {"force": 20.0}}),
     ("picker open", {"picker": {}}),
     ("talker say good morning", {"talker": {"text": "good morning"}}),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("said", "meant"), SAID, ids=[said for said, _ in SAID])

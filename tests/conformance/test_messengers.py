@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.testing.faulty.messengers import FETCHING_SINNERS, FaultyMessenger, catches, rules
 from rosic.testing.faulty.messengers import SINNERS as OTHER_SINNERS
-from rosic.testing.faulty.messengers import FaultyMessenger, catches, rules
-from rosic.testing.faulty.wicked_fetchers import FETCHING_SINNERS
 from rosic.testing.messengers import MessengerConformance
 from tests.conformance.messenger_stages import MemoryStage, TelegramStage, telegram_stage
 

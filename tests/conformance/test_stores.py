@@ -15,8 +15,7 @@ from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore
 from rosic.stores.stop_latch import FileLatch, MemoryLatch
 from rosic.testing.clock import ManualClock
-from rosic.testing.faulty.stores import SINNERS
-from rosic.testing.faulty.wicked import WickedPremises
+from rosic.testing.faulty.stores import SINNERS, WickedPremises
 from rosic.testing.stop_latches import LATCH_SINNERS, LatchConformance, WickedLatchPremises
 from rosic.testing.stores import StoreConformance
 

@@ -49,10 +49,14 @@ class Chronicle:
     async def hear(self, text: str, message: str, author: Author = BO, **how: object) -> int:
         await self.clock.advance(1)
         inbound = Inbound(
-            sender=Address("memory", author.name or "99"), chat=GROUP, message=message, text=text,
-            sent_ns=self.clock.wall_ns(), received_ns=self.clock.wall_ns(),
+            sender=Address("memory", author.name or "99"),
+            chat=GROUP,
+            message=message,
+            text=text,
+            sent_ns=self.clock.wall_ns(),
+            received_ns=self.clock.wall_ns(),
             listening_since_ns=self.since_ns,
-        )  # fmt: skip
+        )
         inbound = msgspec.structs.replace(inbound, **how)
         return len(self.keep(self.archive.hear(inbound, author)))
 
@@ -197,8 +201,10 @@ async def test_a_restart_is_a_gap_and_a_time_switched_off_is_none() -> None:
     book.since_ns = book.clock.wall_ns()
     await book.hear("kept", "4")
     assert [row.text for row in rows(book.disk.values()) if row.way != "gap"] == [
-        "before", "after", "kept",
-    ]  # fmt: skip
+        "before",
+        "after",
+        "kept",
+    ]
     assert [row.way for row in rows(book.disk.values())] == ["in", "gap", "in", "in"]
 
 
@@ -222,8 +228,9 @@ async def test_the_oldest_make_way_and_the_export_says_so() -> None:
     for n in range(5):
         await book.hear(f"message {n}", str(n))
     assert book.lines() == [
-        "(2 older entries are no longer kept)", *(said("Bo", f"message {n}") for n in (2, 3, 4)),
-    ]  # fmt: skip
+        "(2 older entries are no longer kept)",
+        *(said("Bo", f"message {n}") for n in (2, 3, 4)),
+    ]
     small = Chronicle(ArchiveQuota(most_bytes=400))
     for n in range(50):
         await small.hear("x" * 50, str(n))

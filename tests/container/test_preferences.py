@@ -57,8 +57,10 @@ def test_a_language_that_is_not_spoken_is_refused_with_those_that_are() -> None:
     assert sentence(book, "set_language", "") == "I speak English or Deutsch."
 
 
-@pytest.mark.parametrize(("said", "units"), [("Imperial", "imperial"), ("feet", "imperial"),
-                                            ("si", "metric"), ("metres", "metric")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("said", "units"),
+    [("Imperial", "imperial"), ("feet", "imperial"), ("si", "metric"), ("metres", "metric")],
+)
 def test_units(said: str, units: str) -> None:
     book = a_book()
     make_so(book, book.set_units(ADA, said))
@@ -149,8 +151,10 @@ def test_a_speed_limits_whatever_is_one_however_it_is_called_and_both_ways() -> 
     }
     slow = Caps(skills, convert).slowest()
     assert slow == (
-        "omni:go linear <= 0.08 m/s", "omni:go lateral <= 0.08 m/s", "omni:go angular <= 9 deg/s",
-    )  # fmt: skip
+        "omni:go linear <= 0.08 m/s",
+        "omni:go lateral <= 0.08 m/s",
+        "omni:go angular <= 9 deg/s",
+    )
 
 
 def test_zones_are_asked_of_whoever_knows_them() -> None:

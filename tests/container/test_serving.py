@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from rosic.container.unit import CHATS_AT_MOST, PersonContainer
+from rosic.container.container import CHATS_AT_MOST, PersonContainer
 from rosic.core.message import Chat, ChatKind
 from tests.gateway.place import Place
 

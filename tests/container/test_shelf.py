@@ -101,10 +101,13 @@ def test_a_robot_s_shelf_is_read_by_whoever_sees_it_and_filled_by_whoever_has_it
         (" ", "v", "What is kept needs a name."),
         ("n", "\u200b ", "There is nothing to keep. Write a name and a value."),
         ("n" * 65, "v", "A name can have at most 64 characters. Nothing was kept."),
-        ("n", "v" * (LONGEST_VALUE + 1),
-         "A value can have at most 1000 characters. Nothing was kept."),
+        (
+            "n",
+            "v" * (LONGEST_VALUE + 1),
+            "A value can have at most 1000 characters. Nothing was kept.",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_be_kept(name: str, value: str, sentence: str) -> None:
     assert Rack().refused(ADA, ADA, name, value) == sentence
 

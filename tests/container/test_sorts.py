@@ -70,18 +70,37 @@ def test_the_content_decides_not_the_name(kind: str, name: str) -> None:
 
 @pytest.mark.parametrize(
     ("name", "kind"),
-    [("a.yaml", "yaml"), ("a.YML", "yaml"), ("a.json", "json"), ("a.csv", "csv"), ("a.txt", "text"),
-     ("page.html", "text"), ("run.sh", "text"), ("", "text"), ("a." + "y" * 40, "text")],
-)  # fmt: skip
+    [
+        ("a.yaml", "yaml"),
+        ("a.YML", "yaml"),
+        ("a.json", "json"),
+        ("a.csv", "csv"),
+        ("a.txt", "text"),
+        ("page.html", "text"),
+        ("run.sh", "text"),
+        ("", "text"),
+        ("a." + "y" * 40, "text"),
+    ],
+)
 def test_a_text_is_what_its_ending_says_if_that_is_harmless(name: str, kind: str) -> None:
     assert sort_of("hall: 2 µm\n".encode(), name) == kind
 
 
 @pytest.mark.parametrize(
     "content",
-    [b"", b"\x7fELF\x02\x01", b"MZ\x90\0", b"a\0b", b"text\xff\xfe", b"\xe2\x82",
-     b"ok" * 400 + b"\x1b[2J", b"x" * 2_000 + b"\0", b"\x89PN", b"\xfe\xff\0a"],
-)  # fmt: skip
+    [
+        b"",
+        b"\x7fELF\x02\x01",
+        b"MZ\x90\0",
+        b"a\0b",
+        b"text\xff\xfe",
+        b"\xe2\x82",
+        b"ok" * 400 + b"\x1b[2J",
+        b"x" * 2_000 + b"\0",
+        b"\x89PN",
+        b"\xfe\xff\0a",
+    ],
+)
 def test_what_is_nothing_known_is_not_taken(content: bytes) -> None:
     assert sort_of(content, "notes.txt") == ""
 

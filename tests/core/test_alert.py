@@ -148,8 +148,12 @@ def feed(watch: AlertWatch, *looks: tuple[int, AlertReading]) -> list[AlertEvent
 def test_a_single_good_look_begins_the_waiting_anew() -> None:
     watch = AlertWatch(AlertTimes(5 * S))
     assert feed(watch, (0, BAD), (4, GOOD), (5, BAD), (9, BAD), (10, BAD)) == [
-        None, None, None, None, AlertEvent.RAISED,
-    ]  # fmt: skip
+        None,
+        None,
+        None,
+        None,
+        AlertEvent.RAISED,
+    ]
 
 
 @pytest.mark.parametrize("gap", [BETWEEN, MISSING])
@@ -157,8 +161,12 @@ def test_what_is_neither_bad_nor_good_ends_no_alarm_and_begins_none(gap: AlertRe
     watch = AlertWatch(AlertTimes(5 * S))
     assert not any(feed(watch, (0, BAD), (3, gap), (6, BAD), (9, gap)))
     assert feed(watch, (10, BAD), (15, BAD), (16, gap), (17, BAD), (18, GOOD)) == [
-        None, AlertEvent.RAISED, None, None, AlertEvent.CLEARED,
-    ]  # fmt: skip
+        None,
+        AlertEvent.RAISED,
+        None,
+        None,
+        AlertEvent.CLEARED,
+    ]
 
 
 def test_it_goes_on_being_told_a_bounded_number_of_times() -> None:

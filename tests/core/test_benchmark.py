@@ -18,9 +18,11 @@ from rosic.core.robot.benchmark import (
 from rosic.core.robot.view import Pose
 
 MOVE = Benchmark(
-    duration_s=2.0, per_s={"distance": 4.0}, energy=1.0,
+    duration_s=2.0,
+    per_s={"distance": 4.0},
+    energy=1.0,
     errors={"distance": ErrorBound(measured="distance_m", wanted="$distance", within=0.05)},
-)  # fmt: skip
+)
 
 
 def judged(
@@ -28,9 +30,12 @@ def judged(
 ) -> list[tuple[BenchmarkKind, float]]:
     given = BenchmarkMeasurement(**({"took_s": 5.0} | measured))  # type: ignore[arg-type]
     found = judge(
-        benchmark, {"distance": 1.0}, given,
-        {"distance": 1.0} if wanted is None else wanted, "%",
-    )  # fmt: skip
+        benchmark,
+        {"distance": 1.0},
+        given,
+        {"distance": 1.0} if wanted is None else wanted,
+        "%",
+    )
     return [(one.kind, round(one.found, 6)) for one in found]
 
 
@@ -43,8 +48,10 @@ def test_each_bound_is_judged_by_itself() -> None:
     assert judged(used=1.2) == [(BenchmarkKind.ENERGY, 1.2)]
     assert judged(facts={"distance_m": 0.8}) == [(BenchmarkKind.ERROR, 0.2)]
     assert judged(took_s=10.0, used=2.0, facts={"distance_m": 2.0}) == [
-        (BenchmarkKind.LATE, 10.0), (BenchmarkKind.ENERGY, 2.0), (BenchmarkKind.ERROR, 1.0),
-    ]  # fmt: skip
+        (BenchmarkKind.LATE, 10.0),
+        (BenchmarkKind.ENERGY, 2.0),
+        (BenchmarkKind.ERROR, 1.0),
+    ]
 
 
 def test_what_was_not_measured_is_not_judged() -> None:

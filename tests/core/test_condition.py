@@ -68,9 +68,12 @@ def test_words_and_what_the_link_says() -> None:
     assert read("link_age > 5 s") is GOOD
     gone = Presence(online=False, age_s=9.0, values={"battery": 5.0})
     for when, reading in (
-        ("offline", BAD), ("silent", BAD), ("battery silent", BAD), ("link_age > 5 s", BAD),
+        ("offline", BAD),
+        ("silent", BAD),
+        ("battery silent", BAD),
+        ("link_age > 5 s", BAD),
         ("battery < 20 %", MISSING),
-    ):  # fmt: skip
+    ):
         assert compile_condition(when, "", NAMES).reading(gone) is reading, when
     assert compile_condition("offline", "", NAMES).reading(Presence()) is MISSING
 
@@ -88,8 +91,12 @@ def test_what_is_no_number_says_nothing_but_that_it_is_silent(value: float) -> N
     st.floats(-1e3, 1e3).filter(lambda limit: abs(limit) > 1e-3),
 )
 def test_what_is_bad_is_never_good(value: float, sign: str, limit: float) -> None:
-    compare = {"<": value < round(limit, 6), "<=": value <= round(limit, 6),
-               ">": value > round(limit, 6), ">=": value >= round(limit, 6)}[sign]  # fmt: skip
+    compare = {
+        "<": value < round(limit, 6),
+        "<=": value <= round(limit, 6),
+        ">": value > round(limit, 6),
+        ">=": value >= round(limit, 6),
+    }[sign]
     found = read(f"x {sign} {limit:.6f} m", x=value)
     assert (found is BAD) == compare
 

@@ -6,7 +6,7 @@ import pytest
 
 from rosic.app.access import AccessFeature, authoriser_of
 from rosic.app.policy import PolicyService
-from rosic.authoriser.invitation import InvitedRights
+from rosic.authoriser.invitations import InvitedRights
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.profiles import known_units
 from rosic.core.deferred import Deferred

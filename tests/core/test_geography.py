@@ -27,9 +27,14 @@ def test_lengths_are_those_of_the_ellipsoid(latitude: int) -> None:
 
 @pytest.mark.parametrize(
     ("heading", "ahead"),
-    [(0, (0.001, 0.0)), (90, (0.0, 0.001)), (180, (-0.001, 0.0)), (270, (0.0, -0.001)),
-     (-90, (0.0, -0.001))],
-)  # fmt: skip
+    [
+        (0, (0.001, 0.0)),
+        (90, (0.0, 0.001)),
+        (180, (-0.001, 0.0)),
+        (270, (0.0, -0.001)),
+        (-90, (0.0, -0.001)),
+    ],
+)
 def test_x_points_along_the_heading_and_y_to_its_left(
     heading: float, ahead: tuple[float, float]
 ) -> None:

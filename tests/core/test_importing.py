@@ -28,6 +28,10 @@ print("all")
 def test_every_module_of_the_core_can_be_imported_first() -> None:
     done = subprocess.run(  # noqa: S603 - our own interpreter
         [sys.executable, "-c", EACH_FIRST, str(SOURCE)],
-        capture_output=True, text=True, check=True, timeout=150, env=environment(),
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=150,
+        env=environment(),
+    )
     assert done.stdout == "all\n"

@@ -47,9 +47,13 @@ def test_a_joint_that_would_go_too_far_is_named(goal: tuple[float, ...]) -> None
 
 
 @pytest.mark.parametrize(
-    "limits", [{"min": 1, "max": 1, "speed": 1}, {"min": 0, "max": 1, "speed": 0},
-               {"min": 0, "max": float("inf"), "speed": 1}],
-)  # fmt: skip
+    "limits",
+    [
+        {"min": 1, "max": 1, "speed": 1},
+        {"min": 0, "max": 1, "speed": 0},
+        {"min": 0, "max": float("inf"), "speed": 1},
+    ],
+)
 def test_limits_that_are_none_are_refused(limits: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="must be"):
         JointLimit(**limits)

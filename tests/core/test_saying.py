@@ -40,9 +40,12 @@ def test_it_is_said_in_another_language_in_that_languages_order() -> None:
 
 @pytest.mark.parametrize(
     ("n", "english", "german"),
-    [(0, "0 messages", "0 Nachrichten"), (1, "one message", "eine Nachricht"),
-     (2, "2 messages", "2 Nachrichten")],
-)  # fmt: skip
+    [
+        (0, "0 messages", "0 Nachrichten"),
+        (1, "one message", "eine Nachricht"),
+        (2, "2 messages", "2 Nachrichten"),
+    ],
+)
 def test_a_number_chooses_the_form(n: int, english: str, german: str) -> None:
     sentence = said_n("one message", "{n} messages", n)
     assert (sentence, in_language(sentence, German())) == (english, german)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.core.policy.authority import Scope
+from rosic.core.policy.scope import Scope
 
 
 @pytest.mark.parametrize(

@@ -153,9 +153,14 @@ class World:
     # ---- people speak ----
 
     def say(
-        self, who: str, text: str, *, group: bool, age_s: float = 0.0,
+        self,
+        who: str,
+        text: str,
+        *,
+        group: bool,
+        age_s: float = 0.0,
         standing: Standing = Standing.FRESH,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Say something for the first time."""
         account = ACCOUNTS[who]
         chat = Chat("memory", "g", ChatKind.GROUP) if group else Chat("memory", account)

@@ -16,7 +16,7 @@ from rosic.core.robot.profile import Busy, Link, Profile
 from rosic.core.robot.skill import Parameter, Skill, SkillClass
 from rosic.errors import StoreFault
 from rosic.messengers.memory import MemoryMessenger
-from rosic.organiser.planning.assigning import load
+from rosic.organiser.planning.solver import load
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.memory import MemoryStore
 from rosic.stores.stop_latch import MemoryLatch

@@ -118,7 +118,12 @@ def snapshot(gateway: Gateway) -> tuple[object, ...]:
     """Return everything that knows robots."""
     rooms = gateway.rooms
     return (
-        dict(gateway.robots), dict(rooms.profiles), tuple(rooms.board), rooms.vocabulary.names,
-        gateway.authority.rights.epoch, dict(gateway.alarms.alerting.following),
-        dict(gateway.among.inboxes), tuple(gateway._opened),
-    )  # fmt: skip
+        dict(gateway.robots),
+        dict(rooms.profiles),
+        tuple(rooms.board),
+        rooms.vocabulary.names,
+        gateway.authority.rights.epoch,
+        dict(gateway.alarms.alerting.following),
+        dict(gateway.among.inboxes),
+        tuple(gateway._opened),
+    )

@@ -47,8 +47,9 @@ async def test_what_is_wrong_or_there_already_changes_nothing(
 async def test_a_second_namespace_or_id_is_refused_in_one_sentence() -> None:
     async with Place().open() as place:
         await add(place)
-        said = await refused(add(place, draft(**{"id: rover": "id: other", "Rover 3": "Other",
-                                                 "[buggy]": "[]"})))  # fmt: skip
+        said = await refused(
+            add(place, draft(**{"id: rover": "id: other", "Rover 3": "Other", "[buggy]": "[]"}))
+        )
         assert said == "Rover 3 is reached under /rover already. Nothing was changed."
         assert (await refused(add(place))).startswith("A robot is called rover here already.")
         await place.say("/robot retire rover")

@@ -190,13 +190,18 @@ CHANGES: dict[str, tuple[Callable[[Place, str], Awaitable[None]], tuple[str, ...
     "chosen": (chooses, ("cf1", "kuka1", "swarm", "nothing")),
     "set": (
         sets,
-        ("/settings units imperial", "/language de", "/settings robot cf1", "cf1 wave",
-         "/settings speed 0.2 m/s"),
+        (
+            "/settings units imperial",
+            "/language de",
+            "/settings robot cf1",
+            "cf1 wave",
+            "/settings speed 0.2 m/s",
+        ),
     ),
     "given": (is_given, ("junior", "admin", "viewer")),
     "locked": (is_locked, ("",)),
     "robots": (is_other, ("feet", "backwards", "renamed", "swapped", "regrouped", "retired")),
-}  # fmt: skip
+}
 CHANGE = st.sampled_from([(what, how) for what, (_, hows) in CHANGES.items() for how in hows])
 QUESTIONS = ("move 1", "omni move 1 m", "swarm move 1", "/together swarm move 1")
 

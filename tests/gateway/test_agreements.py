@@ -101,9 +101,15 @@ async def test_several_lines_are_bound_together_as_they_were_said() -> None:
         await at.choose("omni")
         both = at.bound("omni move 1 m\ncf1 move 1 m", "Both")
         assert both.command == "omni move 1 m\ncf1 move 1 m"
-        acts = {both.act, at.bound("omni move 1 m").act, at.bound("cf1 move 1 m").act,
-                at.bound("cf1 move 1 m\nomni move 1 m").act, at.bound("swarm move 1 m").act,
-                at.bound("omni move 2 m").act, at.bound("omni wave").act}  # fmt: skip
+        acts = {
+            both.act,
+            at.bound("omni move 1 m").act,
+            at.bound("cf1 move 1 m").act,
+            at.bound("cf1 move 1 m\nomni move 1 m").act,
+            at.bound("swarm move 1 m").act,
+            at.bound("omni move 2 m").act,
+            at.bound("omni wave").act,
+        }
         assert len(acts) == 7
 
 
@@ -186,21 +192,29 @@ async def test_an_act_is_shown_with_its_robots_and_every_value() -> None:
         assert group.command == "swarm move 1 m"
         assert group.shown == "swarm (cf1, cf2): move, 1.00 m forward"
         assert [(part.robot, part.skill, part.arguments["distance"]) for part in group.parts] == [
-            ("cf1", "move", 1.0), ("cf2", "move", 1.0),
-        ]  # fmt: skip
+            ("cf1", "move", 1.0),
+            ("cf2", "move", 1.0),
+        ]
         with pytest.raises(Expired, match=r"it would be omni, cf1: move, 1\.00 m forward\."):
             at.agreements.check(at.caller, at.lines("omni move 1 m\ncf1 move 1 m"), b"")
 
 
 async def test_members_of_a_group_that_do_different_things_are_shown_one_by_one() -> None:
     far = profile("far", groups=("both",))
-    move = replace(far.skills["move"], parameters={
-        **far.skills["move"].parameters,
-        "distance": replace(far.skills["move"].parameters["distance"], default=3.0),
-    })  # fmt: skip
-    near = replace(move, parameters={
-        **move.parameters, "distance": replace(move.parameters["distance"], default=0.5),
-    })  # fmt: skip
+    move = replace(
+        far.skills["move"],
+        parameters={
+            **far.skills["move"].parameters,
+            "distance": replace(far.skills["move"].parameters["distance"], default=3.0),
+        },
+    )
+    near = replace(
+        move,
+        parameters={
+            **move.parameters,
+            "distance": replace(move.parameters["distance"], default=0.5),
+        },
+    )
     fleet = (
         replace(far, skills={**far.skills, "move": move}),
         replace(profile("near", groups=("both",)), skills={**far.skills, "move": near}),
@@ -217,8 +231,10 @@ async def test_a_group_of_one_is_shown_as_that_robot() -> None:
 
 
 async def test_of_many_robots_only_so_many_are_named() -> None:
-    fleet = tuple(profile(f"r{number:02}", groups=("all51", "fifty")[: 1 + (number < 50)])
-                  for number in range(51))  # fmt: skip
+    fleet = tuple(
+        profile(f"r{number:02}", groups=("all51", "fifty")[: 1 + (number < 50)])
+        for number in range(51)
+    )
     async with table(fleet) as at:
         many = at.agreements.of(at.line("all51 move 1 m"), at.caller).shown
         assert many.endswith("r48, r49, ...): move, 1.00 m forward")

@@ -73,9 +73,11 @@ def test_a_row_holds_what_a_phone_can_show() -> None:
     said = ["Home", "Grasp", "Release", "Wave", "Move in a straight line", "Turn on the spot", "A"]
     laid = rows([Button(label, label) for label in said])
     assert [[button.label for button in row] for row in laid] == [
-        ["Home", "Grasp", "Release"], ["Wave"], ["Move in a straight line"],
+        ["Home", "Grasp", "Release"],
+        ["Wave"],
+        ["Move in a straight line"],
         ["Turn on the spot", "A"],
-    ]  # fmt: skip
+    ]
 
 
 async def test_a_button_works_once() -> None:

@@ -39,7 +39,7 @@ async def _at_work(place: Place) -> None:
 @pytest.mark.parametrize(
     "word",
     ["cancel", "Cancel!", "/cancel", "abort", "cancle", "abbrechen", "取消", "отмена"],
-)  # fmt: skip
+)
 async def test_it_ends_what_its_author_has_under_way_and_nobody_elses(word: str) -> None:
     async with Place().open() as place:
         await _at_work(place)

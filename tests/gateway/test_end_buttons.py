@@ -291,10 +291,18 @@ def test_what_gives_a_task_anew_says_all_that_was_asked_of_it() -> None:
     line = "omni move 1 m then wave priority 3 battery 30 localised once within 300 s"
     wish = read_wish(line, 0, zone_named("UTC"))
     task = Task(
-        id="1", author=ADA, among=("omni",), wanted="omni", steps=2, skills=("move", "wave"),
-        priority=wish.priority, given_ns=0, expected_ns=int(wish.expected_s * 1e9),
-        once=wish.once, need=TaskNeed(wish.battery, wish.localised),
-    )  # fmt: skip
+        id="1",
+        author=ADA,
+        among=("omni",),
+        wanted="omni",
+        steps=2,
+        skills=("move", "wave"),
+        priority=wish.priority,
+        given_ns=0,
+        expected_ns=int(wish.expected_s * 1e9),
+        once=wish.once,
+        need=TaskNeed(wish.battery, wish.localised),
+    )
     assert given_again(task, wish.lines(1)) == f"/task {line}"
     anew = given_again(replace(task, wanted=""), ("wave",))
     anybody = read_wish(anew.removeprefix("/task "), 0, zone_named("UTC"))

@@ -20,8 +20,8 @@ from rosic.core.language import (
     understand,
 )
 from rosic.core.language.cancelling import hears_cancel
-from rosic.core.language.help_words import EXPLAINED, PAGE_OF
 from rosic.core.language.keywords import ALIASES, ERRANDS, HELP_PAGES, PAGE_ALIASES, VERBS
+from rosic.core.language.line_parser import EXPLAINED, PAGE_OF
 from rosic.core.messages import button_label
 from rosic.core.policy.roles import DEFAULT_ROLES
 from rosic.core.role_names import TYPED as TYPED_ROLES
@@ -210,15 +210,18 @@ def test_help_about_another_command_is_its_page(name: str) -> None:
     ("offer", "german", "in_feet"),
     [
         ("omni move 5 m", "omni fahre 5 m", "omni move 16.4 ft"),
-        ("omni move distance=1 m speed=0.2 m/s", "omni fahre Strecke=1 m Tempo=0,2 m/s",
-         "omni move distance=3.28 ft speed=0.66 ft/s"),
+        (
+            "omni move distance=1 m speed=0.2 m/s",
+            "omni fahre Strecke=1 m Tempo=0,2 m/s",
+            "omni move distance=3.28 ft speed=0.66 ft/s",
+        ),
         ("omni move left", "omni fahre links", "omni move left"),
         ("help omni", "hilfe omni", "help omni"),
         ("/settings units metric", "/einstellungen einheiten metrisch", "/settings units metric"),
         ("/task omni move 1 m", "/aufgabe omni fahre 1 m", "/task omni move 3.28 ft"),
         ("omni   MOVE left", "omni   MOVE left", "omni   MOVE left"),
     ],
-)  # fmt: skip
+)
 def test_an_offer_reads_as_its_reader_would_type_it(offer: str, german: str, in_feet: str) -> None:
     label = label_of(offer, SHIPPED)
     assert (label, in_language(label, GERMAN)) == (offer, german)

@@ -35,11 +35,14 @@ _IN_PROFILES = frozenset(
     for profile in FLEET
     for skill in profile.skills.values()
     for text in (
-        skill.id, skill.title, *skill.parameters, *profile.telemetry,
+        skill.id,
+        skill.title,
+        *skill.parameters,
+        *profile.telemetry,
         *(choice for p in skill.parameters.values() for choice in p.choices or ()),
     )
     for word in _WORD.findall(text.replace("_", " "))
-) - frozenset(["arm", "formation", "in"])  # fmt: skip
+) - frozenset(["arm", "formation", "in"])
 
 # Who says what; [ taps the button of that label, + lets seconds pass.
 SCRIPT = """
@@ -218,8 +221,11 @@ def unsaid_in(outbound: Outbound, words: frozenset[str]) -> list[str]:
         if button.label.strip("/") != button.command.lstrip("/?!")
     ]
     found = [word for text in (outbound.text, *labels) for word in read_of(text) & words]
-    points = [p for text in (outbound.text, *labels)
-              for p in re.findall(r"\d\.\d+ ?[a-zA-Z%°]+", _TYPED.sub(" ", text))]  # fmt: skip
+    points = [
+        p
+        for text in (outbound.text, *labels)
+        for p in re.findall(r"\d\.\d+ ?[a-zA-Z%°]+", _TYPED.sub(" ", text))
+    ]
     return [*found, *points]
 
 

@@ -30,9 +30,14 @@ TWO = (located(FLEET[0]), located(FLEET[1]), *FLEET[2:])
 
 
 async def send(
-    place: Place, spot: Spot = NORTH, *, account: str = ADA, kind: ChatKind = ChatKind.PRIVATE,
-    standing: Standing = Standing.FRESH, answers: str = "",
-) -> str:  # fmt: skip
+    place: Place,
+    spot: Spot = NORTH,
+    *,
+    account: str = ADA,
+    kind: ChatKind = ChatKind.PRIVATE,
+    standing: Standing = Standing.FRESH,
+    answers: str = "",
+) -> str:
     before = len(place.chat.told)
     chat = Chat("memory", account if kind is ChatKind.PRIVATE else "g", kind)
     inbound = place.chat._inbound(account, chat, None, None)

@@ -31,13 +31,21 @@ THEMES = (
     ("omni wave", "kuka1 wave", "omni wave\nkuka1 wave", "arm wave", "status"),
 )
 RESUMES = (
-    ("resume", "resume omni"), ("resume kuka1",), ("resume arm",), ("resume", "resume omni swarm"),
-    ("resume swarm", "resume cf1", "resume cf2"), ("resume omni kuka1 arm", "resume omni kuka1"),
-)  # fmt: skip
+    ("resume", "resume omni"),
+    ("resume kuka1",),
+    ("resume arm",),
+    ("resume", "resume omni swarm"),
+    ("resume swarm", "resume cf1", "resume cf2"),
+    ("resume omni kuka1 arm", "resume omni kuka1"),
+)
 STOPS = (
-    ("stop omni",), ("stop kuka1",), ("stop arm",), ("stop omni", "stop swarm"),
-    ("stop swarm", "stop cf2", "stop"), ("stop omni", "stop kuka1", "stop kuka1"),
-)  # fmt: skip
+    ("stop omni",),
+    ("stop kuka1",),
+    ("stop arm",),
+    ("stop omni", "stop swarm"),
+    ("stop swarm", "stop cf2", "stop"),
+    ("stop omni", "stop kuka1", "stop kuka1"),
+)
 FOCUS = (("omni",), ("kuka1",), ("arm",), ("omni", "cf1"), ("cf1", "cf2"), ("omni", "kuka1"))
 SPEAKERS = ("Ada",) * 8 + ("Bo",) * 3 + ("Vi", "stranger")
 
@@ -51,9 +59,15 @@ TIMES_S = (0.001, 0.01, 0.3, 0.6, 1.0, 1.0, 1.0, 1.0, 4.0, 6.0, 31.0)
 # After each step the event loop turns this often; the rest of it waits for the next step.
 PAUSES = (0, 1, 2, 3, 5, 40, 40, 40, 40)
 USUAL = (
-    ("command",) * 14 + ("resume",) * 6 + ("stop",) * 2 + ("again",) * 4 + ("tap",) * 2
-    + ("time",) * 9 + ("work",) * 3 + ("rest", "inert")
-)  # fmt: skip
+    ("command",) * 14
+    + ("resume",) * 6
+    + ("stop",) * 2
+    + ("again",) * 4
+    + ("tap",) * 2
+    + ("time",) * 9
+    + ("work",) * 3
+    + ("rest", "inert")
+)
 FAULTS = ("disk",) * 5 + ("mode",) * 2 + ("restart", "crash")
 DISKS = ("break", "mend", "mend", "slow", "slow", "ready", "ready", "ready")
 MODES = (Mode.WELL,) * 4 + tuple(Mode)
@@ -194,10 +208,19 @@ async def crash(world: World, written: bool) -> None:
 
 
 STEPS: dict[str, Callable[..., Awaitable[None]]] = {
-    "say": say, "inert": inert_say, "again": say_again, "tap": tap, "time": time_goes,
-    "work": works, "rest": rests, "revoke": revoke, "disk": disk, "mode": mode,
-    "restart": restart, "crash": crash,
-}  # fmt: skip
+    "say": say,
+    "inert": inert_say,
+    "again": say_again,
+    "tap": tap,
+    "time": time_goes,
+    "work": works,
+    "rest": rests,
+    "revoke": revoke,
+    "disk": disk,
+    "mode": mode,
+    "restart": restart,
+    "crash": crash,
+}
 
 quiet = [HealthCheck.too_slow]
 without_explaining = [phase for phase in settings().phases if phase is not Phase.explain]

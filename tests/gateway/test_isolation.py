@@ -18,16 +18,43 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 PRIVATE = (
-    "/settings units imperial", "/settings units metric", "/settings robot omni",
-    "/settings robot kuka1", "/settings speed 0.2 m/s", "/settings zone Asia/Tokyo",
-    "/data plan = theirs", "/data note = also theirs", "use kuka1", "use swarm", "use omni",
-    "/mydata", "/archive on", "status", "/me",
-)  # fmt: skip
+    "/settings units imperial",
+    "/settings units metric",
+    "/settings robot omni",
+    "/settings robot kuka1",
+    "/settings speed 0.2 m/s",
+    "/settings zone Asia/Tokyo",
+    "/data plan = theirs",
+    "/data note = also theirs",
+    "use kuka1",
+    "use swarm",
+    "use omni",
+    "/mydata",
+    "/archive on",
+    "status",
+    "/me",
+)
 BOS = (
-    "/settings", "/data plan = mine", "omni move 50 cm", "move 0.5 m back", "wave", "/data",
-    "/data plan", "use cf1", "wave", "omni look", "/mydata", "/slots omni", "robots", "status",
-    "/settings units imperial", "omni move 2 ft", "/settings", "kuka1 wave", "swarm wave",
-)  # fmt: skip
+    "/settings",
+    "/data plan = mine",
+    "omni move 50 cm",
+    "move 0.5 m back",
+    "wave",
+    "/data",
+    "/data plan",
+    "use cf1",
+    "wave",
+    "omni look",
+    "/mydata",
+    "/slots omni",
+    "robots",
+    "status",
+    "/settings units imperial",
+    "omni move 2 ft",
+    "/settings",
+    "kuka1 wave",
+    "swarm wave",
+)
 
 
 class Seen(NamedTuple):

@@ -142,9 +142,14 @@ async def test_lengths_are_read_in_the_units_somebody_chose() -> None:
 
 def a_message(locale: str) -> Inbound:
     return Inbound(
-        sender=Address("memory", "9"), chat=Chat("memory", "9"), message="1", text="x",
-        sent_ns=0, received_ns=0, locale=locale,
-    )  # fmt: skip
+        sender=Address("memory", "9"),
+        chat=Chat("memory", "9"),
+        message="1",
+        text="x",
+        sent_ns=0,
+        received_ns=0,
+        locale=locale,
+    )
 
 
 def test_only_languages_that_there_are_are_ever_loaded() -> None:

@@ -43,9 +43,11 @@ async def lab(
     settings = place.gateway._settings
     people = tuple(replace(p, roles=(of or {}).get(p.name, p.roles)) for p in settings.people)
     place.gateway._settings = replace(
-        settings, people=people, robot_limits=dict(robots or {}),
+        settings,
+        people=people,
+        robot_limits=dict(robots or {}),
         rulebook=RoleRules(roles={**DEFAULT_ROLES, **(roles or {})}),
-    )  # fmt: skip
+    )
     async with place.open():
         yield place
 

@@ -18,7 +18,7 @@ from rosic.features.dashboard.rendering import ROBOTS_AT_MOST
 from rosic.features.fleet.monitor import at_once
 from rosic.gateway.replies import OFFERED_AT_MOST
 from rosic.gateway.scheduling import AT_ONCE, go_round
-from rosic.messengers.telegram.text import MESSAGE_UNITS
+from rosic.messengers.telegram.formatting import MESSAGE_UNITS
 from rosic.robots.memory import MemoryRobot
 from rosic.testing.clock import ManualClock, settle
 from tests.gateway.place import MOVE, WAVE, Place

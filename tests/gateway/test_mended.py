@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.api import Ask, Verb
 from rosic.app.admin.control_client import ask_gateway
 from rosic.app.admin.control_socket import ControlServer
 from rosic.app.admin.dispatch import AdminDispatcher

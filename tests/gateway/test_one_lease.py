@@ -65,9 +65,13 @@ class Rush:
         self.serial += 1
         now_ns = self.place.clock.wall_ns()
         inbound = Inbound(
-            sender=Address("memory", str(account)), chat=Chat("memory", str(account)),
-            message=str(self.serial), text="omni wave", sent_ns=now_ns, received_ns=now_ns,
-        )  # fmt: skip
+            sender=Address("memory", str(account)),
+            chat=Chat("memory", str(account)),
+            message=str(self.serial),
+            text="omni wave",
+            sent_ns=now_ns,
+            received_ns=now_ns,
+        )
         await self.place.gateway.pipeline.receive(self.place.chat, inbound)
 
     async def round(self) -> tuple[str, Counter[str]]:

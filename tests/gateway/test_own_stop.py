@@ -83,8 +83,11 @@ async def test_a_stop_of_everything_stays_though_ones_own_robot_is_among_it() ->
             "cf2 at rest (0.00 s).\nAda or Bo can resume omni, kuka1, cf1 and cf2."
         )
         assert _labels(place) == [
-            "Ask to resume omni", "Ask to resume kuka1", "Ask to resume cf1", "Ask to resume cf2"
-        ]  # fmt: skip
+            "Ask to resume omni",
+            "Ask to resume kuka1",
+            "Ask to resume cf1",
+            "Ask to resume cf2",
+        ]
         assert MAY_NOT in await place.say("resume omni", account=STU, chat=STU)
         assert "omni" in _latched(place)
 

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.admin.api import books_of
-from rosic.app.admin.asked import Ask, Verb
-from rosic.app.admin.operator_desk import AdminApi
+from rosic.app.admin.api import Ask, Verb, books_of
+from rosic.app.admin.dispatch import AdminApi
 from tests.gateway.place import ADA, BO, Place
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.authoriser.invitation import InvitationRequest, InvitedRights
+from rosic.authoriser.invitations import InvitationRequest, InvitedRights
 from tests.gateway.place import Place
 from tests.gateway.test_one_lease import UnevenStore
 

@@ -85,10 +85,14 @@ async def test_the_operator_hears_it_as_well() -> None:
         asked = _begun_by(place)
         with pytest.raises(Refusal) as why:
             await AdminDispatcher(place.gateway).resume(("cf1", "cf2", "omni"))
-        assert str(why.value) == why.value.sentence == (
-            "cf1 is ready again.\ncf1 begins task 7.\ncf2 stays stopped: it did not answer.\n"
-            "Still stopped: omni."
-        )  # fmt: skip
+        assert (
+            str(why.value)
+            == why.value.sentence
+            == (
+                "cf1 is ready again.\ncf1 begins task 7.\ncf2 stays stopped: it did not answer.\n"
+                "Still stopped: omni."
+            )
+        )
         assert asked == [("cf1",)]
 
 

@@ -297,16 +297,35 @@ def odd(place: Receiving) -> list[dict[str, Any]]:
         place.message(BO, "x", reply_to_message={"message_id": 1, "chat": chat, "from": deep}),
         place.message(BO, filled("", "@a"), chat=group),
         place.message(1087968824, filled("", "\U0001f6d1 x\n"), chat=group, sender_chat=group),
-        place.update(callback_query={"id": "1", "from": person, "data": long,
-                                     "message": {"message_id": 1, "chat": chat}}),
-        place.update(my_chat_member={"chat": group, "from": person, "old_chat_member": left,
-                                     "new_chat_member": member}),
-        place.update(message_reaction={"chat": group, "message_id": 1, "user": person,
-                                       "new_reaction": [{"emoji": str(n)} for n in range(5_000)]}),
+        place.update(
+            callback_query={
+                "id": "1",
+                "from": person,
+                "data": long,
+                "message": {"message_id": 1, "chat": chat},
+            }
+        ),
+        place.update(
+            my_chat_member={
+                "chat": group,
+                "from": person,
+                "old_chat_member": left,
+                "new_chat_member": member,
+            }
+        ),
+        place.update(
+            message_reaction={
+                "chat": group,
+                "message_id": 1,
+                "user": person,
+                "new_reaction": [{"emoji": str(n)} for n in range(5_000)],
+            }
+        ),
         place.update(message=deep),
-        place.update(channel_post={"message_id": 1, "date": 0, "chat": group,
-                                   "text": filled("", "\u505c\n")}),
-    ]  # fmt: skip
+        place.update(
+            channel_post={"message_id": 1, "date": 0, "chat": group, "text": filled("", "\u505c\n")}
+        ),
+    ]
 
 
 def json_deep(levels: int) -> object:

@@ -138,9 +138,12 @@ async def test_an_anonymous_stop_counts_for_the_people_of_that_chat() -> None:
     async with Place().open() as place:
         await place.say("status", chat="g", kind=ChatKind.GROUP)
         await place.say(
-            "stop", chat="g", kind=ChatKind.GROUP, account="1087968824",
+            "stop",
+            chat="g",
+            kind=ChatKind.GROUP,
+            account="1087968824",
             standing=Standing.ANONYMOUS,
-        )  # fmt: skip
+        )
         assert place.robot("omni").gate.latched
 
 

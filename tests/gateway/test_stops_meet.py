@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.api import Ask, Verb
 from rosic.app.admin.control_client import ask_gateway
 from rosic.app.admin.control_socket import ControlServer
 from rosic.app.admin.dispatch import AdminDispatcher
@@ -185,9 +185,12 @@ async def test_an_anonymous_stop_is_obeyed_after_a_restart_too() -> None:
         await place.say("use omni", chat="g", kind=ChatKind.GROUP)
     async with Place(store, latch).open() as place:
         await place.say(
-            "stop", chat="g", kind=ChatKind.GROUP, account="1087968824",
+            "stop",
+            chat="g",
+            kind=ChatKind.GROUP,
+            account="1087968824",
             standing=Standing.ANONYMOUS,
-        )  # fmt: skip
+        )
         assert place.robot("omni").gate.latched
 
 

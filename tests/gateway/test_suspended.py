@@ -26,7 +26,7 @@ from rosic.linker.linker import Linker
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.stop_latch import MemoryLatch
 from rosic.testing.clock import ManualClock
-from rosic.testing.orders import OrderBook
+from rosic.testing.factories import OrderBook
 from tests.gateway.held import LIVES_S
 from tests.gateway.place import FLEET, Place, WritingStore, profile
 from tests.pace import patience
@@ -134,9 +134,12 @@ async def _turns(number: int) -> None:
 
 
 async def _interrupted(
-    place: Place, say: Callable[[], object], names: tuple[str, ...], after: int,
+    place: Place,
+    say: Callable[[], object],
+    names: tuple[str, ...],
+    after: int,
     interrupt: Callable[[ManualClock], None],
-) -> tuple[int, int]:  # fmt: skip
+) -> tuple[int, int]:
     """Say something, let the machine sleep some turns later; return who acted before and in all."""
     robots = [place.robot(name) for name in names]
     assert all(isinstance(robot, Slow) for robot in robots)
@@ -182,9 +185,12 @@ async def test_wherever_a_tap_waits_nothing_moves_after_a_pause(
             await place.tap(*place.button("Wave"))
             button, under = place.button("Do it")
             before, in_all = await _interrupted(
-                place, partial(place.chat.tap, button, under=under),
-                ("omni",), after, interrupt,
-            )  # fmt: skip
+                place,
+                partial(place.chat.tap, button, under=under),
+                ("omni",),
+                after,
+                interrupt,
+            )
             assert before == in_all, f"it moved after the pause, {after} turns in"
             acted += in_all
     assert acted, "it never came after the robot had moved"
@@ -197,9 +203,12 @@ async def test_none_of_a_group_begins_after_a_pause(
     for after in range(TURNS):
         async with TogetherPlace(TakesTurns()).open() as place:
             before, in_all = await _interrupted(
-                place, partial(place.chat.say, "swarm wave"), ("cf1", "cf2"), after,
+                place,
+                partial(place.chat.say, "swarm wave"),
+                ("cf1", "cf2"),
+                after,
                 interrupt,
-            )  # fmt: skip
+            )
             assert before == in_all, f"it moved after the pause, {after} turns in"
 
 

@@ -121,8 +121,11 @@ async def test_what_may_stand_there_already_is_said_again_with_a_mark() -> None:
         while chat.waiting:
             chat.give()
             await place.quiet()
-        again = [m for m in {t.message for t in chat.told} if "may stand here twice" in
-                 chat.shown(m).text]  # fmt: skip
+        again = [
+            m
+            for m in {t.message for t in chat.told}
+            if "may stand here twice" in chat.shown(m).text
+        ]
         assert len(again) == 1
 
 

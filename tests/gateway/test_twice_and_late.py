@@ -15,7 +15,7 @@ from rosic.core.robot.skill import Parameter, Skill, TopicBinding
 from rosic.errors import StoreFault
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
-from rosic.testing.orders import OrderBook
+from rosic.testing.factories import OrderBook
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.robot import SimulatedRobot
 from tests.gateway.place import Place, SlowStore, WritingStore
@@ -173,9 +173,11 @@ async def test_a_drive_that_the_machine_breaks_off_was_not_refused() -> None:
         },
     )
     profile = Profile(
-        id="omni", link=Link(kind="simulated", model="omni"), watchdog_s=0.5,
+        id="omni",
+        link=Link(kind="simulated", model="omni"),
+        watchdog_s=0.5,
         skills={"drive": drive},
-    )  # fmt: skip
+    )
     robot = SimulatedRobot(profile, OrderGate.new("omni"), clock)
     await robot.open(lambda _said: None)
     machine = robot._machine

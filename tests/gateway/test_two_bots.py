@@ -175,9 +175,11 @@ async def test_in_a_small_group_every_other_line_second_or_person_is_another_com
     Counted.told.clear()
     now_s = int(time.time())
     lines = (
-        (ADA, "omni wave", now_s), (ADA, "omni wave", now_s - 1), (ADA, "omni look", now_s),
         (ADA, "omni wave", now_s),
-    )  # fmt: skip
+        (ADA, "omni wave", now_s - 1),
+        (ADA, "omni look", now_s),
+        (ADA, "omni wave", now_s),
+    )
     async with bots(MemoryStore()) as place:
         for said in (lines, [(BO, "omni wave", now_s)]):  # who comes after Ada has done with it
             for bot in (place.first, place.second):

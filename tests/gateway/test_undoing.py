@@ -6,7 +6,7 @@ from rosic.app.people import Seed
 from rosic.core.identity import Address, PrincipalId
 from rosic.core.message import Chat
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
-from rosic.gateway.earlier import SelectionHistory
+from rosic.gateway.builtin_commands import SelectionHistory
 from tests.gateway.place import BO, PEOPLE, Place
 
 CHAT = Chat("memory", "1")

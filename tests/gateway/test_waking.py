@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 
-from rosic.gateway.waking import sleep_or_wake
+from rosic.gateway.scheduling import sleep_or_wake
 from rosic.testing.clock import ManualClock, settle
 
 

@@ -44,37 +44,73 @@ async def vienna(store: BrokenStore | None = None) -> AsyncIterator[Place]:
 
 
 SLOTS = [
-    ("overlapping", "omni 14:30 1h",
-     "omni is taken by Bo from 14:00 to 15:00. It is free from 15:00 on."),
-    ("around another", "omni 13:00 3h",
-     "omni is taken by Bo from 14:00 to 15:00. It is free from 15:00 on."),
-    ("past", "omni 2026-11-20 14:00 1h",
-     ("That time is over: it would have begun at Fri 20 Nov 14:00, and it is 10:00. "
-     "Nothing was booked.")),
+    (
+        "overlapping",
+        "omni 14:30 1h",
+        "omni is taken by Bo from 14:00 to 15:00. It is free from 15:00 on.",
+    ),
+    (
+        "around another",
+        "omni 13:00 3h",
+        "omni is taken by Bo from 14:00 to 15:00. It is free from 15:00 on.",
+    ),
+    (
+        "past",
+        "omni 2026-11-20 14:00 1h",
+        (
+            "That time is over: it would have begun at Fri 20 Nov 14:00, and it is 10:00. "
+            "Nothing was booked."
+        ),
+    ),
     ("zero", "omni 16:00 0h", "A time has to be longer than nothing. Nothing was booked."),
     ("below zero", "omni 16:00 -1h", f"A time cannot be shorter than nothing. {WRITE_IT}"),
-    ("a year, in words", "omni 16:00 1 year",
-     "One time may be at most 1 day. Nothing was booked."),
-    ("a year, in days", "omni 16:00 365 days",
-     "One time may be at most 1 day. Nothing was booked."),
-    ("in the hour that the clocks skip", "omni 2027-03-28 02:30 1h",
-     ("On Sun 28 Mar the clocks in Europe/Vienna go forward, and there is no 02:30. The next "
-     "possible time is 03:00. Nothing was booked.")),
-    ("a rule that is none", "omni FREQ=SOMETIMES;COUNT=2 14:00 1h",
-     f'I cannot use "FREQ=SOMETIMES" in a rule. {RULE}'),
-    ("a rule of every second", "omni FREQ=SECONDLY;COUNT=2 14:00 1h",
-     f'I cannot use "FREQ=SECONDLY" in a rule. {RULE}'),
-    ("a rule with a day that is none", "omni FREQ=WEEKLY;BYDAY=XX;COUNT=2 14:00 1h",
-     f'I cannot use "BYDAY=XX" in a rule. {RULE}'),
-    ("a rule in pieces", "omni FREQ=WEEKLY;;COUNT=2 14:00 1h",
-     f'I cannot use "FREQ=WEEKLY;;COUNT=2" in a rule. {RULE}'),
-    ("a rule without an end", "omni FREQ=WEEKLY;BYDAY=TU 14:00 1h",
-     "Until when? A time that comes again needs a last day, or how many times."),
-    ("a rule of a year of days that overlap", "omni FREQ=DAILY;COUNT=365 13:30 1h",
-     "One of these times is taken: omni is Bo's at 14:00. Nothing was booked."),
+    ("a year, in words", "omni 16:00 1 year", "One time may be at most 1 day. Nothing was booked."),
+    (
+        "a year, in days",
+        "omni 16:00 365 days",
+        "One time may be at most 1 day. Nothing was booked.",
+    ),
+    (
+        "in the hour that the clocks skip",
+        "omni 2027-03-28 02:30 1h",
+        (
+            "On Sun 28 Mar the clocks in Europe/Vienna go forward, and there is no 02:30. The next "
+            "possible time is 03:00. Nothing was booked."
+        ),
+    ),
+    (
+        "a rule that is none",
+        "omni FREQ=SOMETIMES;COUNT=2 14:00 1h",
+        f'I cannot use "FREQ=SOMETIMES" in a rule. {RULE}',
+    ),
+    (
+        "a rule of every second",
+        "omni FREQ=SECONDLY;COUNT=2 14:00 1h",
+        f'I cannot use "FREQ=SECONDLY" in a rule. {RULE}',
+    ),
+    (
+        "a rule with a day that is none",
+        "omni FREQ=WEEKLY;BYDAY=XX;COUNT=2 14:00 1h",
+        f'I cannot use "BYDAY=XX" in a rule. {RULE}',
+    ),
+    (
+        "a rule in pieces",
+        "omni FREQ=WEEKLY;;COUNT=2 14:00 1h",
+        f'I cannot use "FREQ=WEEKLY;;COUNT=2" in a rule. {RULE}',
+    ),
+    (
+        "a rule without an end",
+        "omni FREQ=WEEKLY;BYDAY=TU 14:00 1h",
+        "Until when? A time that comes again needs a last day, or how many times.",
+    ),
+    (
+        "a rule of a year of days that overlap",
+        "omni FREQ=DAILY;COUNT=365 13:30 1h",
+        "One of these times is taken: omni is Bo's at 14:00. Nothing was booked.",
+    ),
     ("a day that is none", "omni every blursday 14:00 1h", "Every which day?"),
     ("an hour that is none", "omni 25:00 1h", f'There is no "25:00" on a clock. {WRITE_IT}'),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("asked", "told"), [s[1:] for s in SLOTS], ids=[s[0] for s in SLOTS])
@@ -125,22 +161,45 @@ async def test_a_time_zone_that_is_none() -> None:
 
 
 ROLES = [
-    ("a role that includes itself", {"a": Role(includes=("a",))},
-     "The role a includes itself: a includes a. Take one of these includes out."),
-    ("two roles in a circle", {"a": Role(includes=("b",)), "b": Role(includes=("a",))},
-     "The role a includes itself: a includes b includes a. Take one of these includes out."),
-    ("a pattern that matches no robot", {"a": Role(scopes=("abb*:*",))},
-     "No robot matches 'abb*'. Known here: cf1, cf2, kuka1, omni."),
-    ("a pattern that matches no skill", {"a": Role(scopes=("*:fly*",))},
-     ("No robot of '*' has a skill 'fly*'. "
-      "Known here: ask, files, grant, help, look, move, read, resume, share, strategy, wave.")),
-    ("a wildcard without a skill", {"a": Role(scopes=("*",))},
-     "'*' is not a scope: write robot:skill, for example omni:move."),
-    ("a regular expression", {"a": Role(scopes=("(cf1|cf2):wave",))},
-     "'(cf1|cf2):wave' is not a scope: write robot:skill, for example omni:move."),
-    ("capital letters", {"a": Role(scopes=("CF1:wave",))},
-     "'CF1:wave' is not a scope: write robot:skill, for example omni:move."),
-]  # fmt: skip
+    (
+        "a role that includes itself",
+        {"a": Role(includes=("a",))},
+        "The role a includes itself: a includes a. Take one of these includes out.",
+    ),
+    (
+        "two roles in a circle",
+        {"a": Role(includes=("b",)), "b": Role(includes=("a",))},
+        "The role a includes itself: a includes b includes a. Take one of these includes out.",
+    ),
+    (
+        "a pattern that matches no robot",
+        {"a": Role(scopes=("abb*:*",))},
+        "No robot matches 'abb*'. Known here: cf1, cf2, kuka1, omni.",
+    ),
+    (
+        "a pattern that matches no skill",
+        {"a": Role(scopes=("*:fly*",))},
+        (
+            "No robot of '*' has a skill 'fly*'. "
+            "Known here: ask, files, grant, help, look, move, read, resume, share, strategy, wave."
+        ),
+    ),
+    (
+        "a wildcard without a skill",
+        {"a": Role(scopes=("*",))},
+        "'*' is not a scope: write robot:skill, for example omni:move.",
+    ),
+    (
+        "a regular expression",
+        {"a": Role(scopes=("(cf1|cf2):wave",))},
+        "'(cf1|cf2):wave' is not a scope: write robot:skill, for example omni:move.",
+    ),
+    (
+        "capital letters",
+        {"a": Role(scopes=("CF1:wave",))},
+        "'CF1:wave' is not a scope: write robot:skill, for example omni:move.",
+    ),
+]
 
 
 async def test_no_wildcard_gives_the_right_to_give_rights() -> None:

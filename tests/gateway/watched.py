@@ -151,9 +151,12 @@ class WatchedGate(OrderGate):
 
     def __init__(self, gate: OrderGate, log: list[Event]) -> None:
         super().__init__(
-            gate.robot, n=gate.n, fence=gate.fence, generation=gate.generation,
+            gate.robot,
+            n=gate.n,
+            fence=gate.fence,
+            generation=gate.generation,
             latched=gate.latched,
-        )  # fmt: skip
+        )
         self._log = log
 
     def apply_stop(self, stop: Stop) -> None:
@@ -202,11 +205,17 @@ class Recorder(MemoryRobot):
         permit, skill = order.permit, order.skill
         self.world.log.append(
             Acted(
-                self.profile.id, order.cid, order.n, permit.fence, permit.stop_generation,
-                self._clock.wall_ns(), skill.order_lifetime_ns / 1e9, skill.actuates,
+                self.profile.id,
+                order.cid,
+                order.n,
+                permit.fence,
+                permit.stop_generation,
+                self._clock.wall_ns(),
+                skill.order_lifetime_ns / 1e9,
+                skill.actuates,
                 self._doing is not None or self._clock.monotonic_ns() < self._rests_ns,
             )
-        )  # fmt: skip
+        )
         self.acted.append(order.n)
 
     async def _work(self) -> None:

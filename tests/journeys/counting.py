@@ -106,10 +106,15 @@ class CountingRobot:
         permit = order.permit
         self._send(
             Event(
-                robot=order.robot, generation=permit.stop_generation, process=os.getpid(),
-                cid=cid, n=order.n, fence=permit.fence, skill=order.skill.id,
+                robot=order.robot,
+                generation=permit.stop_generation,
+                process=os.getpid(),
+                cid=cid,
+                n=order.n,
+                fence=permit.fence,
+                skill=order.skill.id,
             )
-        )  # fmt: skip
+        )
         tell(StageReport(Stage.SENT))
         self._doing = order.skill.id
         self._halted.clear()

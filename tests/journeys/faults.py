@@ -11,9 +11,9 @@ import msgspec
 from rosic.app.builder import latch_of, parts_of, secrets_of, settings_of
 from rosic.app.closing import close_in_time
 from rosic.app.config import load_config
-from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, GatewayParts
 from rosic.app.logging import log_to_standard_error
+from rosic.app.runtime import face_of
 from rosic.core.records import Claimed, Concluded, Memory, Record, Refused
 from rosic.errors import Repeated
 from rosic.system import SystemClock, SystemEntropy

@@ -39,9 +39,14 @@ WARM = (
 # What these load when it is first used, and the server: processes that live for a second or two
 # would load it anew every time.
 WARMER = (
-    "alembic.command", "alembic.context", "alembic.ddl.sqlite", "anyio._backends._asyncio",
-    "httpcore", "rosic.testing.telegram.__main__", "uvloop",
-)  # fmt: skip
+    "alembic.command",
+    "alembic.context",
+    "alembic.ddl.sqlite",
+    "anyio._backends._asyncio",
+    "httpcore",
+    "rosic.testing.telegram.__main__",
+    "uvloop",
+)
 COLD = "cold"
 """The argument of a launcher for one gateway, whose start is measured: it loads what that does."""
 

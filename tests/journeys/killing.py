@@ -107,9 +107,11 @@ class Journey:
         assert self._config is not None
         log = self._folder / "gateway.log"
         start = Start(
-            config=str(self._config), log=str(log), counter_port=self.counter.port,
+            config=str(self._config),
+            log=str(log),
+            counter_port=self.counter.port,
             fault=self.plan.fault,
-        )  # fmt: skip
+        )
         if self.plan.cold_every and number % self.plan.cold_every == 0:
             return Gateway(self._launcher, start, cold=True)
         return Gateway(self._launcher, start)

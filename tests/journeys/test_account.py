@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import aiohttp
 import pytest
 
-from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.api import Ask, Verb
 from rosic.app.admin.control_client import ask_gateway
 from tests.journeys.fleet import TOKEN
 from tests.journeys.lab import Lab, lab

@@ -19,8 +19,7 @@ import pytest_asyncio
 
 from rosic.features.robot_to_robot.digest import EVERY_S
 from rosic.robots.ros2.interfaces.cache import ensure_built, make_importable
-from rosic.testing.ros2.environment import why_missing
-from rosic.testing.ros2.graph import RosGraph
+from rosic.testing.ros2.graph import RosGraph, why_missing
 from tests.journeys.acts import side_by_side
 from tests.journeys.lab import Lab, lab
 from tests.journeys.ros import VARIABLES

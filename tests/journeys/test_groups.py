@@ -69,9 +69,10 @@ async def test_put_out_of_the_group_it_ends_quietly_and_goes_on_elsewhere(
         assert await place.until(silent)
         await place.ask(place.bo, "status", "Bee")
         refused = [
-            call for call in await place.control.calls()
+            call
+            for call in await place.control.calls()
             if call["code"] == 403 and str(group) in str(call["parameters"].get("chat_id"))
-        ]  # fmt: skip
+        ]
         assert len(refused) <= TRIED_AT_MOST
         await place.control.call("set_member", chat=group, user=BOT, status="member")
         await place.say(place.bo, "ant hop", chat=group)

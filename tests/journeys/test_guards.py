@@ -142,7 +142,7 @@ GUARDS = (
     ),
     Fault(
         name="I7 a group's command that was claimed is told to be refused after a kill",
-        file="gateway/requesting.py",
+        file="gateway/requests.py",
         guard="robot_command_id(cid, robot) if requests else cid,",
         without="robot_command_id(cid, robot),",
         caught_by=(f"{JOURNEYS}/test_given_again.py",),
@@ -171,7 +171,12 @@ def test_the_journey_needs_its_guard(fault: Fault, tmp_path: Path) -> None:
 
     run = subprocess.run(  # noqa: S603 - our own tests
         [
-            sys.executable, "-m", "pytest", "-q", "-x", f"--basetemp={tmp_path / 'runs'}",
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "-x",
+            f"--basetemp={tmp_path / 'runs'}",
             *fault.caught_by,
         ],
         cwd=ROOT,
@@ -180,6 +185,6 @@ def test_the_journey_needs_its_guard(fault: Fault, tmp_path: Path) -> None:
         text=True,
         timeout=280,
         check=False,
-    )  # fmt: skip
+    )
 
     assert run.returncode == TESTS_FAILED, f"nothing noticed: {run.stdout[-2000:]}"

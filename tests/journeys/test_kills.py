@@ -59,9 +59,14 @@ async def test_a_planted_fault_is_seen(
     seen: list[str] = []
     for attempt in range(6):  # chance decides whether a kill hits what is wrong
         plan = Plan(
-            kills=5, seed=SEED + attempt, fault=fault, pause_s=0.05, twice=0.5, moments=(moment,),
+            kills=5,
+            seed=SEED + attempt,
+            fault=fault,
+            pause_s=0.05,
+            twice=0.5,
+            moments=(moment,),
             settled_within_s=3.0,
-        )  # fmt: skip
+        )
         folder = tmp_path / str(attempt)
         folder.mkdir()
         report = await journey(plan, folder, launcher)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.robots.ros2.interfaces.cache import ensure_built, make_importable
-from rosic.testing.ros2.environment import why_missing
+from rosic.testing.ros2.graph import why_missing
 from tests.journeys.counter import Counted
 from tests.journeys.counting import Event
 from tests.journeys.lab import Lab, lab

@@ -14,7 +14,7 @@ import pytest
 import pytest_asyncio
 
 from rosic.robots.ros2.interfaces.cache import ensure_built, make_importable
-from rosic.testing.ros2.environment import why_missing
+from rosic.testing.ros2.graph import why_missing
 from tests.journeys.acts import side_by_side
 from tests.journeys.scenes import CARRIERS, DRONES, STUDENTS, Scenes, scenes
 

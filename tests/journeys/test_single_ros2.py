@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.robots.ros2.interfaces.cache import ensure_built, make_importable
-from rosic.testing.ros2.environment import why_missing
+from rosic.testing.ros2.graph import why_missing
 from tests.journeys.hops import hop_report, hops_of, newest_sent_s
 from tests.journeys.lab import Lab, lab
 from tests.journeys.ros import MOVING_M_S, Onlooker, onlooker
@@ -49,9 +49,12 @@ def rosic_run(place: Lab) -> Iterator[subprocess.Popen[bytes]]:
     with (place.folder / "gateway.log").open("wb") as log:
         process = subprocess.Popen(  # noqa: S603 - our own command
             [sys.executable, "-m", "rosic", "run", "-c", str(place.config)],
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log,
-            cwd=ROOT, env={**environment(), **place.environment},
-        )  # fmt: skip
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=log,
+            cwd=ROOT,
+            env={**environment(), **place.environment},
+        )
         try:
             yield process
         finally:

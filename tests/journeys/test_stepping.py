@@ -49,8 +49,9 @@ class Phone:
     def wrong(self) -> str:
         """Return a code of no half minute that is near."""
         near = {self.code(later) for later in range(-3, 4)}
-        return next(c for c in ("000000", "111111", *map(str, range(123450, 123460)))
-                    if c not in near)  # fmt: skip
+        return next(
+            c for c in ("000000", "111111", *map(str, range(123450, 123460))) if c not in near
+        )
 
 
 async def set_up(place: Lab, user: int) -> tuple[Phone, str]:
@@ -165,8 +166,9 @@ async def test_a_second_person_agrees_once_and_only_who_was_asked(
             own = await place.ask(wrong, "/help", "Say stop at any time")
             tap = await place.control.tap(wrong, wrong, own["message_id"], data, forged=True)
             assert await answer(place, tap) == "This question was asked of somebody else."
-        assert not [m for m in await place.control.messages(viewer, by_bot=True)
-                    if "wants" in m["text"]]  # fmt: skip
+        assert not [
+            m for m in await place.control.messages(viewer, by_bot=True) if "wants" in m["text"]
+        ]
         assert place.acted() == 0
 
         assert await press(place, place.ada, "I agree") == ""

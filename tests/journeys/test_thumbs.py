@@ -18,9 +18,13 @@ if TYPE_CHECKING:
 
 OMNI = ('[[robot]]\nprofile = "warm.yaml"\nlink = "simulated"',)
 RULE = {
-    "name": "on_battery", "when": "battery > 1 %", "for": "1 s", "say": "It runs on its battery",
-    "severity": "info", "tell": "operators",
-}  # fmt: skip
+    "name": "on_battery",
+    "when": "battery > 1 %",
+    "for": "1 s",
+    "say": "It runs on its battery",
+    "severity": "info",
+    "tell": "operators",
+}
 # What says which message tells of an alarm, behind the message itself; one for each who reads it.
 PLACED = f"select key from facts where kind = '{TOLD}' and length(body) > 0"  # noqa: S608 - ours
 TOLD_HERE = ("Ada", "Bo")

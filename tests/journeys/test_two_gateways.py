@@ -92,8 +92,12 @@ class Group:
         control = self.places[number].control
         date = int((await control.call("health"))["now_s"])
         told: dict[str, Any] = {
-            "message_id": message, "date": date, "chat": chat, "from": sender, "text": text,
-        }  # fmt: skip
+            "message_id": message,
+            "date": date,
+            "chat": chat,
+            "from": sender,
+            "text": text,
+        }
         await control.call("put_update", kind="message", payload=told)
 
     async def answers(self) -> list[int]:

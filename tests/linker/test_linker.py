@@ -20,7 +20,7 @@ from rosic.linker.linker import Linker, PolicyMoved
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.stop_latch import FileLatch, MemoryLatch
 from rosic.testing.clock import ManualClock, settle
-from rosic.testing.orders import OrderBook
+from rosic.testing.factories import OrderBook
 from tests.pace import patience
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from rosic.linker.robot_queue import RobotQueue
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.stop_latch import MemoryLatch
 from rosic.testing.clock import ManualClock, settle
-from rosic.testing.orders import OrderBook
+from rosic.testing.factories import OrderBook
 from tests.pace import pace
 
 if TYPE_CHECKING:
@@ -300,8 +300,9 @@ async def test_a_replacing_order_ends_the_one_under_way() -> None:
     assert not bench.linker.put(second)
     outcome = await asyncio.wait_for(running, 60 * pace())
     assert (outcome.ending, outcome.note) == (
-        Ending.CANCELLED, "a later command took its place",
-    )  # fmt: skip
+        Ending.CANCELLED,
+        "a later command took its place",
+    )
     assert bench.linker.next("r") is second
 
 

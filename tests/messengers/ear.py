@@ -178,8 +178,9 @@ def tap(number: int, nonce: str) -> msgspec.Raw:
 def member(number: int, before: str, now: str) -> msgspec.Raw:
     bot = {"id": 42, "is_bot": True, "first_name": "B"}
     change = {
-        "chat": {"id": LAB, "type": "supergroup", "title": "Lab"}, "from": person(ADA),
+        "chat": {"id": LAB, "type": "supergroup", "title": "Lab"},
+        "from": person(ADA),
         "old_chat_member": {"user": bot, "status": before},
         "new_chat_member": {"user": bot, "status": now},
-    }  # fmt: skip
+    }
     return raw(number, my_chat_member=change)

@@ -148,8 +148,13 @@ async def test_what_is_not_settled_is_not_confirmed_and_asked_for_again_at_once(
     ear.listener.settle = settle_first
     async with ear.listening():
         assert [(a.offset, a.timeout_s) for a in ear.bot.asked] == [
-            (None, 0), (None, POLL_S), (None, 0), (None, 0), (3, POLL_S), (None, POLL_S),
-        ]  # fmt: skip
+            (None, 0),
+            (None, POLL_S),
+            (None, 0),
+            (None, 0),
+            (3, POLL_S),
+            (None, POLL_S),
+        ]
         assert ear.texts == ["one", "stop"]
         assert asked_within_s[:3] == [PEEK_S] * 3
 
@@ -189,10 +194,16 @@ async def test_updates_without_a_number_are_not_asked_for_in_a_circle() -> None:
 
 
 async def test_a_stop_goes_first_then_those_who_are_known_and_strangers_last() -> None:
-    ear = Ear([
-        text(1, "hello", EVE), text(2, "stop", EVE), text(3, "status", chat=LAB),
-        text(4, "battery", chat=LAB), text(5, "stop", chat=LAB), text(6, "where"),
-    ])  # fmt: skip
+    ear = Ear(
+        [
+            text(1, "hello", EVE),
+            text(2, "stop", EVE),
+            text(3, "status", chat=LAB),
+            text(4, "battery", chat=LAB),
+            text(5, "stop", chat=LAB),
+            text(6, "where"),
+        ]
+    )
     ear.listener.reading.known = lambda address: address.account == str(ADA)
     async with ear.listening():
         assert ear.texts[0] == "stop"
@@ -200,8 +211,9 @@ async def test_a_stop_goes_first_then_those_who_are_known_and_strangers_last() -
         of_eve = [each.text for each in ear.heard if each.sender.account == str(EVE)]
         assert of_eve == ["hello", "stop"], "whom nobody knows stops nothing"
         assert [said for said in ear.texts if said in {"status", "battery"}] == [
-            "status", "battery",
-        ]  # fmt: skip
+            "status",
+            "battery",
+        ]
 
 
 async def test_everybody_is_read_before_strangers_are() -> None:
@@ -291,10 +303,16 @@ async def test_what_is_for_nobody_is_confirmed() -> None:
 
 async def test_what_happens_to_chats_is_passed_on_and_followed() -> None:
     moved = text(4, "", chat=LAB, migrate_to_chat_id=-1009)
-    reaction = raw(5, message_reaction={
-        "chat": {"id": LAB, "type": "supergroup"}, "message_id": 9, "user": person(ADA),
-        "old_reaction": [], "new_reaction": [{"type": "emoji", "emoji": "👍"}],
-    })  # fmt: skip
+    reaction = raw(
+        5,
+        message_reaction={
+            "chat": {"id": LAB, "type": "supergroup"},
+            "message_id": 9,
+            "user": person(ADA),
+            "old_reaction": [],
+            "new_reaction": [{"type": "emoji", "emoji": "👍"}],
+        },
+    )
     ear = Ear([member(1, "member", "left")], [member(2, "left", "member")], [moved, reaction])
     gone: list[bool] = []
 
@@ -305,8 +323,11 @@ async def test_what_happens_to_chats_is_passed_on_and_followed() -> None:
     ear.listener.reading.passed = passed
     async with ear.listening():
         assert [each.what for each in ear.passed] == [
-            Passage.HEARING, Passage.REMOVED, Passage.ADDED, Passage.MOVED,
-        ]  # fmt: skip
+            Passage.HEARING,
+            Passage.REMOVED,
+            Passage.ADDED,
+            Passage.MOVED,
+        ]
         assert gone == [False, True, False, False]
         assert (ear.passed[-1].chat.id, ear.passed[-1].new_id) == (str(LAB), "-1009")
         assert ear.chats.where(str(LAB)) == "-1009"
@@ -347,8 +368,10 @@ async def test_the_clock_is_complained_of_once_in_a_hundred_times(
 ) -> None:
     ear = Ear()
     date = ear.clock.wall_ns() // SECOND_NS + 60
-    ear.bot.answers = [[text(number, "hello", date=date) for number in range(100)],
-                       [text(100, "hello", date=date)]]  # fmt: skip
+    ear.bot.answers = [
+        [text(number, "hello", date=date) for number in range(100)],
+        [text(100, "hello", date=date)],
+    ]
     async with ear.listening():
         assert ear.listener.counts["clock-behind"] == 101
         complaints = [each for each in caplog.messages if "behind Telegram's" in each]
@@ -375,10 +398,20 @@ async def test_what_several_bots_hear_in_a_small_group_is_known_to_each_by_the_s
         ear = Ear()
         date = ear.clock.wall_ns() // SECOND_NS
         small = {"id": -5, "type": "group", "title": "Lab"}
-        ear.bot.answers = [[raw(number, message={
-            "message_id": number, "date": date, "chat": small, "from": person(ADA),
-            "text": "omni wave",
-        })]]  # fmt: skip
+        ear.bot.answers = [
+            [
+                raw(
+                    number,
+                    message={
+                        "message_id": number,
+                        "date": date,
+                        "chat": small,
+                        "from": person(ADA),
+                        "text": "omni wave",
+                    },
+                )
+            ]
+        ]
         if several:
             ear.listener.reading.one_of_several = True
         async with ear.listening():

@@ -206,13 +206,19 @@ def test_what_is_malformed_says_so(raw: object) -> None:
 @pytest.mark.parametrize(
     ("said", "number", "text"),
     [
-        (b' { "update_id" : 7, "message":{"message_id":1,"date":1,"chat":{"id":1},"text":"a"}}',
-         7, "a"),
+        (
+            b' { "update_id" : 7, "message":{"message_id":1,"date":1,"chat":{"id":1},"text":"a"}}',
+            7,
+            "a",
+        ),
         (b'{"message":{"message_id":1,"date":1,"chat":{"id":1},"text":"b"},"update_id":8}', 8, "b"),
-        (b'{"message":{"message_id":1,"date":1,"chat":{"id":1},"text":"\\ud800stop"},"update_id":9}',
-         9, "\ud800stop"),
+        (
+            b'{"message":{"message_id":1,"date":1,"chat":{"id":1},"text":"\\ud800stop"},"update_id":9}',
+            9,
+            "\ud800stop",
+        ),
     ],
-)  # fmt: skip
+)
 def test_an_update_is_read_as_it_came_over_the_wire(said: bytes, number: int, text: str) -> None:
     raw = msgspec.Raw(said)
     assert updates.update_id(raw) == number

@@ -101,9 +101,14 @@ class KeepingEar(Ear):
 async def test_nothing_is_lost_whenever_a_run_is_cut_off(lost: set[int]) -> None:
     """At every turn of the loop: what was not received to the end is given out to the next run."""
     updates = [
-        text(1, LONG, EVE), text(2, LONG, EVE + 1), text(3, "hi", EVE), text(4, "status"),
-        text(5, "hello", chat=LAB, **ANONYMOUS), text(6, LONG, EVE + 1), text(7, "battery"),
-    ]  # fmt: skip
+        text(1, LONG, EVE),
+        text(2, LONG, EVE + 1),
+        text(3, "hi", EVE),
+        text(4, "status"),
+        text(5, "hello", chat=LAB, **ANONYMOUS),
+        text(6, LONG, EVE + 1),
+        text(7, "battery"),
+    ]
     turns, was_behind, is_over = 0, False, False
     while not is_over:
         ear = KeepingEar(*updates, lost=lost)
@@ -168,9 +173,12 @@ async def test_what_is_nobodys_message_is_read_with_those_known_here() -> None:
 
     ear.listener.reading.news = noted  # type: ignore[method-assign]
     updates = [
-        text(1, "hi", EVE), text(2, "hello", chat=LAB, **ANONYMOUS), member(3, "left", "member"),
-        text(4, "status"), raw(5, message={"message_id": "x"}),
-    ]  # fmt: skip
+        text(1, "hi", EVE),
+        text(2, "hello", chat=LAB, **ANONYMOUS),
+        member(3, "left", "member"),
+        text(4, "status"),
+        raw(5, message={"message_id": "x"}),
+    ]
     for number, each in enumerate(updates, 1):
         ear.keeping.give(number, each)
     async with ear.listening(POLL_S):

@@ -6,7 +6,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING, cast
 
-from rosic.core.menu import Menu, MenuScope
+from rosic.core.message import Menu, MenuScope
 from rosic.messengers.telegram.command_menu import WAITS_S, TelegramMenus
 from rosic.messengers.telegram.errors import ErrorKind, TelegramError
 from rosic.testing.clock import ManualClock

@@ -16,12 +16,16 @@ from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Parameter, Skill
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.terminal import TerminalMessenger, terminal_messenger
-from rosic.messengers.terminal.choices import RESERVED_NS, TYPED_WITHIN_NS, Choices
 from rosic.messengers.terminal.completion import Completer
-from rosic.messengers.terminal.messenger import OVER, WAITING_AT_MOST
-from rosic.messengers.terminal.painting import harmless, painted
+from rosic.messengers.terminal.messenger import (
+    OVER,
+    RESERVED_NS,
+    TYPED_WITHIN_NS,
+    WAITING_AT_MOST,
+    Choices,
+)
 from rosic.messengers.terminal.prompt import wrapped
-from rosic.messengers.terminal.screen import LONGEST_LINE_BYTES, PlainScreen
+from rosic.messengers.terminal.screen import LONGEST_LINE_BYTES, PlainScreen, harmless, painted
 from rosic.system import SystemClock
 from rosic.testing.clock import ManualClock
 from tests.pace import pace
@@ -285,9 +289,16 @@ async def test_a_closed_output_is_a_fault_and_no_crash() -> None:
         await messenger.send(QUESTION)
     with redirect_stdout(closed):
         await messenger.answer_tap(
-            Inbound(sender=messenger_address(), chat=CHAT, message="1", text="", sent_ns=0,
-                    received_ns=0), "Too late."
-        )  # fmt: skip
+            Inbound(
+                sender=messenger_address(),
+                chat=CHAT,
+                message="1",
+                text="",
+                sent_ns=0,
+                received_ns=0,
+            ),
+            "Too late.",
+        )
     assert messenger.ended.is_set()
 
 
@@ -356,8 +367,22 @@ FLEET = [
 @pytest.mark.parametrize(
     ("typed", "offered"),
     [
-        ("", {"omni", "kuka1", "cf1", "crazyflies", "status", "stop", "resume", "use", "help",
-              "cancel", "robots"}),
+        (
+            "",
+            {
+                "omni",
+                "kuka1",
+                "cf1",
+                "crazyflies",
+                "status",
+                "stop",
+                "resume",
+                "use",
+                "help",
+                "cancel",
+                "robots",
+            },
+        ),
         ("cr", {"crazyflies"}),
         ("OM", {"omni"}),
         ("st", {"status", "stop"}),
@@ -373,7 +398,7 @@ FLEET = [
         ("nobody ", set()),
         ("", None),
     ],
-)  # fmt: skip
+)
 def test_what_could_come_next(typed: str, offered: set[str] | None) -> None:
     if offered is None:
         assert Completer().complete("omni ") == ()

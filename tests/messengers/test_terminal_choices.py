@@ -6,8 +6,7 @@ import pytest
 
 from rosic.core.message import Button, Chat, Outbound
 from rosic.messengers.terminal import TerminalMessenger
-from rosic.messengers.terminal.choices import Choices
-from rosic.messengers.terminal.messenger import OVER, own_locale
+from rosic.messengers.terminal.messenger import OVER, Choices, own_locale
 from rosic.testing.clock import ManualClock
 from tests.messengers.test_terminal import Script, heard, terminal
 

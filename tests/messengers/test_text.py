@@ -3,7 +3,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.messengers.telegram.text import clean, shorten, split, units
+from rosic.messengers.telegram.formatting import clean, shorten, split, units
 
 
 def test_a_text_that_fits_is_left_alone() -> None:

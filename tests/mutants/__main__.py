@@ -22,10 +22,14 @@ def main() -> int:
     """Run, print, and return the exit status."""
     asked = _asked()
     wanted = Wanted(
-        seed=asked.seed, at_most=asked.at_most, each_s=asked.each,
-        until_s=time.time() + asked.seconds, folder=ROOT / "build" / "mutants",
-        keep_kills=asked.keep_kills, again=asked.again,
-    )  # fmt: skip
+        seed=asked.seed,
+        at_most=asked.at_most,
+        each_s=asked.each,
+        until_s=time.time() + asked.seconds,
+        folder=ROOT / "build" / "mutants",
+        keep_kills=asked.keep_kills,
+        again=asked.again,
+    )
     found = []
     for module in MODULES:
         if any(part in module.file for part in asked.only.split(",")):

@@ -113,9 +113,13 @@ def tried(module: Module, wanted: Wanted, source: Path = SOURCE, root: Path = RO
     if left and wanted.until_s > time.time():
         seconds = max(0.0, wanted.until_s - time.time())
         order = Order(
-            source=str(file), ids=left, results=str(results), seconds=wanted.each_s,
-            slack_s=wanted.slack_s, until_s=wanted.until_s,
-        )  # fmt: skip
+            source=str(file),
+            ids=left,
+            results=str(results),
+            seconds=wanted.each_s,
+            slack_s=wanted.slack_s,
+            until_s=wanted.until_s,
+        )
         _run(module, order, results, root, seconds + COLLECTING_S)
         found = _read(module, chosen, results, earlier)
     return found
@@ -170,13 +174,27 @@ def _run(module: Module, order: Order, results: Path, root: Path, within_s: floa
     with results.with_suffix(".log").open("wb") as log:
         run = subprocess.Popen(  # noqa: S603 - the tests of this repository
             [
-                sys.executable, "-m", "pytest", "-q", "--tb=no", "-p", "tests.mutants.running",
-                f"--hypothesis-profile={PROFILE}", "-o", "faulthandler_timeout=0",
-                "-m", "not campaign", *module.tests,
+                sys.executable,
+                "-m",
+                "pytest",
+                "-q",
+                "--tb=no",
+                "-p",
+                "tests.mutants.running",
+                f"--hypothesis-profile={PROFILE}",
+                "-o",
+                "faulthandler_timeout=0",
+                "-m",
+                "not campaign",
+                *module.tests,
             ],
-            cwd=root, env=os.environ | {ORDER: str(request), "PYTHONPATH": PATH},
-            stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True,
-        )  # fmt: skip
+            cwd=root,
+            env=os.environ | {ORDER: str(request), "PYTHONPATH": PATH},
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=log,
+            start_new_session=True,
+        )
         try:
             run.wait(within_s)
         finally:
@@ -217,12 +235,16 @@ def table(found: list[Found]) -> str:
     head = ("module", "mutants", "killed", "timed out", "survived", "not tried", "noticed")
     rows: list[tuple[str, ...]] = [
         (
-            one.module.file, str(one.real), str(one.count(KILLED)), str(one.count(TIMED_OUT)),
-            str(len(one.survivors())), str(len(one.chosen) - len(one.results)),
+            one.module.file,
+            str(one.real),
+            str(one.count(KILLED)),
+            str(one.count(TIMED_OUT)),
+            str(len(one.survivors())),
+            str(len(one.chosen) - len(one.results)),
             f"{share([one]):.1f} %" if one.real else "-",
         )
         for one in found
-    ]  # fmt: skip
+    ]
     sums = (str(sum(int(row[i]) for row in rows)) for i in range(1, 6))
     rows.append(("all", *sums, f"{share(found):.1f} %"))
     widths = [max(len(row[i]) for row in (head, *rows)) for i in range(len(head))]

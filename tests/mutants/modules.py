@@ -28,81 +28,169 @@ RIGHTS = tuple(
 )
 
 MODULES = (
-    Module("gate", "core/order_gate.py", (
-        "tests/core/test_gate.py", "tests/robots/test_common_start.py",
-    )),
-    Module("stop board", "core/stop_registry.py", (
-        "tests/core/test_stopboard.py", "tests/linker/test_linker.py",
-        "tests/gateway/test_stopping.py", "tests/gateway/test_stops_meet.py",
-        "tests/gateway/test_set_back.py", "tests/features/fleet/test_fleet.py",
-    )),
-    Module("linker", "linker/linker.py", (
-        "tests/linker/test_linker.py", "tests/linker/test_mailbox.py",
-        "tests/gateway/test_stopping.py", "tests/gateway/test_stops_meet.py",
-        "tests/gateway/test_between.py", "tests/gateway/test_replacing.py",
-        "tests/linker/test_pursuit.py", "tests/gateway/test_stop_pursued.py",
-    )),
-    Module("stop pursuit", "linker/pursuit.py", (
-        "tests/linker/test_pursuit.py", "tests/gateway/test_stop_pursued.py",
-    )),
-    Module("mailbox", "linker/robot_queue.py", (
-        "tests/linker/test_mailbox.py", "tests/linker/test_linker.py",
-        "tests/gateway/test_waited.py",
-        "tests/gateway/test_replacing.py",
-    )),
-    Module("latch", "stores/stop_latch.py", (
-        "tests/stores/test_latch.py", "tests/stores/test_latch_places.py",
-        "tests/stores/test_overwritten.py", "tests/conformance/test_stores.py",
-        "tests/linker/test_linker.py",
-    )),
+    Module(
+        "gate",
+        "core/order_gate.py",
+        (
+            "tests/core/test_gate.py",
+            "tests/robots/test_common_start.py",
+        ),
+    ),
+    Module(
+        "stop board",
+        "core/stop_registry.py",
+        (
+            "tests/core/test_stopboard.py",
+            "tests/linker/test_linker.py",
+            "tests/gateway/test_stopping.py",
+            "tests/gateway/test_stops_meet.py",
+            "tests/gateway/test_set_back.py",
+            "tests/features/fleet/test_fleet.py",
+        ),
+    ),
+    Module(
+        "linker",
+        "linker/linker.py",
+        (
+            "tests/linker/test_linker.py",
+            "tests/linker/test_mailbox.py",
+            "tests/gateway/test_stopping.py",
+            "tests/gateway/test_stops_meet.py",
+            "tests/gateway/test_between.py",
+            "tests/gateway/test_replacing.py",
+            "tests/linker/test_pursuit.py",
+            "tests/gateway/test_stop_pursued.py",
+        ),
+    ),
+    Module(
+        "stop pursuit",
+        "linker/pursuit.py",
+        (
+            "tests/linker/test_pursuit.py",
+            "tests/gateway/test_stop_pursued.py",
+        ),
+    ),
+    Module(
+        "mailbox",
+        "linker/robot_queue.py",
+        (
+            "tests/linker/test_mailbox.py",
+            "tests/linker/test_linker.py",
+            "tests/gateway/test_waited.py",
+            "tests/gateway/test_replacing.py",
+        ),
+    ),
+    Module(
+        "latch",
+        "stores/stop_latch.py",
+        (
+            "tests/stores/test_latch.py",
+            "tests/stores/test_latch_places.py",
+            "tests/stores/test_overwritten.py",
+            "tests/conformance/test_stores.py",
+            "tests/linker/test_linker.py",
+        ),
+    ),
     Module("stop file", "stores/slots.py", ("tests/stores/test_latch.py",)),
-    Module("write thread", "stores/write_thread.py", (
-        "tests/stores/test_lane.py", "tests/stores/test_trouble.py", "tests/stores/test_latch.py",
-    )),
-    Module("writer", "stores/writer.py", (
-        "tests/stores/test_reconnecting.py", "tests/stores/test_lost_record.py",
-        "tests/stores/test_trouble.py", "tests/stores/test_opening.py",
-        "tests/stores/test_decisions.py",
-        "tests/stores/test_sealing.py", "tests/stores/test_overwritten.py",
-        "tests/stores/test_parts_of_records.py", "tests/conformance/test_stores.py",
-        "tests/app/test_retention.py",
-    )),
-    Module("root key", "stores/root_key.py", (
-        "tests/stores/test_rootkey.py", "tests/stores/test_opening.py",
-    )),
+    Module(
+        "write thread",
+        "stores/write_thread.py",
+        (
+            "tests/stores/test_lane.py",
+            "tests/stores/test_trouble.py",
+            "tests/stores/test_latch.py",
+        ),
+    ),
+    Module(
+        "writer",
+        "stores/writer.py",
+        (
+            "tests/stores/test_reconnecting.py",
+            "tests/stores/test_lost_record.py",
+            "tests/stores/test_trouble.py",
+            "tests/stores/test_opening.py",
+            "tests/stores/test_decisions.py",
+            "tests/stores/test_sealing.py",
+            "tests/stores/test_overwritten.py",
+            "tests/stores/test_parts_of_records.py",
+            "tests/conformance/test_stores.py",
+            "tests/app/test_retention.py",
+        ),
+    ),
+    Module(
+        "root key",
+        "stores/root_key.py",
+        (
+            "tests/stores/test_rootkey.py",
+            "tests/stores/test_opening.py",
+        ),
+    ),
     Module("rights", "core/policy/permissions.py", RIGHTS),
     Module("decision", "core/policy/evaluate.py", RIGHTS),
     Module("limits", "core/policy/limits.py", RIGHTS),
     Module("tables of rights", "core/policy/compiled.py", RIGHTS),
-    Module("consent", "gateway/confirmation.py", (
-        "tests/gateway/test_second_person.py", "tests/gateway/test_rights.py",
-        "tests/gateway/test_turned_away.py", "tests/gateway/test_agreed_acts.py",
-        "tests/gateway/test_withdrawing.py",
-    )),
-    Module("agreements", "gateway/agreement.py", (
-        "tests/gateway/test_agreements.py", "tests/gateway/test_agreed_acts.py",
-        "tests/gateway/test_second_person.py", "tests/gateway/test_end_buttons.py",
-    )),
-    Module("buttons", "authoriser/button_tokens.py", (
-        "tests/authoriser/test_buttons.py", "tests/gateway/test_buttons.py",
-        "tests/authoriser/test_authoriser.py",
-        "tests/gateway/test_retracting.py", "tests/gateway/test_end_buttons.py",
-    )),
+    Module(
+        "consent",
+        "gateway/confirmation.py",
+        (
+            "tests/gateway/test_second_person.py",
+            "tests/gateway/test_rights.py",
+            "tests/gateway/test_turned_away.py",
+            "tests/gateway/test_agreed_acts.py",
+            "tests/gateway/test_withdrawing.py",
+        ),
+    ),
+    Module(
+        "agreements",
+        "gateway/agreement.py",
+        (
+            "tests/gateway/test_agreements.py",
+            "tests/gateway/test_agreed_acts.py",
+            "tests/gateway/test_second_person.py",
+            "tests/gateway/test_end_buttons.py",
+        ),
+    ),
+    Module(
+        "buttons",
+        "authoriser/button_tokens.py",
+        (
+            "tests/authoriser/test_buttons.py",
+            "tests/gateway/test_buttons.py",
+            "tests/authoriser/test_authoriser.py",
+            "tests/gateway/test_retracting.py",
+            "tests/gateway/test_end_buttons.py",
+        ),
+    ),
     Module("enrolment", "authoriser/enrolment.py", ("tests/authoriser",)),
-    Module("guessing", "authoriser/guessing.py", (
-        "tests/authoriser/test_guess_limits.py", "tests/authoriser/test_guessing.py",
-    )),
-    Module("Telegram listener", "messengers/telegram/polling.py", (
-        "tests/messengers/test_listener.py",
-        "tests/messengers/test_listener_trouble.py",
-        "tests/messengers/test_reading.py",
-    )),
-    Module("Telegram reading", "messengers/telegram/reading.py", (
-        "tests/messengers/test_listener.py",
-        "tests/messengers/test_listener_trouble.py",
-        "tests/messengers/test_reading.py",
-    )),
-    Module("Telegram listening", "messengers/telegram/polling_gap.py", (
-        "tests/messengers/test_listening.py",
-    )),
-)  # fmt: skip
+    Module(
+        "guessing",
+        "authoriser/guessing.py",
+        (
+            "tests/authoriser/test_guess_limits.py",
+            "tests/authoriser/test_guessing.py",
+        ),
+    ),
+    Module(
+        "Telegram listener",
+        "messengers/telegram/polling.py",
+        (
+            "tests/messengers/test_listener.py",
+            "tests/messengers/test_listener_trouble.py",
+            "tests/messengers/test_reading.py",
+        ),
+    ),
+    Module(
+        "Telegram reading",
+        "messengers/telegram/reading.py",
+        (
+            "tests/messengers/test_listener.py",
+            "tests/messengers/test_listener_trouble.py",
+            "tests/messengers/test_reading.py",
+        ),
+    ),
+    Module(
+        "Telegram listening",
+        "messengers/telegram/polling_gap.py",
+        ("tests/messengers/test_listening.py",),
+    ),
+)

@@ -18,9 +18,17 @@ if TYPE_CHECKING:
 
 PAGE = ROOT / "docs" / "mutants.md"
 _CELLS = (
-    "what", "module", "changes", "drawn", "tried", "noticed", "may live", "open",
-    "noticed, %", "on",
-)  # fmt: skip
+    "what",
+    "module",
+    "changes",
+    "drawn",
+    "tried",
+    "noticed",
+    "may live",
+    "open",
+    "noticed, %",
+    "on",
+)
 HEAD = f"| {' | '.join(_CELLS)} |\n"
 _COUNTS = (2, 4, 5, 6, 7)
 _ALL = "all"
@@ -78,10 +86,16 @@ def rows_of(
 def _row(one: Found, gaps: int, seed: int, on: str, source: Path) -> Row:
     changes = len(mutants((source / one.module.file).read_text(encoding="utf-8")))
     return Row(
-        one.module.about, one.module.file, changes,
+        one.module.about,
+        one.module.file,
+        changes,
         _ALL if changes == len(one.chosen) else f"seed {seed}",
-        one.real, one.killed, len(one.survivors()) - gaps, gaps, on,
-    )  # fmt: skip
+        one.real,
+        one.killed,
+        len(one.survivors()) - gaps,
+        gaps,
+        on,
+    )
 
 
 def written(page: str, rows: dict[str, Row]) -> str:

@@ -49,9 +49,13 @@ LOOK_EVERY_S = 0.005
 
 # Every run of a mutant tries the same examples: what one run kills, the next one kills.
 settings.register_profile(
-    PROFILE, deadline=None, database=None, derandomize=True,
-    suppress_health_check=[HealthCheck.too_slow], phases=[Phase.explicit, Phase.generate],
-)  # fmt: skip
+    PROFILE,
+    deadline=None,
+    database=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow],
+    phases=[Phase.explicit, Phase.generate],
+)
 
 
 class Order(msgspec.Struct, frozen=True, kw_only=True):

@@ -74,9 +74,13 @@ def project(tmp_path: Path) -> Path:
 
 def wanted(project: Path, **how: object) -> Wanted:
     usual: dict[str, object] = {
-        "seed": 1, "at_most": 0, "each_s": 10.0, "until_s": time.time() + 150,
-        "folder": project / "results", "slack_s": 3.0,
-    }  # fmt: skip
+        "seed": 1,
+        "at_most": 0,
+        "each_s": 10.0,
+        "until_s": time.time() + 150,
+        "folder": project / "results",
+        "slack_s": 3.0,
+    }
     return Wanted(**{**usual, **how})  # type: ignore[arg-type]
 
 

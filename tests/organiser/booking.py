@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from rosic.core.records import Fact
     from rosic.core.slot import BookedSlot
-    from rosic.organiser.occasions import SeriesLimits
+    from rosic.organiser.recurrence import SeriesLimits
 
 S = 1_000_000_000
 MIN = 60 * S

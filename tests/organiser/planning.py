@@ -25,13 +25,24 @@ def at(hour: int, minute: int = 0, day: int = 0) -> int:
 
 
 def a_wish(  # noqa: PLR0913 - what is left out does not matter to the test
-    name: str, length_min: int, earliest_ns: int, latest_ns: int, *, robots: str = "kuka1",
-    person: str = "", priority: int = 1,
-) -> Wish:  # fmt: skip
+    name: str,
+    length_min: int,
+    earliest_ns: int,
+    latest_ns: int,
+    *,
+    robots: str = "kuka1",
+    person: str = "",
+    priority: int = 1,
+) -> Wish:
     return Wish(
-        id=name, principal=person or name, robots=tuple(robots.split()), length_s=length_min * 60,
-        earliest_ns=earliest_ns, latest_ns=latest_ns, priority=priority,
-    )  # fmt: skip
+        id=name,
+        principal=person or name,
+        robots=tuple(robots.split()),
+        length_s=length_min * 60,
+        earliest_ns=earliest_ns,
+        latest_ns=latest_ns,
+        priority=priority,
+    )
 
 
 def a_problem(
@@ -126,11 +137,15 @@ def small_problem(chance: Random) -> PlanningProblem:
         latest = earliest + length + chance.choice((0, 15, 25))
         wishes.append(
             a_wish(
-                f"w{n}", length, at(9, earliest), at(9, latest),
+                f"w{n}",
+                length,
+                at(9, earliest),
+                at(9, latest),
                 robots=chance.choice(("kuka1", "yumi", "kuka1 yumi")),
-                person=chance.choice(("ann", "bob", "cem")), priority=chance.choice((1, 1, 2)),
+                person=chance.choice(("ann", "bob", "cem")),
+                priority=chance.choice((1, 1, 2)),
             )
-        )  # fmt: skip
+        )
     begin = chance.randrange(0, 80, 5)
     booked = [Booked(chance.choice(("kuka1", "yumi")), at(9, begin), at(9, begin + 10))]
     openings = [(at(9, 10), at(10, 30))] if chance.random() < 0.3 else []

@@ -166,9 +166,11 @@ def test_a_wish_that_cannot_be_granted_is_named_with_the_reason(
     wish: Wish, why: LeftOverReason, said: str
 ) -> None:
     problem = a_problem(
-        a_wish("fine", 60, at(9), at(10), robots="yumi"), wish,
-        booked=[Booked("kuka1", at(14), at(15, 30))], openings=[(at(8), at(18))],
-    )  # fmt: skip
+        a_wish("fine", 60, at(9), at(10), robots="yumi"),
+        wish,
+        booked=[Booked("kuka1", at(14), at(15, 30))],
+        openings=[(at(8), at(18))],
+    )
 
     for plan in both(problem):
         assert [a.wish.id for a in plan.allocations] == ["fine"]
@@ -240,9 +242,13 @@ def test_without_scipy_the_order_of_arrival_and_the_name_of_the_extra() -> None:
     )
 
     ran = subprocess.run(  # noqa: S603 - our own words
-        [sys.executable, "-c", program], env=environment(), capture_output=True, text=True,
-        check=True, timeout=150,
-    )  # fmt: skip
+        [sys.executable, "-c", program],
+        env=environment(),
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=150,
+    )
 
     assert ran.stdout.splitlines()[-1] == (
         "This is the order of arrival. Weighing all wishes together needs one more library: "

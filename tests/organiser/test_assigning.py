@@ -14,8 +14,8 @@ from rosic.core.fleet.events import Given, Stood
 from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import FleetMembership, Task, TaskNeed
 from rosic.core.fleet.transitions import react
-from rosic.organiser.planning.assigning import Assignment
-from rosic.organiser.planning.assigning import assign as choose
+from rosic.organiser.planning.solver import Assignment
+from rosic.organiser.planning.solver import assign as choose
 from tests.pace import sample_of_work_s
 
 

@@ -17,7 +17,7 @@ from rosic.errors import (
 )
 from rosic.organiser.calendar import Calendar
 from rosic.organiser.calendar_conflicts import OutsideSlot, SlotTaken
-from rosic.organiser.occasions import SeriesLimits, occasion
+from rosic.organiser.recurrence import SeriesLimits, occasion
 from tests.organiser.booking import HOUR, MIN, NOW, VIENNA, S, a_calendar, booked, write
 
 # ---- booking ----
@@ -74,8 +74,10 @@ def test_slots_may_touch_and_other_robots_do_not_matter() -> None:
     booked(calendar, NOW, who="cem")
     booked(calendar, NOW + HOUR, who="cem", robot="omni")
     assert [slot.principal for slot in calendar.on("kuka1", NOW, NOW + 9 * HOUR)] == [
-        "cem", "ann", "ben",
-    ]  # fmt: skip
+        "cem",
+        "ann",
+        "ben",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -35,8 +35,11 @@ def test_a_slot_rings_four_times() -> None:
         assert not event.overtaken
         rung.append((event.kind, event.left_s, (event.at_ns - NOW) // MIN))
     assert rung == [
-        ("start", 3600, 60), ("warning", 300, 115), ("warning", 60, 119), ("end", 0, 120),
-    ]  # fmt: skip
+        ("start", 3600, 60),
+        ("warning", 300, 115),
+        ("warning", 60, 119),
+        ("end", 0, 120),
+    ]
 
 
 def test_a_short_slot_has_no_warning_before_its_start() -> None:
@@ -58,8 +61,9 @@ def test_one_persons_end_comes_before_the_next_ones_start() -> None:
     calendar.due(NOW + HOUR - 1)
     events = calendar.due(NOW + HOUR)
     assert [(event.kind, event.slot.principal) for event in events] == [
-        ("end", "ann"), ("start", "ben"),
-    ]  # fmt: skip
+        ("end", "ann"),
+        ("start", "ben"),
+    ]
 
 
 def test_after_a_pause_all_of_it_comes_in_order_and_only_the_last_is_not_overtaken() -> None:

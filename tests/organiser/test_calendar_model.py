@@ -17,7 +17,7 @@ from rosic.core.slot import BookedSlot, Pattern
 from rosic.errors import Refusal
 from rosic.organiser.calendar import Calendar
 from rosic.organiser.calendar_conflicts import SlotTaken
-from rosic.organiser.timeline import Timeline
+from rosic.organiser.calendar_index import Timeline
 from rosic.testing.clock import ManualClock
 from tests.organiser.booking import MIN, NOW, VIENNA, S
 
@@ -43,7 +43,7 @@ OPS = st.lists(
         st.tuples(st.just("restart")),
     ),
     max_size=25,
-)  # fmt: skip
+)
 
 
 class Naive:
@@ -71,9 +71,10 @@ class Naive:
         others = [s for s in self.of_robot(robot) if s.principal != principal]
         starts = sorted({start, *(s.end_ns for s in others if s.end_ns > start)})
         return next(
-            at for at in starts
+            at
+            for at in starts
             if not any(s.start_ns < at + length and at < s.end_ns for s in others)
-        )  # fmt: skip
+        )
 
     def may(self, principal: str, robot: str, now: int, *, required: bool) -> bool:
         slot = self.present(robot, now)

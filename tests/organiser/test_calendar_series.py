@@ -15,8 +15,7 @@ from rosic.core.local_time import LocalTime
 from rosic.core.slot import Pattern
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, TooManyRequests
 from rosic.organiser.calendar_conflicts import SlotTaken
-from rosic.organiser.occasions import SeriesLimits, occasion, occasions
-from rosic.organiser.recurrence import occurrences, read_rule
+from rosic.organiser.recurrence import SeriesLimits, occasion, occasions, occurrences, read_rule
 from rosic.organiser.timezones import Zone, no_such_zone, zone_named
 from tests.organiser.booking import HOUR, NOW, VIENNA, S, a_calendar, booked, write
 
@@ -282,8 +281,10 @@ def test_a_series_is_booked_as_a_whole() -> None:
     assert (series.pattern, series.by) == (a_pattern(), "ben")
     assert {slot.series for slot in slots} == {series.id}
     assert [VIENNA.local(slot.start_ns).date_text() for slot in slots] == [
-        "2026-11-24", "2026-12-01", "2026-12-08",
-    ]  # fmt: skip
+        "2026-11-24",
+        "2026-12-01",
+        "2026-12-08",
+    ]
     assert all(slot.end_ns - slot.start_ns == HOUR for slot in slots)
 
 

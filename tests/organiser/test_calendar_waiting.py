@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from rosic.core.records import Fact
 from rosic.errors import Expired, OutOfBounds, RobotTaken
-from rosic.organiser import waiting_messages
+from rosic.organiser import wait_queue
 from rosic.organiser.wait_queue import TurnOffer, WaitingLimits, WaitingList
 from rosic.testing.clock import ManualClock
 from tests.organiser.booking import HOUR, MIN, NOW, VIENNA, S
@@ -155,10 +155,10 @@ def test_about_when_it_is_somebodys_turn() -> None:
     about = waiting.estimate_ns("ben", "kuka1", free_ns)
     assert about == free_ns + 1800 * S
     assert waiting.estimate_ns("dan", "kuka1", free_ns) is None
-    assert waiting_messages.your_place("KUKA iiwa", 2, about, NOW, VIENNA) == (
+    assert wait_queue.your_place("KUKA iiwa", 2, about, NOW, VIENNA) == (
         "You are number 2 in the queue for KUKA iiwa: about 11:30."
     )
-    assert "tap" in waiting_messages.your_turn("KUKA iiwa", 60.0).lower()
+    assert "tap" in wait_queue.your_turn("KUKA iiwa", 60.0).lower()
 
 
 @settings(max_examples=150)

@@ -41,10 +41,11 @@ def test_the_index_of_fairness() -> None:
 
 def test_a_plan_as_it_is_read() -> None:
     problem = a_problem(
-        a_wish("a", 90, at(9), at(11), person="p1"), a_wish("b", 30, at(9), at(11), person="p2"),
+        a_wish("a", 90, at(9), at(11), person="p1"),
+        a_wish("b", 30, at(9), at(11), person="p2"),
         a_wish("c", 30, at(9, day=1), at(10, day=1), person="p2", robots="yumi"),
         a_wish("d", 60, at(9), at(11), person="p3"),
-    )  # fmt: skip
+    )
 
     text = plan_text(propose(problem), name_of={"p1": "Ann", "p2": "Bob", "p3": "Cem"}.__getitem__)
 

@@ -95,9 +95,10 @@ async def test_a_robot_and_a_role_have_buckets_of_their_own() -> None:
 
 def test_whose_limit_it_is_is_said() -> None:
     desk = Desk(
-        RateLimit(burst=3, per_s=0.5), robot=RateLimit(burst=1, per_s=0.01),
+        RateLimit(burst=3, per_s=0.5),
+        robot=RateLimit(burst=1, per_s=0.01),
         role=RateLimit(burst=1, per_s=0.0001),
-    )  # fmt: skip
+    )
     assert desk.robot()
     assert desk.role()
     said = str(desk.rates.spend("ada", 1.0, [("omni", 1.0)], ()))

@@ -30,11 +30,13 @@ NAMES = WishNames(ROBOTS, VIENNA, {"Ann": "p1", "Bob": "p2"})
 
 def test_a_table_is_read() -> None:
     read = wishes_from_csv(
-        "\ufeff" + HEADING
+        "\ufeff"
+        + HEADING
         + "Ann,kuka1,90,2026-11-02 14:00,2026-11-02 16:00,2\n\n"
         + '"Bob",arms,1 h 30 min,2026-11-03,2026-11-04,\n',
-        "week.csv", NAMES,
-    )  # fmt: skip
+        "week.csv",
+        NAMES,
+    )
 
     ann, bob = read.wishes
     assert read.complaints == ()
@@ -164,9 +166,13 @@ def test_a_list_that_is_none(text: str, complaint: str) -> None:
 def test_strange_values_give_sentences_too() -> None:
     strange: list[object] = [None, True, 1.5, [], {}, [1], "\x00", "\ud800", 10**30]
     fine = {
-        "person": "Ann", "robots": "yumi", "length": 30, "earliest": "2026-11-02",
-        "latest": "2026-11-03", "priority": 1,
-    }  # fmt: skip
+        "person": "Ann",
+        "robots": "yumi",
+        "length": 30,
+        "earliest": "2026-11-02",
+        "latest": "2026-11-03",
+        "priority": 1,
+    }
     for key in fine:
         for value in strange:
             read = wishes_from_json(json.dumps([fine | {key: value}]), "f", NAMES)
@@ -212,9 +218,10 @@ def test_a_slot_is_as_long_as_it_says_on_the_day_the_clocks_change(day: str, rea
     read = wishes_from_csv(HEADING + lines, "f", NAMES)
     year, month, date = map(int, day.split("-"))
     problem = PlanningProblem(
-        wishes=read.wishes, robots=("yumi",),
+        wishes=read.wishes,
+        robots=("yumi",),
         openings=opening_hours(days(LocalTime(year, month, date), 1), 0, 24 * 60, VIENNA),
-    )  # fmt: skip
+    )
 
     assert read.complaints == (f"f:3: The window is shorter than {real_min + 30}.",)
     for plan in (first_come_first_served(problem), propose(problem)):

@@ -18,7 +18,19 @@ from tests.planted.faults_of_telling import OF_TELLING
 from tests.planted.messenger_faults import MESSENGER_FAULTS
 
 ALL = (
-    *FAULTS, *OF_ORDERS, *OF_DISPATCH, *OF_CARDS, *OF_TELLING, *OF_ALERTS, *OF_AMONG, *OF_FLEET,
-    *OF_TASKS, *OF_KEEPING, *OF_BREAKS, *OF_CANCELLING, *OF_BUSY, *OF_READING,
+    *FAULTS,
+    *OF_ORDERS,
+    *OF_DISPATCH,
+    *OF_CARDS,
+    *OF_TELLING,
+    *OF_ALERTS,
+    *OF_AMONG,
+    *OF_FLEET,
+    *OF_TASKS,
+    *OF_KEEPING,
+    *OF_BREAKS,
+    *OF_CANCELLING,
+    *OF_BUSY,
+    *OF_READING,
     *MESSENGER_FAULTS,
-)  # fmt: skip
+)

@@ -256,7 +256,7 @@ FAULTS = (
     ),
     Fault(
         name="I5 what waited over a stop moves after the resume",
-        file="gateway/requesting.py",
+        file="gateway/requests.py",
         guard=(
             "if inbound.received_ns <= stopped.at_ns and not stopped.latched "
             "and request.skill.actuates:"

@@ -34,14 +34,14 @@ OF_ALERTS = (
     ),
     Fault(
         name="whoever is locked hears of alarms",
-        file="features/alerts/circles.py",
+        file="features/alerts/recipients.py",
         guard="            and who not in self._organiser.locked\n",
         without="",
         caught_by=(f"{ALERTS}::test_whoever_is_locked_or_whose_key_is_over_is_not_told",),
     ),
     Fault(
         name="whoever only looks answers an alarm for all",
-        file="features/alerts/circles.py",
+        file="features/alerts/recipients.py",
         guard="return self._organiser.why_not_move(who, robot) is None",
         without="return True",
         caught_by=(f"{ALERTS}::test_whoever_may_only_look_is_not_told_and_cannot_answer",),
@@ -115,7 +115,7 @@ OF_ALERTS = (
     ),
     Fault(
         name="whoever only looks has seen alarms of many for all",
-        file="features/alerts/reacting.py",
+        file="features/alerts/commands.py",
         guard="[f for f in meant if circles.may_acknowledge(who, f.rule.robot)]",
         without="meant",
         caught_by=(f"{REACTIONS}::test_who_may_only_look_is_told_once_why_it_does_not_count",),

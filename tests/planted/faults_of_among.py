@@ -61,21 +61,21 @@ OF_AMONG = (
     ),
     Fault(
         name="a chain of answers has no end",
-        file="features/robot_to_robot/guard.py",
+        file="features/robot_to_robot/inbox.py",
         guard="return hops <= HOPS_AT_MOST and ",
         without="return ",
         caught_by=(f"{GUARD}::test_a_chain_of_answers_ends_and_is_told_once",),
     ),
     Fault(
         name="robots that do not say why they speak answer each other for ever",
-        file="features/robot_to_robot/guard.py",
+        file="features/robot_to_robot/inbox.py",
         guard="self._bucket(one, other, now_ns).take(now_ns) == 0",
         without="self._bucket(one, other, now_ns) is not None",
         caught_by=(f"{GUARD}::test_who_hides_why_it_speaks_is_cut_by_the_budget_of_the_pair",),
     ),
     Fault(
         name="a cut is told again and again",
-        file="features/robot_to_robot/guard.py",
+        file="features/robot_to_robot/inbox.py",
         guard="news = pair not in self._last_cut_ns",
         without="news = True",
         caught_by=(

@@ -110,7 +110,9 @@ OF_CANCELLING = (
         file="organiser/why_stopped.py",
         guard="own = stops[robot].own == principal",
         without="own = True",
-        caught_by=(f"{OWN_STOP}::test_a_stop_of_everything_stays_though_ones_own_robot_is_among_it",),
+        caught_by=(
+            f"{OWN_STOP}::test_a_stop_of_everything_stays_though_ones_own_robot_is_among_it",
+        ),
     ),
     Fault(
         name="I5 the operator's resume undoes a stop that came meanwhile",
@@ -141,7 +143,9 @@ OF_CANCELLING = (
         file="gateway/order_execution.py",
         guard='            and principal in {"", entry.order.permit.principal}\n',
         without="",
-        caught_by=(f"{OWN_STOP}::test_of_a_group_only_what_carries_ones_own_order_out_is_ones_own",
-                   f"{OWN_STOP}::test_the_stop_beneath_somebody_elses_order_stays"),
+        caught_by=(
+            f"{OWN_STOP}::test_of_a_group_only_what_carries_ones_own_order_out_is_ones_own",
+            f"{OWN_STOP}::test_the_stop_beneath_somebody_elses_order_stays",
+        ),
     ),
-)  # fmt: skip
+)

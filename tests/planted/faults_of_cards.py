@@ -24,7 +24,7 @@ OF_CARDS = (
     ),
     Fault(
         name="I11 a card repeats what somebody wrote to a robot",
-        file="features/dashboard/glimpses.py",
+        file="features/dashboard/dashboard.py",
         guard="if any(parameter.text for parameter in skill.parameters.values()):",
         without="if False:",
         caught_by=(f"{OWNED}::test_what_somebody_says_to_a_robot_is_not_repeated_to_others",),

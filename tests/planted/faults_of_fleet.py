@@ -112,14 +112,14 @@ OF_TASKS = (
     ),
     Fault(
         name="I16 a task confirms by itself",
-        file="features/fleet/reading.py",
+        file="features/fleet/task_parser.py",
         guard="        if organiser.rights.caution(robot, skill.id).needs:\n",
         without="        if False:\n",
         caught_by=(f"{TASKS}::test_what_wants_a_tap_is_not_given_as_a_task",),
     ),
     Fault(
         name="a lost robot's late answer moves it again",
-        file="features/fleet/recalling.py",
+        file="features/fleet/attempt.py",
         guard='        self._hands.stop_lane.stop_robots((robot,), "")\n',
         without="",
         caught_by=(
@@ -163,7 +163,7 @@ OF_TASKS = (
     ),
     Fault(
         name="what a robot worked is forgotten when it is given an order at work",
-        file="features/fleet/usage.py",
+        file="features/fleet/overview.py",
         guard="            if not (robot.held or robot.ordered):\n",
         without="            if True:\n",
         caught_by=(f"{USAGE}::test_each_second_counts_once_whatever_begins_and_ends_in_it",),
@@ -248,7 +248,7 @@ OF_TASKS = (
     ),
     Fault(
         name="a part is late before it could begin",
-        file="features/fleet/deadlines.py",
+        file="features/fleet/monitor.py",
         guard="if not task.due.lasts_ns or not fleet.ready(task):",
         without="if not task.due.lasts_ns:",
         caught_by=(

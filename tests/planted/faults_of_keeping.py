@@ -228,7 +228,7 @@ OF_KEEPING = (
     ),
     Fault(
         name="digests of robots bypass the archive",
-        file="app/fellows.py",
+        file="app/robot_to_robot_feature.py",
         guard="teller, reach.messengers)",
         without="teller, parts.messengers)",
         caught_by=(

@@ -56,7 +56,7 @@ OF_READING = (
     Fault(
         name="L2 posts where nobody was met are searched before anything is followed",
         file="messengers/telegram/reading.py",
-        guard="if self.serves(Chat(mapping.PLATFORM, str(message.chat.id))) else UNMET",
+        guard="if self.serves(Chat(incoming.PLATFORM, str(message.chat.id))) else UNMET",
         without="if True else UNMET",
         caught_by=(f"{STEPS}::test_a_stop_behind_a_mix_is_found_as_soon_as_it_is_handed_over",),
     ),
@@ -206,7 +206,7 @@ OF_READING = (
     ),
     Fault(
         name="I1 a line has another place to the bot that another line names",
-        file="gateway/requesting.py",
+        file="gateway/requests.py",
         guard="    if inbound.written:",
         without="    if False:",
         caught_by=(f"{TWO_BOTS}::test_in_a_group_a_line_is_the_same_whichever_bot_is_named",),

@@ -21,7 +21,7 @@ OF_TELLING = (
     ),
     Fault(
         name="I1 two taps on what is nobody's are one",
-        file="gateway/requesting.py",
+        file="gateway/requests.py",
         guard="if nonce is not None and not nonce.startswith(OPEN):",
         without="if nonce is not None:",
         caught_by=(

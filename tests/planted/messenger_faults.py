@@ -48,7 +48,7 @@ MESSENGER_FAULTS = (
     ),
     Fault(
         name="I1 a message is known without the bot that received it",
-        file="gateway/requesting.py",
+        file="gateway/requests.py",
         guard="    if inbound.account:\n",
         without="    if False:\n",
         caught_by=(f"{TWO_BOTS}::test_messages_of_the_same_number_to_two_bots_are_two_commands",),
@@ -96,7 +96,7 @@ MESSENGER_FAULTS = (
     ),
     Fault(
         name="429 a gesture does not wait where Telegram asked to wait",
-        file="messengers/telegram/reactions.py",
+        file="messengers/telegram/messenger.py",
         guard="        await self._limiter.obey(str(where))\n        await self._line.ask(",
         without="        await self._line.ask(",
         caught_by=(

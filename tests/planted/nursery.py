@@ -26,10 +26,20 @@ if TYPE_CHECKING:
 
 # What is missing here is loaded in each run that needs it, and takes its time.
 WARM = (
-    "hypothesis", "hypothesis.strategies", "hypothesis.internal.conjecture.engine", "nacl.pwhash",
-    "nacl.secret", "PIL.Image", "scipy.optimize", "segno", "sqlalchemy", "telegram", "telegram.ext",
-    "aiohttp.web", "yaml",
-)  # fmt: skip
+    "hypothesis",
+    "hypothesis.strategies",
+    "hypothesis.internal.conjecture.engine",
+    "nacl.pwhash",
+    "nacl.secret",
+    "PIL.Image",
+    "scipy.optimize",
+    "segno",
+    "sqlalchemy",
+    "telegram",
+    "telegram.ext",
+    "aiohttp.web",
+    "yaml",
+)
 # The rewriting of assertions wants to see plugins before they are loaded. It need not see these.
 QUIETLY = ("-W", "ignore::pytest.PytestAssertRewriteWarning")
 

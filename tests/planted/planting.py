@@ -89,13 +89,18 @@ def assert_caught(fault: Fault, folder: Path, nursery: Nursery) -> None:
     log = folder / "log"
     run = Run(
         arguments=(
-            "-q", "-x", "--tb=line", "-p", SAYS_WHERE, "--hypothesis-profile=unread",
+            "-q",
+            "-x",
+            "--tb=line",
+            "-p",
+            SAYS_WHERE,
+            "--hypothesis-profile=unread",
             *fault.caught_by,
         ),
         paths=(str(source), str(folder)),
         log=str(log),
         within_s=ceil(WITHIN_S * pace()),
-    )  # fmt: skip
+    )
     status, said = nursery.end_of(run), log.read_text()
     assert status == pytest.ExitCode.TESTS_FAILED, f"nothing noticed: {fault.name}\n{said[-2500:]}"
     assert f"source: {source}" in said, "the planted source was not what ran"

@@ -44,10 +44,15 @@ CURVE = Curve("omni: battery", "%", tuple((i - 60.0, 80 - i / 10) for i in range
 WAY = PathView("omni: move", tuple(Pose(i / 10, 0.2, yaw_rad=0) for i in range(10)))
 WAYS = PathsView("swarm", (WAY, PathView("cf1", (Pose(0, 0), Pose(0.4, 0.9)))))
 ROOM = Scene(
-    (Box((0, 0, 0.5), (1, 1, 1), (200, 30, 30)), Ball((0, -1, 0.3), 0.2, (30, 30, 200)),
-     Tube((1, 0, 0), (1, 0, 1), 0.1, (30, 200, 30))),
-    (0.0, -5.0, 2.0), (0.0, 0.0, 0.5), labels=(Label("it", (0, 0, 1.2)),),
-)  # fmt: skip
+    (
+        Box((0, 0, 0.5), (1, 1, 1), (200, 30, 30)),
+        Ball((0, -1, 0.3), 0.2, (30, 30, 200)),
+        Tube((1, 0, 0), (1, 0, 1), 0.1, (30, 200, 30)),
+    ),
+    (0.0, -5.0, 2.0),
+    (0.0, 0.0, 0.5),
+    labels=(Label("it", (0, 0, 1.2)),),
+)
 
 
 def opened(drawing: Drawing) -> Image.Image:
@@ -124,11 +129,15 @@ def test_a_path_is_shown_and_its_end_marked() -> None:
 @pytest.mark.parametrize(
     "wrong",
     [
-        replace(GRID, cells=b"\0" * 799), replace(GRID, width=0), replace(GRID, cells=b""),
-        replace(GRID, resolution_m=0.0), replace(GRID, resolution_m=nan),
-        replace(GRID, origin=Pose(inf, 0)), replace(GRID, width=100_000, height=100_000),
+        replace(GRID, cells=b"\0" * 799),
+        replace(GRID, width=0),
+        replace(GRID, cells=b""),
+        replace(GRID, resolution_m=0.0),
+        replace(GRID, resolution_m=nan),
+        replace(GRID, origin=Pose(inf, 0)),
+        replace(GRID, width=100_000, height=100_000),
     ],
-)  # fmt: skip
+)
 def test_a_broken_map_is_refused(wrong: Grid) -> None:
     with pytest.raises(NothingToSee, match=r"^The map .*\.$"):
         draw(wrong)
@@ -248,12 +257,13 @@ def test_what_stands_before_hides_what_stands_behind() -> None:
 @pytest.mark.parametrize(
     "wrong",
     [
-        replace(ROOM, eye=(nan, 0, 0)), replace(ROOM, angle_rad=0.0),
+        replace(ROOM, eye=(nan, 0, 0)),
+        replace(ROOM, angle_rad=0.0),
         replace(ROOM, floor=(-1e6, -1e6, 1e6, 1e6)),
         replace(ROOM, solids=ROOM.solids * 300),
         replace(ROOM, solids=(Ball((nan, 0, 0), 0.1, (0, 0, 0)),)),
     ],
-)  # fmt: skip
+)
 def test_a_broken_scene_is_refused(wrong: Scene) -> None:
     with pytest.raises(NothingToSee, match=r"^The scene .*\.$"):
         draw(wrong)

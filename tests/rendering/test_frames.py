@@ -42,10 +42,13 @@ def test_a_compressed_frame_is_shown(kind: str) -> None:
 @pytest.mark.parametrize(
     ("encoding", "pixel"),
     [
-        ("rgb8", RED), ("bgr8", RED[::-1]), ("rgba8", (*RED, 255)), ("bgra8", (*RED[::-1], 255)),
+        ("rgb8", RED),
+        ("bgr8", RED[::-1]),
+        ("rgba8", (*RED, 255)),
+        ("bgra8", (*RED[::-1], 255)),
         ("8UC3", RED[::-1]),
     ],
-)  # fmt: skip
+)
 def test_bare_pixels_have_the_right_colours(encoding: str, pixel: tuple[int, ...]) -> None:
     row = bytes(pixel) * 8 + b"pad"
     shown = opened(draw(Raster(8, 8, encoding, len(row), row * 8)))

@@ -15,7 +15,7 @@ from rosic.core.synchronised_start import TOO_LATE_NS
 from rosic.errors import OrderVoid
 from rosic.system import SystemClock
 from rosic.testing.clock import ManualClock
-from rosic.testing.orders import OrderBook
+from rosic.testing.factories import OrderBook
 from rosic_sim.robots.robot import SimulatedRobot
 from rosic_sim.robots.theatre import theatre_of
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import chain, repeat
 from typing import TYPE_CHECKING
 
-from rosic.robots.ros2.client.two_clocks import CLOSE_NS, LOOKS, ahead_ns
+from rosic.robots.ros2.client.executor_thread import CLOSE_NS, LOOKS, ahead_ns
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

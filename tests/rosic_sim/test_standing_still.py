@@ -14,7 +14,7 @@ from rosic.core.order import Ending, Outcome
 from rosic.core.order_gate import OrderGate
 from rosic.core.robot.profile import Link
 from rosic.testing.clock import ManualClock
-from rosic.testing.orders import OrderBook
+from rosic.testing.factories import OrderBook
 from rosic_sim.robots.robot import SimulatedRobot
 from rosic_sim.robots.theatre import theatre_of
 
@@ -87,8 +87,10 @@ async def test_a_drone_that_follows_does_not_follow_on() -> None:
     clock = ManualClock()
     async with robot_of("cf1", clock) as leader, robot_of("cf2", clock) as follower:
         books = {r.profile.id: OrderBook(r.profile, clock) for r in (leader, follower)}
-        rising = [begun(r, books[r.profile.id].order("takeoff", {"height": 1.0}))
-                  for r in (leader, follower)]  # fmt: skip
+        rising = [
+            begun(r, books[r.profile.id].order("takeoff", {"height": 1.0}))
+            for r in (leader, follower)
+        ]
         await clock.advance(6.0)
         assert {(await up).ending for up in rising} == {Ending.DONE}
         following = begun(follower, books["cf2"].order("follow", FOLLOW))

@@ -15,7 +15,7 @@ from rosic.core.order_gate import OrderGate
 from rosic.core.robot.profile import Link
 from rosic.robots.ros2.client.node import station_of
 from rosic.system import SystemClock
-from rosic.testing.orders import OrderBook
+from rosic.testing.factories import OrderBook
 from rosic_sim.robots.robot import SimulatedRobot
 from rosic_sim.robots.theatre import theatre_of
 from tests.pace import pace

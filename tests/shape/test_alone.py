@@ -32,8 +32,12 @@ def run(folder: Path, **files: str) -> tuple[int, str]:
         path.write_text(text)
     ended = subprocess.run(  # noqa: S603 - our own interpreter
         [sys.executable, ROOT / "tests" / "alone.py", "-p", "no:cacheprovider", "tests"],
-        cwd=folder, capture_output=True, text=True, timeout=60, check=False,
-    )  # fmt: skip
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
     return ended.returncode, ended.stdout
 
 

@@ -131,6 +131,11 @@ def test_the_longest_files_come_first_and_are_there(tmp_path: Path) -> None:
     for how, first in ((shared_out, longest), (["-p", "no:xdist"], "tests/a/test_first.py")):
         done = subprocess.run(  # noqa: S603
             [sys.executable, "-m", "pytest", "-v", *how, "tests"],
-            cwd=tmp_path, env=own, capture_output=True, text=True, timeout=150, check=True,
-        )  # fmt: skip
+            cwd=tmp_path,
+            env=own,
+            capture_output=True,
+            text=True,
+            timeout=150,
+            check=True,
+        )
         assert re.findall(r"\btests/\S+\.py", done.stdout)[0] == first, done.stdout

@@ -30,13 +30,25 @@ ROOT = Path(__file__).parents[2]
 NOBODY = 65534
 WITHIN_S = 3_000
 PARTS = (
-    "tests/app", "tests/conformance", "tests/organiser", "tests/authoriser",
-    "tests/features/booking", "tests/features/access", "tests/container",
-    "tests/stores", "tests/testing", "tests/real/stores", "tests/real/telegram",
-    "tests/cli/test_control.py", "tests/cli/test_run.py", "tests/cli/test_running_access.py",
-    "tests/journeys/test_first_time.py", "tests/journeys/test_pictures.py",
-    "tests/journeys/test_card.py", "tests/journeys/test_stepping.py",
-)  # fmt: skip
+    "tests/app",
+    "tests/conformance",
+    "tests/organiser",
+    "tests/authoriser",
+    "tests/features/booking",
+    "tests/features/access",
+    "tests/container",
+    "tests/stores",
+    "tests/testing",
+    "tests/real/stores",
+    "tests/real/telegram",
+    "tests/cli/test_control.py",
+    "tests/cli/test_run.py",
+    "tests/cli/test_running_access.py",
+    "tests/journeys/test_first_time.py",
+    "tests/journeys/test_pictures.py",
+    "tests/journeys/test_card.py",
+    "tests/journeys/test_stepping.py",
+)
 
 
 class Day(NamedTuple):
@@ -105,8 +117,19 @@ def test_it_is_all_the_same(day: Day, checkout: Path, tmp_path: Path) -> None:
     log = tmp_path / "log"
     with log.open("w") as file:
         status = subprocess.run(  # noqa: S603 - our own tests
-            [*as_another(), sys.executable, "-m", "tests.alone", "-n", "4", "--dist", "loadfile",
-             "--no-loadscope-reorder", "-q", *PARTS],
+            [
+                *as_another(),
+                sys.executable,
+                "-m",
+                "tests.alone",
+                "-n",
+                "4",
+                "--dist",
+                "loadfile",
+                "--no-loadscope-reorder",
+                "-q",
+                *PARTS,
+            ],
             cwd=checkout,
             env=own | there,
             stdin=subprocess.DEVNULL,
@@ -114,7 +137,7 @@ def test_it_is_all_the_same(day: Day, checkout: Path, tmp_path: Path) -> None:
             stderr=subprocess.STDOUT,
             timeout=WITHIN_S * pace(),
             check=False,
-        ).returncode  # fmt: skip
+        ).returncode
     said = log.read_text()
     assert "cannot be preloaded" not in said
     assert status == 0, said[-20_000:]

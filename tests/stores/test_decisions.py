@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.errors import Repeated, StoreFault
+from rosic.stores.data_dir import StoreSettings
 from rosic.stores.database import AT_ONCE, DatabaseStore
 from rosic.stores.memory import MemoryStore
 from rosic.stores.record_mark import DATABASE
-from rosic.stores.settings import StoreSettings
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import ADA, a_claim, a_decision, a_fact, an_enrolment
 

@@ -13,10 +13,10 @@ import pytest
 from rosic.core.records import Letter
 from rosic.errors import Repeated, StoreFault
 from rosic.stores import sqlite
+from rosic.stores.data_dir import StoreSettings
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore
 from rosic.stores.record_mark import DATABASE
-from rosic.stores.settings import StoreSettings
 from rosic.stores.statements import TakePairs
 from rosic.stores.tables import facts
 from rosic.testing.clock import ManualClock
@@ -109,8 +109,13 @@ async def test_what_cannot_be_written_spoils_nobody_elses(tmp_path: Path) -> Non
     calls[2] = (a_fact("no text \ud800"),)
     calls[4] = (a_fact("0", b""), a_fact("no text", letter=Letter("\ud800", b"")))
     assert await answers(store, calls) == [
-        "NoneType", "NoneType", "StoreFault", "NoneType", "StoreFault", "NoneType"
-    ]  # fmt: skip
+        "NoneType",
+        "NoneType",
+        "StoreFault",
+        "NoneType",
+        "StoreFault",
+        "NoneType",
+    ]
     await store.close()
     store = a_store(tmp_path)
     assert [fact.key for fact in (await store.open()).facts["slot"]] == ["0", "1", "3", "5"]

@@ -53,8 +53,11 @@ async def test_the_newest_come_first_and_only_what_was_asked_about(
     first = everything[-1]
     assert (first.principal, first.robot, first.skill, first.at_ns) == (ADA, "omni", "move", 1_000)
     assert (first.outcome, first.ended_ns, first.letter, first.words) == (
-        "done", 2_000, b"asked", b"moved"
-    )  # fmt: skip
+        "done",
+        2_000,
+        b"asked",
+        b"moved",
+    )
     assert everything[1].outcome == "robot-taken"
     assert [e.principal for e in await store.history(HistoryQuery(principal=BO))] == [BO]
     assert [e.robot for e in await store.history(HistoryQuery(robot="kuka1"))] == ["kuka1"]
@@ -75,8 +78,10 @@ async def test_a_resume_that_had_no_effect_says_so(store: MemoryStore | Database
     await store.write(a_resumption("three"))
     entries = await store.history(HistoryQuery())
     assert [(e.kind, e.outcome) for e in entries] == [
-        ("resumed", ""), ("resumed", ""), ("resumed", "refused")
-    ]  # fmt: skip
+        ("resumed", ""),
+        ("resumed", ""),
+        ("resumed", "refused"),
+    ]
     await store.close()
 
 

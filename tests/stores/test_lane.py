@@ -141,9 +141,13 @@ class Slow(Desk):
 
     def urgent_lane(self, queue_max: int) -> WriteThread[str]:
         lane: WriteThread[str] = WriteThread(
-            "desk", self.settle, finish=self.finish, group_max=10, queue_max=queue_max,
+            "desk",
+            self.settle,
+            finish=self.finish,
+            group_max=10,
+            queue_max=queue_max,
             urgent=lambda content: content.startswith("!"),
-        )  # fmt: skip
+        )
         lane.start()
         return lane
 

@@ -379,8 +379,9 @@ async def test_a_stop_overwrites_the_place_of_its_own_robot_only(tmp_path: Path)
     latch = await a_latch(path)
     before = path.read_bytes()
     other = slots.SlotState("kuka1", 9, latched=True)
-    damage(path, lambda content: content.__setitem__(slice(STATE, STATE + 64),
-                                                     slots.pack_state(other)))  # fmt: skip
+    damage(
+        path, lambda content: content.__setitem__(slice(STATE, STATE + 64), slots.pack_state(other))
+    )
     await latch.write("omni", 4, latched=True)
     await latch.close()
     assert path.read_bytes() != before

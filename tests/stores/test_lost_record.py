@@ -96,9 +96,15 @@ def with_a_damaged_mark(folder: Path) -> None:
 
 
 LOSSES = (
-    without_database, emptied, without_tables, without_tables_and_mark, only_the_stop_file,
-    only_the_key, without_its_mark, with_a_damaged_mark,
-)  # fmt: skip
+    without_database,
+    emptied,
+    without_tables,
+    without_tables_and_mark,
+    only_the_stop_file,
+    only_the_key,
+    without_its_mark,
+    with_a_damaged_mark,
+)
 
 
 def content(folder: Path) -> dict[str, bytes]:

@@ -16,12 +16,11 @@ from alembic.script import ScriptDirectory
 from rosic.core.records import Memory
 from rosic.errors import ConfigurationError
 from rosic.stores import decoding, migrate, sqlite, tables
-from rosic.stores.data_dir import LOCK
+from rosic.stores.data_dir import LOCK, StoreSettings
 from rosic.stores.database import DatabaseStore
 from rosic.stores.encryption import RootKey
 from rosic.stores.record_mark import DATABASE
 from rosic.stores.root_key import ROOT_KEY
-from rosic.stores.settings import StoreSettings
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import a_claim
 

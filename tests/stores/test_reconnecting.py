@@ -13,9 +13,9 @@ import pytest
 
 from rosic.core.records import Letter
 from rosic.errors import Repeated, StoreFault
+from rosic.stores.data_dir import StoreSettings
 from rosic.stores.database import DatabaseStore
 from rosic.stores.record_mark import DATABASE
-from rosic.stores.settings import StoreSettings
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import ADA, a_claim, a_stop, an_id
 
@@ -117,9 +117,13 @@ async def test_a_file_that_was_damaged_meanwhile_is_said_to_be(tmp_path: Path) -
     assert not (tmp_path / LOG).exists(), "nobody has it open any more"
     (tmp_path / DATABASE).write_bytes(b"no database" * 1000)
     for attempt in (
-        lambda: store.write(a_claim(1)), lambda: store.write(a_claim(2)), store.prune,
-        lambda: store.shred(ADA), lambda: store.decisions(9), lambda: store.forget_decisions(1),
-    ):  # fmt: skip
+        lambda: store.write(a_claim(1)),
+        lambda: store.write(a_claim(2)),
+        store.prune,
+        lambda: store.shred(ADA),
+        lambda: store.decisions(9),
+        lambda: store.forget_decisions(1),
+    ):
         with pytest.raises(StoreFault, match="The record is damaged"):
             await attempt()
     await store.close()

@@ -215,8 +215,9 @@ def test_a_credential_that_was_not_handed_over_after_all_is_none(tmp_path: Path)
     (tmp_path / "data").mkdir()
     words = secret_file(tmp_path / "words", WORDS)
     environ = {
-        "CREDENTIALS_DIRECTORY": str(tmp_path / "credentials"), "ROSIC_PASSPHRASE_FILE": str(words),
-    }  # fmt: skip
+        "CREDENTIALS_DIRECTORY": str(tmp_path / "credentials"),
+        "ROSIC_PASSPHRASE_FILE": str(words),
+    }
     root_of(tmp_path / "data", environ, begun=False)
     assert (tmp_path / "data" / SALT).exists()
 
@@ -237,9 +238,14 @@ def test_a_passphrase_has_a_longest_length(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("nothing_stays_open")
 @pytest.mark.parametrize(
     ("size", "mode", "why"),
-    [(31, 0o600, "damaged"), (33, 0o600, "damaged"), (32, 0o640, "can be read by others"),
-     (32, 0o604, "can be read by others"), (32, 0o601, "can be read by others")],
-)  # fmt: skip
+    [
+        (31, 0o600, "damaged"),
+        (33, 0o600, "damaged"),
+        (32, 0o640, "can be read by others"),
+        (32, 0o604, "can be read by others"),
+        (32, 0o601, "can be read by others"),
+    ],
+)
 def test_what_is_not_a_key_of_the_owner_alone_is_refused(
     size: int, mode: int, why: str, tmp_path: Path
 ) -> None:

@@ -11,10 +11,10 @@ import pytest
 
 from rosic.core.records import Letter, Record
 from rosic.errors import Repeated
+from rosic.stores.data_dir import StoreSettings
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore
 from rosic.stores.record_mark import DATABASE
-from rosic.stores.settings import StoreSettings
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import (
     ADA,
@@ -107,8 +107,10 @@ async def test_a_usual_life_costs_four_rows(tmp_path: Path) -> None:
     await store.write(a_claim("first"))
     await store.close()
     with closing(sqlite3.connect(tmp_path / DATABASE)) as database:
-        tables = [name for (name,) in database.execute("SELECT name FROM sqlite_schema"
-                  " WHERE type = 'table'")]  # fmt: skip
+        tables = [
+            name
+            for (name,) in database.execute("SELECT name FROM sqlite_schema WHERE type = 'table'")
+        ]
     before = {table: count(tmp_path, table) for table in tables}
     store = a_store(tmp_path)
     await store.open()

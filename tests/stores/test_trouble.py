@@ -11,9 +11,9 @@ import pytest
 
 from rosic.core.records import Fact, Letter
 from rosic.errors import Repeated, StoreFault
+from rosic.stores.data_dir import StoreSettings
 from rosic.stores.database import DatabaseStore
 from rosic.stores.record_mark import DATABASE
-from rosic.stores.settings import StoreSettings
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import (
     ADA,

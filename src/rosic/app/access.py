@@ -25,7 +25,7 @@ from rosic.features.dashboard.dashboard import KIND as CARD
 from rosic.gateway.transactions import Transactions
 from rosic.organiser.access_requests import PETITION, AccessRequests
 from rosic.organiser.grants import GRANT
-from rosic.organiser.grounds import AccessState
+from rosic.organiser.organiser import AccessState
 from rosic.organiser.planning.wishes import WISH, Wishes
 from rosic.organiser.rate_limits import KIND as RATE
 from rosic.organiser.roles import ROLE
@@ -33,10 +33,9 @@ from rosic.organiser.wait_queue import WAITING, WaitingList
 
 if TYPE_CHECKING:
     from rosic.app.policy import PolicyService
-    from rosic.authoriser.invitation import InvitedRights
+    from rosic.authoriser.invitations import InvitedRights
     from rosic.authoriser.monotonic_clock import MonotonicWallClock
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Fact, Memory
@@ -70,9 +69,13 @@ class AccessFeature:
     """
 
     def __init__(
-        self, authoriser: Authoriser, authority: PolicyService, store: Store, entropy: Entropy,
+        self,
+        authoriser: Authoriser,
+        authority: PolicyService,
+        store: Store,
+        entropy: Entropy,
         place: str,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.changes = Transactions(store)
         self.cards: tuple[Fact, ...] = ()
         self.keys = authoriser.keys
@@ -80,9 +83,13 @@ class AccessFeature:
         self.locks = Locks(self.time)
         self.may_invite: Deferred[[PrincipalId, InvitedRights], bool] = Deferred(_nobody_invites)
         self.enrolment = Enrolment(
-            authoriser.directory, self.locks, self.time, entropy, self.tally,
+            authoriser.directory,
+            self.locks,
+            self.time,
+            entropy,
+            self.tally,
             EnrolmentRules(self.may_invite),
-        )  # fmt: skip
+        )
         self.stepup = TwoFactor(self.time, entropy, self.tally, place=place)
         self.misuse = AbuseDetector(
             self.time, AbuseLimits(), only_admin=self.is_only_admin, name=authoriser.directory.name

@@ -7,6 +7,7 @@ erasing what a robot's container holds does not make the robot go.
 from __future__ import annotations
 
 import logging
+import re
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
@@ -14,17 +15,37 @@ import msgspec
 
 from rosic.config.profile_validation import clash
 from rosic.config.profiles import read_profile_text
+from rosic.core import messages as core_words
+from rosic.core.i18n import joined
 from rosic.core.language.compiled import fold
+from rosic.core.policy.scope import FLEET, GRANT
 from rosic.core.records import Fact
-from rosic.errors import NotUnderstood
+from rosic.errors import NotPermitted, NotUnderstood
+from rosic.features.access.admin_policy import FOR_GOOD_NS
+from rosic.features.files.content import content_of
 from rosic.features.fleet import newcomers_messages as words
+from rosic.features.fleet.task_commands import ASSIGN
+from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import check_private
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from rosic.app.gateway import Gateway
+    from rosic.app.robot_registry import RobotRegistry
     from rosic.config.profiles import ReadProfile
+    from rosic.container.files import StoredFile
+    from rosic.core.identity import PrincipalId
     from rosic.core.language import UnitTable
+    from rosic.core.message import Button
     from rosic.core.robot.profile import Profile
+    from rosic.features.files.upload import Offer
+    from rosic.features.personal_data.context import ContainerContext
+    from rosic.gateway.office import CommandContext
+    from rosic.organiser.organiser import Organiser
+
+
+# ---- robots that were added while a gateway ran: on the record, with their profiles ----
 
 KIND: Final = "robot"
 TEXT_BYTES: Final = 131_072
@@ -144,3 +165,111 @@ def _recalled(fact: Fact, units: UnitTable) -> Profile | None:
         log.warning("%s, added earlier, is left out: %s", fact.key, why)
         return None
     return profile if profile.id == fact.key else None
+
+
+DIGEST_LETTERS: Final = 16
+AS: Final = "as"
+_DIGEST: Final = re.compile(rf"[0-9a-f]{{{DIGEST_LETTERS}}}", re.IGNORECASE)
+
+
+class AddRobotFromChat:
+    """Adds robots for whoever may both assign tasks and give rights: rights reach it at once.
+
+    Args:
+        enlisting: Adds them.
+        holdings: Where people's files are.
+        organiser: Says who may.
+    """
+
+    def __init__(
+        self, enlisting: RobotRegistry, holdings: ContainerContext, organiser: Organiser
+    ) -> None:
+        self._enlisting = enlisting
+        self._holdings = holdings
+        self._organiser = organiser
+
+    def offering(self, others: Offer) -> Offer:
+        """Return what may be done with a file that was sent, besides what others offer."""
+
+        def offer(principal: PrincipalId, filed: StoredFile) -> list[Button]:
+            mine = filed.name.casefold().endswith(words.SUFFIXES) and self._may(principal)
+            added = [words.add_button(filed.name)] if mine else []
+            return [*others(principal, filed), *added]
+
+        return offer
+
+    async def add(self, asked: CommandContext, said: str) -> Reply:
+        """Show what a profile would add, or add what was shown.
+
+        Args:
+            asked: By whom.
+            said: The name of a file of theirs; ``as`` a role, if the robot is to speak with the
+                others; and the beginning of its digest once it was shown.
+
+        Raises:
+            Refusal: Why not; nothing was changed.
+        """
+        check_private(asked)
+        principal = asked.caller.principal
+        if not self._may(principal):
+            raise NotPermitted(words.MAY_NOT)
+        name, role, shown = _read(said)
+        if role and not self._may(principal, FOR_GOOD_NS):
+            raise NotPermitted(words.ROLE_FOR_GOOD)
+        filed = self._holdings.files.find(principal, name)
+        draft = await self._draft(filed)
+        profile, advice = await self._enlisting.check(draft, role)
+        _check_folders(profile)
+        digest = filed.digest.hex()[:DIGEST_LETTERS]
+        if not shown:
+            asks = (words.would_add(profile), words.would_speak(filed.name, role))
+            text = joined("\n", (*asks, core_words.help_for(profile), *advice))
+            return Reply(text, words.confirm_buttons(filed.name, role, digest))
+        if shown != digest:
+            raise NotUnderstood(words.CHANGED, offers=(words.add_command(filed.name, role),))
+        return Reply(await self._enlisting.add(draft, principal, role), about=profile.id)
+
+    def _may(self, principal: PrincipalId, at_ns: int | None = None) -> bool:
+        organiser = self._organiser
+        now_ns = organiser.wall_ns() if at_ns is None else at_ns
+        return all(organiser.rights.holds(principal, FLEET, w, now_ns) for w in (ASSIGN, GRANT))
+
+    async def _draft(self, filed: StoredFile) -> Draft:
+        if filed.size > TEXT_BYTES:
+            raise NotUnderstood(words.TOO_LONG)
+        content = await content_of(self._holdings.vault, filed)
+        try:
+            return Draft(text=content.decode("utf-8-sig"), name=filed.name)
+        except UnicodeDecodeError:
+            raise NotUnderstood(words.NO_TEXT) from None
+
+
+def _read(said: str) -> tuple[str, str, str]:
+    """Return the file, the role and the digest that were said; empty where they were not."""
+    words_said, role, digest = said.split(), "", ""
+    if len(words_said) > 1 and _DIGEST.fullmatch(words_said[-1]):
+        digest = words_said.pop().casefold()
+    *name, last_but_one, last = ("", "", *words_said)
+    if any(name) and last_but_one.casefold() == AS and "." not in last:
+        words_said, role = words_said[:-2], last
+    return " ".join(words_said), role, digest
+
+
+def newcomers_of(gateway: Gateway) -> None:
+    """Let robots be added from files, where files are kept."""
+    holding = gateway.holding
+    if holding.holdings is not None and holding.receiving is not None:
+        newcomers = AddRobotFromChat(gateway.enlisting, holding.holdings, gateway.rooms.organiser)
+        gateway.furnishing.fleet.robots.newcomer = newcomers.add
+        holding.receiving.offer = newcomers.offering(holding.receiving.offer)
+
+
+def _check_folders(profile: Profile) -> None:
+    """See that a profile from a chat names no folder of this computer.
+
+    Raises:
+        NotPermitted: It does; whoever may that in a chat could write anywhere here.
+    """
+    files = profile.files
+    if files is not None and (files.inbox or files.outbox):
+        raise NotPermitted(words.names_folders(profile.shown))

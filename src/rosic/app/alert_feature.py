@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from functools import partial
-from typing import TYPE_CHECKING
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, cast
 
 from rosic.app.people import Seed, named_in_file
 from rosic.config.validation import ValidationFinding
@@ -12,29 +14,38 @@ from rosic.contracts.messenger import watch_reactions
 from rosic.core.alerts.rule import read_run, rules_of
 from rosic.features.alerts.absences import Absences
 from rosic.features.alerts.actions import AlertActions
-from rosic.features.alerts.active_alerts import TOLD
-from rosic.features.alerts.book import ALARM, MUTE, RUN, AlertLog
+from rosic.features.alerts.active_alerts import ALARM, MUTE, RUN, TOLD, AlertLog
 from rosic.features.alerts.broken_stops import BrokenStops
-from rosic.features.alerts.circles import Recipients
-from rosic.features.alerts.commands import AlertCommands
+from rosic.features.alerts.commands import AlertCommands, AlertReactions
 from rosic.features.alerts.evaluator import AlertEvaluator
-from rosic.features.alerts.reacting import AlertReactions
+from rosic.features.alerts.recipients import Recipients
 from rosic.features.benchmarks.evaluation import follow
+from rosic.features.media.commands import employ_clerks, sights
+from rosic.features.media.context import MediaContext, MediaQueries
+from rosic.features.media.render_queue import RenderQueue
+from rosic.features.media.telemetry_buffer import TelemetrySampler
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from rosic.app.access import AccessFeature
     from rosic.config.gateway_file import ConfigFile
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
+    from rosic.contracts.renderer import Renderer
     from rosic.core.alerts.rule import AlertRule
+    from rosic.core.identity import PrincipalId
     from rosic.core.language import Do, Vocabulary
     from rosic.core.records import Fact, Memory
-    from rosic.core.robot.profile import Profile
+    from rosic.core.robot.profile import Profile, RobotId
+    from rosic.core.robot.view import Drawing, Scene, Subject
     from rosic.features.alerts.actions import AlertActionServices
     from rosic.gateway import Pipeline
     from rosic.gateway.components import Components
+    from rosic.gateway.delivery.sender import ChatSender
+
+
+# ---- puts the rules about alarms in their place: read once, with who stands for each ----
 
 
 class AlertFeature:
@@ -123,3 +134,64 @@ def author_findings(file: ConfigFile, robots: Iterable[Profile]) -> Iterator[Val
                     "here is called so.",
                     "Give 'as' the name of a [[principal]].",
                 )
+
+
+# ---- who draws, and who may have pictures: the last step of putting seeing together ----
+
+
+def painter() -> Renderer | None:
+    """Return who draws; None where Pillow is not installed.
+
+    Nothing of it is loaded before the first picture is drawn.
+    """
+    return None if find_spec("PIL") is None else _draw
+
+
+def _draw(subject: Subject, *, low: bool = False, say: Callable[[str], str] = str) -> Drawing:
+    draw = cast("Renderer", import_module("rosic.rendering.draw").draw)
+    return draw(subject, low=low, say=say)
+
+
+def jpeg_drawer() -> Callable[[Scene], bytes] | None:
+    """Return what draws the frames of simulated cameras; None where Pillow is not installed."""
+    return None if painter() is None else lambda scene: _draw(scene, low=True).content
+
+
+def furnish_seeing(
+    rooms: Components, pipeline: Pipeline, teller: ChatSender, draws: Renderer | None, clock: Clock
+) -> MediaContext:
+    """Let people look at robots that they may read."""
+    organiser, profiles = rooms.organiser, rooms.profiles
+
+    def may_see(principal: PrincipalId, robot: RobotId) -> bool:
+        return principal not in organiser.locked and robot in organiser.visible(principal)
+
+    studio = RenderQueue(
+        draws,
+        teller,
+        clock,
+        may_see=may_see,
+        issue=rooms.authoriser.buttons.issue,
+        shown=lambda robot: profiles[robot].shown,
+    )
+    seeing = MediaContext(
+        vocabulary=rooms.vocabulary,
+        profiles=profiles,
+        sides=MediaQueries(visible=organiser.visible, selected=rooms.container.selected),
+        linker=rooms.linker,
+        studio=studio,
+        sampler=TelemetrySampler(rooms.linker, clock),
+        clock=clock,
+    )
+    employ_clerks(pipeline.reception.office, seeing)
+    pipeline.reception.sights = lambda robot: sights(seeing, robot)
+    for profile in profiles.values():
+        enlist_seen(seeing, pipeline, profile)
+    return seeing
+
+
+def enlist_seen(seeing: MediaContext, pipeline: Pipeline, profile: Profile) -> None:
+    """Sample what a robot reports, and follow where it goes if it says so."""
+    seeing.sampler.enlist(profile)
+    if profile.pose is not None:
+        follow(pipeline.lives, seeing.sampler)

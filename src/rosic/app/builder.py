@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 from zoneinfo import ZoneInfo
 
-from rosic.app.face import face_of
-from rosic.app.painting import painter
+from rosic.app.alert_feature import painter
+from rosic.app.runtime import face_of
 from rosic.app.settings import Completing, GatewayParts, GatewaySettings
 from rosic.config.plugins import demand_good, messenger_factory, robot_factory, shared_spaces
 from rosic.config.profiles import known_units
@@ -21,8 +21,7 @@ from rosic.stores.stop_latch import FileLatch
 
 if TYPE_CHECKING:
     from rosic.app.config import Config, MessengerSettings
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.messenger import Messenger
 
 log = logging.getLogger("rosic.gateway")

@@ -13,8 +13,8 @@ import msgspec
 from msgspec import inspect
 
 from rosic.app.alert_feature import author_findings
-from rosic.app.fellows import robot_findings
 from rosic.app.people import Seed
+from rosic.app.robot_to_robot_feature import robot_findings
 from rosic.config.gateway_file import (
     ConfigFile,
     Keep,
@@ -25,9 +25,8 @@ from rosic.config.gateway_file import (
     said_addresses,
     said_roles,
 )
-from rosic.config.missions import Missions
+from rosic.config.missions import Missions, rulebook_of
 from rosic.config.profiles import find_profile, fleet_findings, known_units, read_profile
-from rosic.config.rulebook import rulebook_of
 from rosic.config.secrets import SecretSettings
 from rosic.config.toml_source import read_toml
 from rosic.config.validation import ValidationFinding, Walker

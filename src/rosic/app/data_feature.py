@@ -19,16 +19,15 @@ from rosic.core.language import skills_of
 from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.scope import FLEET, GRANT
 from rosic.errors import Refusal
-from rosic.features.access.names import everybody_called
+from rosic.features.access.admin_policy import everybody_called
 from rosic.features.files.background import BackgroundTransfer
 from rosic.features.files.transfer import FileTransfer, TransferWays
 from rosic.features.files.upload import FileUpload
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
-from rosic.features.personal_data.commands import employ_clerks, take_over
+from rosic.features.personal_data.commands import employ_clerks, take_over, tidy
 from rosic.features.personal_data.context import ContainerContext, ContainerStore
 from rosic.features.personal_data.erasure import ErasureCommands, ErasureQueries
 from rosic.features.personal_data.messages import YOU
-from rosic.features.personal_data.tidying import tidy
 from rosic.robots.file_folders import RobotFolders
 
 if TYPE_CHECKING:
@@ -39,8 +38,7 @@ if TYPE_CHECKING:
     from rosic.app.policy import PolicyService
     from rosic.authoriser.authoriser import Authoriser
     from rosic.container.history import CommandHistory
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
@@ -132,9 +130,16 @@ class DataFeature:
         """Say who keeps what, take over what was, and finish what an erasure left."""
         rooms = self._rooms
         around = DataContext(
-            self.preferences, self._access, rooms.authoriser, rooms.organiser, rooms.profiles,
-            rooms.vocabulary, self._clock, furnishing.reach.tell, pipeline.habits,
-        )  # fmt: skip
+            self.preferences,
+            self._access,
+            rooms.authoriser,
+            rooms.organiser,
+            rooms.profiles,
+            rooms.vocabulary,
+            self._clock,
+            furnishing.reach.tell,
+            pipeline.habits,
+        )
         holdings = holdings_of(around, vault, self.archive, parts, self._room)
         self.holdings = holdings
         erasing = self.erasing = ErasureCommands(holdings, self._sides(pipeline, furnishing))

@@ -8,13 +8,12 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 from rosic.app.admin.dispatch import AdminDispatcher
+from rosic.app.alert_feature import painter
 from rosic.app.closing import close_in_time, on_signals
 from rosic.app.console import console_of, mind_console, read_at
-from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
-from rosic.app.painting import painter
 from rosic.app.people import Seed
-from rosic.app.runtime import PIPED, until_done, until_quiet
+from rosic.app.runtime import PIPED, face_of, until_done, until_quiet
 from rosic.config.plugins import robot_factory
 from rosic.config.profiles import known_units, read_profile, shipped_profiles
 from rosic.config.translations import of_locale
@@ -27,8 +26,7 @@ from rosic.stores.memory import MemoryStore
 from rosic.stores.stop_latch import MemoryLatch
 
 if TYPE_CHECKING:
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.core.robot.profile import Profile
 
 FLEET = ("kuka1", "omni", "yumi", "cf1", "cf2", "cf3")

@@ -7,9 +7,8 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosic.app.alert_feature import AlertFeature
-from rosic.app.benchmarking import BenchmarkContext as Askers
-from rosic.app.benchmarking import furnish_benchmarks, show_benchmarks
-from rosic.app.fleet_feature import FleetFeature
+from rosic.app.fleet_feature import BenchmarkContext as Askers
+from rosic.app.fleet_feature import FleetFeature, furnish_benchmarks, show_benchmarks
 from rosic.authoriser.abuse import COUNTED_AS, RULE, SUSPICIOUS
 from rosic.authoriser.invite_codes import telegram_link
 from rosic.core.i18n import joined
@@ -25,13 +24,12 @@ from rosic.features.access.approve import ApprovalCommands
 from rosic.features.access.commands import AccessCommands, hire
 from rosic.features.access.context import AccessContext
 from rosic.features.access.grant import GrantCommands
-from rosic.features.access.inviting import INVITATION, InviteCommands
+from rosic.features.access.invite import INVITATION, InviteCommands
 from rosic.features.access.join import JoinHandler
 from rosic.features.access.newcomer_chat import NewcomerChat
-from rosic.features.access.notices import AccessNotices
 from rosic.features.access.profile_commands import AccountCommands
 from rosic.features.access.reminding import ApprovalReminders
-from rosic.features.access.revoke_lock import RevokeLockCommands
+from rosic.features.access.revoke_lock import AccessNotices, RevokeLockCommands
 from rosic.features.access.roles import RoleCommands
 from rosic.features.access.second_factor import AUTHENTICATOR, SecondFactorCommands
 from rosic.features.alerts.actions import AlertActionServices
@@ -40,8 +38,8 @@ from rosic.features.booking.context import BookingContext, BookingQueries
 from rosic.features.booking.robot_argument import RobotArgument
 from rosic.features.booking.scheduler import BookingScheduler
 from rosic.features.dashboard.commands import DashboardCommands
+from rosic.features.dashboard.dashboard import RobotSnapshots
 from rosic.features.dashboard.dashboards import Dashboards
-from rosic.features.dashboard.glimpses import RobotSnapshots
 from rosic.features.dashboard.rendering import DashboardQueries as CardSides
 from rosic.features.fleet.by_rule import RuleTasks
 from rosic.gateway.confirmation import Confirmation
@@ -59,8 +57,7 @@ if TYPE_CHECKING:
     from rosic.app.policy import PolicyService
     from rosic.app.settings import GatewaySettings
     from rosic.authoriser.abuse import Invalidate
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.message import Chat

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.contracts.messenger import catching_up
 from rosic.core.fleet import events as e
 from rosic.core.fleet.state import STANDING, TASK
 from rosic.core.order import Ending
 from rosic.core.records import Refused, Told
+from rosic.core.robot.skill import SkillClass
 from rosic.errors import Repeated, StoreFault
-from rosic.features.benchmarks.evaluation import follow
+from rosic.features.benchmarks.commands import BenchmarkCommands
+from rosic.features.benchmarks.evaluation import (
+    SETTING,
+    BenchmarkEvaluation,
+    BenchmarkSettings,
+    follow,
+)
 from rosic.features.dashboard.commands import DashboardCommands
-from rosic.features.fleet.attempt import TaskAttempts, attempt_id
+from rosic.features.fleet.attempt import TaskAttempts, TaskRecall, attempt_id
 from rosic.features.fleet.cards import FLEET_CARD, FleetCards
 from rosic.features.fleet.dispatch_state import KIND as LETTER
 from rosic.features.fleet.dispatcher import TaskDispatcher
@@ -24,29 +31,35 @@ from rosic.features.fleet.mission_schedule import MissionSchedule
 from rosic.features.fleet.monitor import FleetMonitor
 from rosic.features.fleet.multi_robot import MultiRobotCommands
 from rosic.features.fleet.origins import KIND as ORIGIN
-from rosic.features.fleet.overview import FleetOverview
+from rosic.features.fleet.overview import FleetOverview, FleetUsage
 from rosic.features.fleet.pause import PauseCommands
-from rosic.features.fleet.recalling import TaskRecall
 from rosic.features.fleet.robot_commands import RobotCommands
 from rosic.features.fleet.shift_handover import ShiftHandoverCommands
 from rosic.features.fleet.task_commands import TaskCommands
-from rosic.features.fleet.usage import FleetUsage
 from rosic.features.robot_to_robot.help_requests import HelpRequests
 from rosic.organiser.timezones import zone_named
 
 if TYPE_CHECKING:
+    from rosic.app.access import AccessFeature
     from rosic.app.settings import GatewaySettings
     from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
     from rosic.core.fleet.task import Task
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Fact, Memory
+    from rosic.core.robot.profile import Profile
     from rosic.features.alerts.actions import AlertActionServices
+    from rosic.features.alerts.evaluator import AlertEvaluator
+    from rosic.features.booking.robot_argument import RobotArgument
+    from rosic.features.dashboard.dashboard import RobotSnapshots
     from rosic.features.dashboard.dashboards import Dashboards
     from rosic.features.dashboard.rendering import DashboardQueries as CardSides
     from rosic.gateway import Pipeline
     from rosic.gateway.components import Components
     from rosic.gateway.transactions import Transactions
+
+
+# ---- puts the fleet in its place: tasks of earlier runs, who looks after them, who is asked ----
 
 _ENDS = {
     Ending.DONE.value: e.End.DONE,
@@ -78,9 +91,13 @@ class FleetFeature:
         attempting = TaskAttempts(rooms, hands, clock)
         recalling = TaskRecall(rooms, hands, clock)
         self.dispatching = TaskDispatcher(
-            rooms, changes, clock, attempting, recalling,
+            rooms,
+            changes,
+            clock,
+            attempting,
+            recalling,
             lambda: any(map(catching_up, hands.reach.messengers)),
-        )  # fmt: skip
+        )
         self.help_book = HelpRequests(clock.wall_ns)
         self.watching = FleetMonitor(rooms, self.dispatching, clock, self.help_book.engages)
         self.telling = TaskNotifications(rooms, hands.reach, self.dispatching, hands.ends)
@@ -209,3 +226,46 @@ class FleetFeature:
             self._planning.cancel()
             await asyncio.gather(self._planning, return_exceptions=True)
         await self.dispatching.close()
+
+
+class BenchmarkContext(NamedTuple):
+    """Who asks how robots do."""
+
+    alerting: AlertEvaluator
+    glimpses: RobotSnapshots
+    naming: RobotArgument
+
+
+def furnish_benchmarks(
+    rooms: Components, access: AccessFeature, pipeline: Pipeline, memory: Memory, clock: Clock
+) -> BenchmarkEvaluation:
+    """Follow robots that have benchmarks or can be set; else nothing is followed."""
+    settings = BenchmarkSettings(access.changes, clock.wall_ns)
+    settings.restore(memory.facts.get(SETTING, ()))
+    access.changes.keep(SETTING, settings.apply)
+    judging = BenchmarkEvaluation(rooms.linker, rooms.profiles, clock, settings)
+    for profile in rooms.profiles.values():
+        enlist_judged(judging, pipeline, profile)
+    return judging
+
+
+def enlist_judged(judging: BenchmarkEvaluation, pipeline: Pipeline, profile: Profile) -> None:
+    """Follow a robot if it has benchmarks or can be set."""
+    judging.enlist(profile)
+    skills = profile.skills.values()
+    if any(s.benchmark is not None or s.kind is SkillClass.CONFIG for s in skills):
+        follow(pipeline.lives, judging)
+
+
+def show_benchmarks(
+    judging: BenchmarkEvaluation, rooms: Components, pipeline: Pipeline, sides: BenchmarkContext
+) -> None:
+    """Let rules, cards and people ask how robots do."""
+
+    def show() -> None:
+        sides.alerting.judged = judging.seen
+        sides.glimpses.benchmark = judging.line
+
+    judging.show_with(show)
+    clerk = BenchmarkCommands(judging, rooms, sides.naming, pipeline.face)
+    pipeline.reception.office.employ("benchmark", clerk.benchmark)

@@ -11,24 +11,21 @@ from msgspec.structs import replace
 
 from rosic.app.access import AccessFeature, authoriser_of
 from rosic.app.added_robots import KIND as ENLISTED
-from rosic.app.added_robots import with_enlisted
+from rosic.app.added_robots import newcomers_of, with_enlisted
+from rosic.app.alert_feature import furnish_seeing
 from rosic.app.data_feature import DataFeature, OwnDataQueries, preferences_of
 from rosic.app.features import FeatureSetup
-from rosic.app.fellows import fellowship_of
-from rosic.app.maintenance import Maintenance
+from rosic.app.maintenance import Maintenance, rates_of, save, save_now_and_then
 from rosic.app.messenger_setup import take_in
-from rosic.app.newcomers import newcomers_of
 from rosic.app.opening import StartupNotices
 from rosic.app.owing import owe_over_crashes
-from rosic.app.painting import furnish_seeing
 from rosic.app.people import remember, seed
 from rosic.app.policy import PolicyService
 from rosic.app.record_monitor import record_watch_of
 from rosic.app.retention import AuditStore, Retention
 from rosic.app.robot_registry import RobotConnections, RobotRegistry
 from rosic.app.robot_startup import board_of, robots_of
-from rosic.app.robot_to_robot_feature import gathering_of
-from rosic.app.saving import rates_of, save, save_now_and_then
+from rosic.app.robot_to_robot_feature import fellowship_of, gathering_of
 from rosic.app.settings import GatewayParts, GatewaySettings
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.translations import LANGUAGES, catalogue, whose
@@ -37,7 +34,7 @@ from rosic.container.messages import SETTINGS_DAMAGED
 from rosic.core.language import Vocabulary, inert_text
 from rosic.core.message import Outbound
 from rosic.errors import ConfigurationError
-from rosic.features.dashboard.oncard import DashboardCamera
+from rosic.features.dashboard.camera_preview import DashboardCamera
 from rosic.features.personal_data.context import ContainerStore
 from rosic.gateway import Pipeline
 from rosic.gateway.components import Components
@@ -128,9 +125,11 @@ class Gateway:
         before, facts = self._settings, memory.facts.get(ENLISTED, ())
         robots = with_enlisted(before.profiles, facts, self._parts.units)
         added = robots[len(before.profiles) :]
-        limits = {} if before.robot_limit is None else dict.fromkeys(
-            (profile.id for profile in added), before.robot_limit
-        )  # fmt: skip
+        limits = (
+            {}
+            if before.robot_limit is None
+            else dict.fromkeys((profile.id for profile in added), before.robot_limit)
+        )
         self._settings = replace(
             before, profiles=robots, robot_limits={**before.robot_limits, **limits}
         )
@@ -158,10 +157,13 @@ class Gateway:
         )
         rights = authority.draw_up()
         organiser = Organiser(
-            rights, profiles, board, self.access.state,
+            rights,
+            profiles,
+            board,
+            self.access.state,
             rates=rates_of(settings, profiles, rights, time, parts.store.note),
             lease_idle_s=settings.lease_idle_s,
-        )  # fmt: skip
+        )
         self.access.restore(memory, organiser, board)
         organiser.name_of = lambda principal: inert_words(authoriser.directory.name(principal))
         organiser.remember_fences({robot: fence for robot, (_, fence) in numbers.items()})
@@ -225,9 +227,12 @@ class Gateway:
             await seed(settings.people, memory, authoriser, parts.store, parts.clock, parts.entropy)
         )
         authority = PolicyService(
-            settings.rulebook, settings.profiles, parts.units, authoriser.keys.time,
+            settings.rulebook,
+            settings.profiles,
+            parts.units,
+            authoriser.keys.time,
             self._own.preferences.limits,
-        )  # fmt: skip
+        )
         authority.restore(memory, roles)
         return authority
 
@@ -261,11 +266,14 @@ class Gateway:
             access, self.authority, self.furnishing, self.holding, access.time, self._daily
         )
         keeping = [
-            asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
-            asyncio.create_task(self.seeing.sampler.run()), asyncio.create_task(self.alarms.run()),
-            asyncio.create_task(self.among.run()), asyncio.create_task(self.record_watch.run()),
+            asyncio.create_task(self.furnishing.keeper.run()),
+            asyncio.create_task(minder.run()),
+            asyncio.create_task(self.seeing.sampler.run()),
+            asyncio.create_task(self.alarms.run()),
+            asyncio.create_task(self.among.run()),
+            asyncio.create_task(self.record_watch.run()),
             asyncio.create_task(save_now_and_then(rates, parts.store, parts.clock)),
-        ]  # fmt: skip
+        ]
         self.furnishing.fleet.run()
         try:
             done, _ = await asyncio.wait(self._listening, return_when=asyncio.FIRST_EXCEPTION)
@@ -280,9 +288,12 @@ class Gateway:
     async def _daily(self) -> None:
         store = self._parts.store
         retention = Retention(
-            self._settings.keep, self.rooms.organiser.calendar, self.access.changes,
-            store if isinstance(store, AuditStore) else None, self.access.time.wall_ns,
-        )  # fmt: skip
+            self._settings.keep,
+            self.rooms.organiser.calendar,
+            self.access.changes,
+            store if isinstance(store, AuditStore) else None,
+            self.access.time.wall_ns,
+        )
         await self.holding.tidy()
         await retention.forget()
 

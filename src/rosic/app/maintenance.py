@@ -7,17 +7,23 @@ import logging
 from typing import TYPE_CHECKING
 
 from rosic.errors import RosicError
-from rosic.gateway.waking import sleep_or_wake
+from rosic.gateway.scheduling import sleep_or_wake
+from rosic.organiser.rate_limits import SAVE_EVERY_S, RateLimits
 from rosic.organiser.refusals import CLOCK_SET_BACK
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
+    from collections.abc import Awaitable, Callable, Mapping
 
     from rosic.app.access import AccessFeature
     from rosic.app.data_feature import DataFeature
     from rosic.app.features import FeatureSetup
     from rosic.app.policy import PolicyService
+    from rosic.app.settings import GatewaySettings
     from rosic.contracts.clock import Clock
+    from rosic.contracts.store import Store
+    from rosic.core.policy.permissions import Permissions
+    from rosic.core.records import Fact
+    from rosic.core.robot.profile import Profile, RobotId
 
 EVERY_S = 60.0
 DAY_NS = 86_400_000_000_000
@@ -112,3 +118,32 @@ class Maintenance:
             furnishing = self._furnishing
             furnishing.reach.tell(furnishing.admins(), CLOCK_SET_BACK, urgent=True)
         self._behind = behind
+
+
+def rates_of(
+    settings: GatewaySettings,
+    profiles: Mapping[RobotId, Profile],
+    rights: Permissions,
+    clock: Clock,
+    note: Callable[[Fact], None],
+) -> RateLimits:
+    """Return what limits people, robots and roles; nothing of it is used yet."""
+
+    def shown(robot: RobotId) -> str:
+        return profiles[robot].shown
+
+    return RateLimits(clock, settings.limit, settings.robot_limits, rights.rates, note, shown)
+
+
+async def save_now_and_then(rates: RateLimits, store: Store, clock: Clock) -> None:
+    """Save what changed, at a bounded pace, until cancelled. Waits for no disk and for no turn."""
+    while True:
+        await clock.sleep(SAVE_EVERY_S)
+        save(rates, store)
+
+
+def save(rates: RateLimits, store: Store) -> None:
+    """Save what changed since the last time."""
+    facts = rates.save()
+    if facts:
+        store.note(*facts)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.contracts.messenger import alarm_to
-from rosic.gateway.delivery.elsewhere import UndeliverableHandler
+from rosic.gateway.delivery.notifier import UndeliverableHandler
 from rosic.gateway.delivery.outbox import Outbox
 
 if TYPE_CHECKING:

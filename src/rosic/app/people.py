@@ -14,8 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from rosic.authoriser.authoriser import Authoriser
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.store import Store
 
 ID_BYTES = 8
@@ -100,19 +99,25 @@ def admitted(
     """Return who becomes known, under which key given by whom, and all that makes it so."""
     principal, now_ns = f"p{entropy.token(ID_BYTES).hex()}", clock.wall_ns()
     key = AuthorisationKey(
-        id=f"k{entropy.token(ID_BYTES).hex()}", principal=principal, issuer=by,
+        id=f"k{entropy.token(ID_BYTES).hex()}",
+        principal=principal,
+        issuer=by,
         issued_ns=now_ns,
-    )  # fmt: skip
+    )
     card = PersonRecord(str(person.name), person.addresses)
     letter = Letter(principal, _encode_card(card))
     enrolled = Principal(
         id=principal, name=person.name, roles=person.roles, addresses=person.addresses
     )
-    return enrolled, key, [
-        Enrolled(principal=principal, roles=person.roles, at_ns=now_ns, letter=letter),
-        KeyIssued(key=key),
-        Seeded(name_digest=_digest(person), principal=principal),
-    ]  # fmt: skip
+    return (
+        enrolled,
+        key,
+        [
+            Enrolled(principal=principal, roles=person.roles, at_ns=now_ns, letter=letter),
+            KeyIssued(key=key),
+            Seeded(name_digest=_digest(person), principal=principal),
+        ],
+    )
 
 
 def _digest(person: Seed) -> bytes:

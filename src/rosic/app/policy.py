@@ -5,11 +5,11 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.config.rulebook import fleet_of
-from rosic.core.policy.authority import Scope
+from rosic.config.missions import fleet_of
 from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.permissions import Permissions
 from rosic.core.policy.query import PolicyKey
+from rosic.core.policy.scope import Scope
 from rosic.organiser.grants import GRANT, Grants
 from rosic.organiser.roles import ROLE, CustomRoles
 

@@ -97,9 +97,12 @@ class RecordWatch:
             return
         self._said = file
         if file:
-            log.error("%s of the record is gone or was replaced, emptied or overwritten: nothing "
-                      "moves until it is back; end me and put %s back, see rosic doctor",
-                      file, TOGETHER)  # fmt: skip
+            log.error(
+                "%s of the record is gone or was replaced, emptied or overwritten: nothing "
+                "moves until it is back; end me and put %s back, see rosic doctor",
+                file,
+                TOGETHER,
+            )
         else:
             log.warning("the files of the record are all there again")
         self._tell(lost(file) if file else BACK)

@@ -13,14 +13,13 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app.added_robots import KIND, Wanted, check_distinct, check_draft, fact_of
-from rosic.app.alert_feature import read_rules
-from rosic.app.benchmarking import enlist_judged
-from rosic.app.painting import enlist_seen
+from rosic.app.alert_feature import enlist_seen, read_rules
+from rosic.app.fleet_feature import enlist_judged
 from rosic.app.people import Seed, admitted
 from rosic.app.robot_startup import stops_of
 from rosic.app.settings import Completing
 from rosic.config.plugins import demand_good
-from rosic.contracts.among import PeerRobot
+from rosic.contracts.robot import PeerRobot
 from rosic.core import messages as core_words
 from rosic.core.fleet.task import FleetMembership
 from rosic.core.i18n import capital, joined
@@ -207,9 +206,12 @@ class RobotRegistry:
         """
         gateway, profile, here = self._gateway, newcomer.profile, False
         decided = Decided(
-            act="robot-added", by=by, about=profile.id, at_ns=gateway.access.time.wall_ns(),
+            act="robot-added",
+            by=by,
+            about=profile.id,
+            at_ns=gateway.access.time.wall_ns(),
             digest=wanted.draft.digest,
-        )  # fmt: skip
+        )
         try:
             async with gateway.access.changes.turn() as turn:
                 outlook = await gateway.authority.foresee((*gateway.profiles.values(), profile))

@@ -36,13 +36,16 @@ def robots_of(
         robot: parts.robot_factory(profile.link.kind)(
             profile,
             OrderGate(
-                robot, n=numbers[robot][0], fence=numbers[robot][1],
-                generation=board[robot].generation, latched=board[robot].latched,
+                robot,
+                n=numbers[robot][0],
+                fence=numbers[robot][1],
+                generation=board[robot].generation,
+                latched=board[robot].latched,
             ),
             parts.clock,
         )
         for robot, profile in profiles.items()
-    }  # fmt: skip
+    }
 
 
 def board_of(

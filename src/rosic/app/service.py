@@ -5,17 +5,15 @@ from __future__ import annotations
 import asyncio
 import logging
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-from rosic.app import heap
+from rosic.app import runtime
 from rosic.app.admin.api import books_of
 from rosic.app.admin.control_socket import ControlServer, socket_path
-from rosic.app.admin.dispatch import AdminDispatcher
-from rosic.app.admin.operator_desk import AdminApi
+from rosic.app.admin.dispatch import AdminApi, AdminDispatcher
 from rosic.app.builder import ConfigurationCheck, latch_of, parts_of, settings_of
 from rosic.app.closing import CLOSE_WITHIN_S, close_in_time, on_signals
 from rosic.app.console import Console, console_of, mind_console
-from rosic.app.forgetting import ForgettingStore, forget_daily
 from rosic.app.gateway import Gateway, GatewayParts
 from rosic.core.i18n import said
 from rosic.errors import MessengerFault, RosicError
@@ -24,9 +22,46 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from rosic.app.config import Config
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.messenger import Messenger
+
+
+# ---- forgetting once a day what the record need not know any more ----
+
+SOON_S = 60.0  # a gateway that is restarted every day forgets too, but not while it starts
+DAY_S = 86_400.0
+
+log = logging.getLogger("rosic.gateway")
+
+
+@runtime_checkable
+class ForgettingStore(Protocol):
+    """A record that can forget commands that are settled and old."""
+
+    async def prune(self) -> int:
+        """Forget them. Return how many.
+
+        Raises:
+            StoreFault: Not all were forgotten; the rest is tried the next time.
+        """
+        ...
+
+
+async def forget_daily(store: ForgettingStore, clock: Clock) -> None:
+    """Forget soon after the start, then once a day, until cancelled. What fails is logged."""
+    await clock.sleep(SOON_S)
+    while True:
+        try:
+            count = await store.prune()
+        except Exception:
+            log.exception("old commands could not be forgotten; I try again in a day")
+        else:
+            if count:
+                log.info("%d old commands were forgotten", count)
+        await clock.sleep(DAY_S)
+
+
+# ---- a gateway at work: from opening it to the signal that ends it ----
 
 CHECK_WITHIN_S = 5.0
 TELEGRAM, TERMINAL = "telegram", "terminal"
@@ -35,8 +70,6 @@ GREETING = said(
     "[1] before a word is a button: type 1 to tap it."
 )
 CLOSE_AT_LEAST_S = 0.5
-
-log = logging.getLogger("rosic.gateway")
 
 
 class GatewayService:
@@ -147,7 +180,7 @@ class GatewayService:
     async def _work(self, desk: AdminApi) -> None:
         messengers = self._parts.messengers
         self._bots += await check_accounts(messengers)
-        heap.settle()
+        runtime.settle()
         took_s = (self._clock.monotonic_ns() - self._begun_ns) / 1e9
         robots = len(self._gateway.robots)
         log.info(

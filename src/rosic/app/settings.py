@@ -11,8 +11,7 @@ from rosic.app.people import Seed
 from rosic.config.gateway_file import Keep
 from rosic.container.files import FileQuota
 from rosic.contracts.adapter import RobotFactory
-from rosic.contracts.clock import Clock
-from rosic.contracts.entropy import Entropy
+from rosic.contracts.clock import Clock, Entropy
 from rosic.contracts.messenger import Messenger
 from rosic.contracts.renderer import Renderer
 from rosic.contracts.store import StopLatch, Store

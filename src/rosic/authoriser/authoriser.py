@@ -19,8 +19,7 @@ from rosic.errors import Unrecognised
 if TYPE_CHECKING:
     from rosic.authoriser.directory import Directory
     from rosic.authoriser.keys import KeyRing
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.core.message import Chat, Inbound
 
 SESSION_BYTES = 16

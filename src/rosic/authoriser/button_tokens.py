@@ -17,8 +17,7 @@ from rosic.core.message import Button
 from rosic.errors import Expired, NotPermitted
 
 if TYPE_CHECKING:
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.core.message import Inbound
 
 Count: TypeAlias = Callable[[str], None]
@@ -117,9 +116,14 @@ class ButtonTokens:
         lifetime_ns = button.good_for_ns or max(lifetime_ns, lifetime_of(button))
         nonce = urlsafe_b64encode(self._entropy.token(NONCE_BYTES)).rstrip(b"=").decode()
         self._bound[nonce] = _Bound(
-            principal, chat, button.command, button.act, reading(self._clock), lifetime_ns,
+            principal,
+            chat,
+            button.command,
+            button.act,
+            reading(self._clock),
+            lifetime_ns,
             still,
-        )  # fmt: skip
+        )
         if len(self._bound) > self._at_most:
             self._bound.popitem(last=False)
         return msgspec.structs.replace(button, nonce=nonce, good_for_ns=lifetime_ns)

@@ -7,19 +7,18 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import msgspec
 
 from rosic.authoriser import messages as words
-from rosic.authoriser.admission import (
+from rosic.authoriser.enrolment_records import (
     Answer,
     Applicant,
+    Applicants,
     Declined,
     EnrolmentAlarm,
+    EnrolmentRecords,
     PendingApplicant,
     TurnedAway,
 )
-from rosic.authoriser.applicants import Applicants
-from rosic.authoriser.enrolment_records import EnrolmentRecords
 from rosic.authoriser.guessing import BruteForceGuard, GuessLimits
-from rosic.authoriser.invitation import InvitationState
-from rosic.authoriser.invitations import ADMIN, KIND, PEPPER, Invitations
+from rosic.authoriser.invitations import ADMIN, KIND, PEPPER, Invitations, InvitationState
 from rosic.authoriser.keys_messages import LOCKED
 from rosic.core.identity import OPERATOR
 from rosic.core.records import Decided
@@ -28,13 +27,13 @@ from rosic.errors import Expired, NotPermitted
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from rosic.authoriser.admission import CodeRedeemed
     from rosic.authoriser.counters import Counters
     from rosic.authoriser.directory import Directory
-    from rosic.authoriser.invitation import Invitation, InvitedRights, NewInvitation
+    from rosic.authoriser.enrolment_records import CodeRedeemed
+    from rosic.authoriser.invitations import Invitation, InvitedRights, NewInvitation
     from rosic.authoriser.locks import Locks
     from rosic.authoriser.monotonic_clock import MonotonicWallClock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Entropy
     from rosic.core.identity import Address, PrincipalId
     from rosic.core.records import Fact, Record
 

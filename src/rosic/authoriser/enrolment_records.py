@@ -2,25 +2,148 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+import logging
+from typing import TYPE_CHECKING, ClassVar, Final, TypeAlias
 
 import msgspec
 
 from rosic.authoriser import messages as words
-from rosic.authoriser.admission import Applicant, ApplicantWaits, CodeRedeemed, PendingApplicant
-from rosic.core.identity import AuthorisationKey, Principal
+from rosic.authoriser.invitations import InvitedRights
+from rosic.authoriser.invite_codes import shared_words
+from rosic.core.identity import Address, AuthorisationKey, Principal, PrincipalId
 from rosic.core.language.sanitise import clean_name, drawn
-from rosic.core.records import Decided, Enrolled, KeyIssued, Letter, PersonRecord
+from rosic.core.policy.roles import Grant
+from rosic.core.records import Decided, Enrolled, Fact, KeyIssued, Letter, PersonRecord, Record
 
 if TYPE_CHECKING:
-    from rosic.authoriser.applicants import Applicants
     from rosic.authoriser.directory import Directory
-    from rosic.authoriser.invitation import Invitation
-    from rosic.authoriser.invitations import Invitations
+    from rosic.authoriser.invitations import Invitation, Invitations
     from rosic.authoriser.monotonic_clock import MonotonicWallClock
-    from rosic.contracts.entropy import Entropy
-    from rosic.core.identity import Address, PrincipalId
-    from rosic.core.records import Fact, Record
+    from rosic.contracts.clock import Entropy
+
+
+# ---- what comes of a code: in, waiting for an admin's tap, or turned away ----
+
+
+class CodeRedeemed(msgspec.Struct, frozen=True, kw_only=True):
+    """Somebody is in as soon as the records are written.
+
+    Attributes:
+        person: As they are known from then on.
+        key: Under which they act.
+        grants: What the organiser keeps from now on, written together with the records; roles
+            without end and bounds are the person's own already, and not among them.
+        newcomer: Nobody knew them before, or their access had ended.
+        records: To be written together; then each fact among them is applied.
+        sentence: For the person.
+    """
+
+    person: Principal
+    key: AuthorisationKey
+    grants: tuple[Grant, ...]
+    newcomer: bool
+    records: tuple[Record, ...]
+    sentence: str
+
+
+class PendingApplicant(msgspec.Struct, frozen=True, kw_only=True):
+    """The body of the fact ``pending``: somebody with a good code waits for an admin's tap.
+
+    Attributes:
+        invitation: Its code is used up.
+        principal: Who they will be.
+        returning: Their access was ended before.
+        expires_ns: Until when an admin may tap; wall clock.
+    """
+
+    id: str
+    invitation: str
+    principal: PrincipalId
+    given: InvitedRights
+    issuer: PrincipalId
+    returning: bool
+    expires_ns: int
+
+
+class Applicant(msgspec.Struct, frozen=True):
+    """A pending redemption with what its letter holds."""
+
+    pending: PendingApplicant
+    name: str
+    address: Address
+
+    @property
+    def words(self) -> str:
+        """Return the two words that both sides see."""
+        return shared_words(self.pending.id, self.pending.invitation, self.address)
+
+    @property
+    def question(self) -> str:
+        """Return what the admins read."""
+        asked = self.pending
+        return words.wants_in(self.name, asked.given.words, self.words, returning=asked.returning)
+
+
+class ApplicantWaits(msgspec.Struct, frozen=True):
+    """The code was good and is used up; an admin has to tap.
+
+    Attributes:
+        records: To be written together; then each fact among them is applied.
+        sentence: For the person.
+    """
+
+    applicant: Applicant
+    records: tuple[Record, ...]
+    sentence: str
+
+
+class EnrolmentAlarm(msgspec.Struct, frozen=True):
+    """Something that all admins are told, now.
+
+    Attributes:
+        kind: ``code-in-group``, ``code-breaker``.
+    """
+
+    kind: str
+    sentence: str
+
+
+class TurnedAway(msgspec.Struct, frozen=True):
+    """Nobody came in.
+
+    Attributes:
+        kind: For counting and logs, never shown: ``code-used``, ``code-expired``, ...
+        sentence: For the person; the same for every code that is not good.
+        alarm: For the admins, if there is any.
+        records: To be written, and applied even if they cannot be written.
+    """
+
+    kind: str
+    sentence: str
+    alarm: EnrolmentAlarm | None = None
+    records: tuple[Record, ...] = ()
+
+
+class Declined(msgspec.Struct, frozen=True):
+    """An admin did not let somebody in, or nobody answered.
+
+    Attributes:
+        newcomer: Nobody knew them before: what was kept of them can be erased.
+        records: To be written together; then each fact among them is applied.
+        sentence: For the person.
+    """
+
+    principal: PrincipalId
+    address: Address
+    newcomer: bool
+    records: tuple[Record, ...]
+    sentence: str
+
+
+Answer: TypeAlias = CodeRedeemed | ApplicantWaits | TurnedAway
+
+
+# ---- making somebody known, or giving a known person more: the records of it ----
 
 ID_BYTES: Final = 8
 PENDING_S: Final = 86_400.0
@@ -103,9 +226,11 @@ class EnrolmentRecords:
 
     def _new_key(self, person: Principal, issuer: PrincipalId) -> AuthorisationKey:
         return AuthorisationKey(
-            id=self._new_id("k"), principal=person.id, issuer=issuer,
+            id=self._new_id("k"),
+            principal=person.id,
+            issuer=issuer,
             issued_ns=self._time.wall_ns(),
-        )  # fmt: skip
+        )
 
     def _free_name(self, invitation: Invitation, name: str) -> str:
         """Return a name that nobody has, nor any that looks like it.
@@ -133,3 +258,74 @@ class EnrolmentRecords:
 
     def _decided(self, act: str, by: PrincipalId, about: str) -> Decided:
         return Decided(act=act, by=by, about=about, at_ns=self._time.wall_ns())
+
+
+# ---- who has a good code and waits for an admin's tap ----
+
+_log = logging.getLogger(__name__)
+_encode = msgspec.msgpack.Encoder().encode
+_decode = msgspec.msgpack.Decoder(PendingApplicant).decode
+_decode_card = msgspec.msgpack.Decoder(PersonRecord).decode
+
+
+class Applicants:
+    """Everybody who waits, by the id of the question and by address. One question an address."""
+
+    KIND: ClassVar[str] = "pending"
+
+    def __init__(self) -> None:
+        self._waiting: dict[str, Applicant] = {}
+        self._at: dict[tuple[str, str], str] = {}
+
+    def get(self, pending: str) -> Applicant | None:
+        """Return who waits under an id."""
+        return self._waiting.get(pending)
+
+    def at(self, address: Address) -> Applicant | None:
+        """Return who waits at an address."""
+        pending = self._at.get((address.platform, address.account))
+        return None if pending is None else self._waiting.get(pending)
+
+    def all(self) -> tuple[Applicant, ...]:
+        """Return everybody who waits."""
+        return tuple(self._waiting.values())
+
+    def words(self) -> frozenset[str]:
+        """Return the words shown now, so that no two questions show the same."""
+        return frozenset(applicant.words for applicant in self._waiting.values())
+
+    def fact(self, applicant: Applicant) -> Fact:
+        """Return what makes somebody wait."""
+        asked = applicant.pending
+        card = _encode(PersonRecord(applicant.name, (applicant.address,)))
+        letter = Letter(asked.principal, card)
+        return Fact(kind=self.KIND, key=asked.id, body=_encode(asked), letter=letter)
+
+    def gone(self, pending: str) -> Fact:
+        """Return what settles a question."""
+        return Fact(kind=self.KIND, key=pending, body=b"")
+
+    def apply(self, fact: Fact) -> None:
+        """Let a fact be so. Whoever cannot be read has to come with a new code."""
+        before = self._waiting.pop(fact.key, None)
+        if before is not None:
+            self._at.pop((before.address.platform, before.address.account), None)
+        if not fact.body:
+            return
+        applicant = _read(fact)
+        if applicant is None:
+            _log.warning("somebody who waits for an admin cannot be read; they need a new code")
+            return
+        self._waiting[fact.key] = applicant
+        self._at[applicant.address.platform, applicant.address.account] = fact.key
+
+
+def _read(fact: Fact) -> Applicant | None:
+    try:
+        asked = _decode(fact.body)
+        if fact.letter is None or asked.id != fact.key:
+            return None
+        card = _decode_card(fact.letter.content)
+    except msgspec.MsgspecError:
+        return None
+    return Applicant(asked, card.name, card.addresses[0]) if card.addresses else None

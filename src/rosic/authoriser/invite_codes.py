@@ -11,15 +11,57 @@ import re
 import unicodedata
 from functools import lru_cache
 from hashlib import blake2b
+from io import BytesIO
 from typing import TYPE_CHECKING, Final
 
-from rosic.authoriser.wordlist import WORDS
+import segno
+
 from rosic.core.language.stop_detection import hears_stop
 from rosic.core.secret import Secret
 
 if TYPE_CHECKING:
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Entropy
     from rosic.core.identity import Address
+
+
+# ---- 256 short words to compare by eye or by ear: no two sound or look alike, none offends ----
+
+# fmt: off
+WORDS: Final = (
+    "acorn", "almond", "amber", "anchor", "apple", "arrow", "atlas", "autumn", "badge",
+    "bamboo", "banana", "banjo", "barley", "barn", "basket", "beach", "beaver", "berry",
+    "bicycle", "biscuit", "bison", "blossom", "bonus", "bottle", "boulder", "bread", "breeze",
+    "brick", "brush", "bubble", "butter", "cabin", "cactus", "camel", "candle", "canvas",
+    "carpet", "cashew", "cedar", "cello", "chalk", "cherry", "chess", "circus", "clock",
+    "clover", "cobalt", "cobweb", "coconut", "coffee", "cookie", "copper", "cotton", "crane",
+    "crayon", "cricket", "crown", "crystal", "cushion", "cycle", "daisy", "desert", "diamond",
+    "dolphin", "domino", "dove", "drawer", "drizzle", "drum", "eagle", "easel", "echo",
+    "emerald", "engine", "falcon", "feather", "fern", "fiddle", "finch", "flame", "flannel",
+    "forest", "fossil", "fridge", "furrow", "galaxy", "gallery", "garden", "garlic", "gecko",
+    "ginger", "giraffe", "glacier", "glitter", "globe", "gondola", "granite", "grape",
+    "guitar", "hammer", "harp", "hazel", "hedge", "helmet", "heron", "hill", "hippo",
+    "hollow", "honey", "igloo", "indigo", "insect", "iris", "island", "ivory", "jacket",
+    "jaguar", "jelly", "jewel", "jigsaw", "juice", "jungle", "kayak", "kettle", "kite",
+    "koala", "ladder", "lagoon", "larch", "lemon", "lentil", "lilac", "lime", "lizard",
+    "lotus", "lunar", "lynx", "magnet", "magpie", "mango", "marble", "meadow", "melon",
+    "meteor", "mint", "mirror", "mitten", "mosaic", "moss", "muffin", "museum", "napkin",
+    "nectar", "needle", "nest", "nickel", "nugget", "nutmeg", "oasis", "ocean", "olive",
+    "onion", "opal", "orange", "orbit", "orchid", "otter", "paddle", "palace", "panda",
+    "papaya", "paper", "parcel", "parrot", "pear", "pebble", "pencil", "piano", "picnic",
+    "pigeon", "pillow", "planet", "plum", "pocket", "pony", "potato", "puzzle", "quartz",
+    "quilt", "quiver", "rabbit", "radio", "raft", "raisin", "raven", "reef", "ribbon",
+    "robin", "rope", "ruby", "salad", "salmon", "sandal", "satin", "saucer", "scarf", "shell",
+    "shovel", "silver", "skate", "sketch", "snow", "soap", "spider", "sponge", "spoon",
+    "squid", "stable", "storm", "summer", "syrup", "teapot", "temple", "tennis", "ticket",
+    "tiger", "toast", "tomato", "topaz", "train", "trout", "tulip", "tundra", "tunnel",
+    "turtle", "twig", "valley", "vase", "velvet", "violin", "waffle", "wagon", "wallet",
+    "walrus", "water", "whale", "wheat", "whisk", "window", "wool", "yacht", "yellow",
+    "zebra", "zenith", "zigzag", "zinnia",
+)
+# fmt: on
+
+
+# ---- codes that let somebody in: made, read, and kept as a keyed digest only ----
 
 ALPHABET: Final = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"
 CODE_BYTES: Final = 5
@@ -162,3 +204,39 @@ def shared_words(pending: str, invitation: str, address: Address) -> str:
     seen = ascii((pending, invitation, address.platform, address.account)).encode()
     first, second = blake2b(seen, digest_size=2).digest()
     return f"{WORDS[first]} {WORDS[second]}"
+
+
+# ---- pictures of a link: QR codes, through segno, for a chat and for a terminal ----
+
+QUIET: Final = 4  # modules of light border that a reader expects
+SCALE: Final = 8  # pixels a module
+# A terminal is mostly dark, so the light modules are what is printed.
+_HALVES: Final = {(0, 0): "█", (0, 1): "▀", (1, 0): "▄", (1, 1): " "}
+
+
+def qr_png(text: str) -> bytes:
+    """Return a PNG picture, black on white, with its border."""
+    return drawn(qr_code(text))
+
+
+def drawn(code: segno.QRCode) -> bytes:
+    """Return the picture of a code that was made."""
+    picture = BytesIO()
+    code.save(picture, kind="png", scale=SCALE, border=QUIET, dark="#000", light="#fff")
+    return picture.getvalue()
+
+
+def qr_text(text: str) -> str:
+    """Return lines for a terminal that shows light characters on dark: two modules a character."""
+    rows = [tuple(row) for row in qr_code(text).matrix_iter(border=QUIET)]
+    if len(rows) % 2:
+        rows.append((0,) * len(rows[0]))
+    return "\n".join(
+        "".join(_HALVES[bool(upper), bool(lower)] for upper, lower in zip(*pair, strict=True))
+        for pair in zip(rows[::2], rows[1::2], strict=True)
+    )
+
+
+def qr_code(text: str) -> segno.QRCode:
+    """Return the code of a text: the longer half of making a picture."""
+    return segno.make(text, micro=False, error="m")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from rosic.authoriser.counters import Counters
     from rosic.authoriser.monotonic_clock import MonotonicWallClock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Entropy
 
 KIND: Final = "key-end"
 ID_BYTES: Final = 8

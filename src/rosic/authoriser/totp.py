@@ -7,10 +7,19 @@ from base64 import b32encode
 from typing import TYPE_CHECKING, Final
 from urllib.parse import quote, urlencode
 
+import msgspec
+
+from rosic.authoriser import keys_messages as words
+from rosic.core.identity import PrincipalId
+from rosic.core.message import Chat
+from rosic.core.records import Record
 from rosic.core.secret import Secret
 
 if TYPE_CHECKING:
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Entropy
+
+
+# ---- six digits from a shared secret and the time: HOTP (RFC 4226) and TOTP (RFC 6238) ----
 
 STEP_S: Final = 30
 STEP_NS: Final = STEP_S * 1_000_000_000
@@ -72,3 +81,49 @@ def key_to_type(secret: bytes) -> Secret:
     """Return the secret in groups of four letters, for a phone that cannot see the picture."""
     letters = b32encode(secret).decode().rstrip("=")
     return Secret(" ".join(letters[at : at + 4] for at in range(0, len(letters), 4)))
+
+
+# ---- a person's phone as a second step: what is kept of it, its set-up, a right code ----
+
+
+class TotpDevice(msgspec.Struct, frozen=True):
+    """The body of the fact; its key is the principal, its letter the secret.
+
+    Attributes:
+        last_step: The newest half minute whose code was used.
+        since_ns: When it was set up; wall clock.
+    """
+
+    last_step: int
+    since_ns: int
+
+
+class TotpSetup(msgspec.Struct, frozen=True):
+    """What a phone needs, once, until the first code has come back.
+
+    Attributes:
+        uri: For a QR picture.
+        key: The same to be typed.
+    """
+
+    uri: Secret
+    key: Secret
+
+    @property
+    def sentence(self) -> str:
+        """Return what stands under the picture; it holds the secret."""
+        return words.scan(self.key.reveal())
+
+
+class TotpProof(msgspec.Struct, frozen=True):
+    """A right code. It counts as soon as the records are written and applied, by `admit`.
+
+    Attributes:
+        sentence: For the person, once it counts.
+    """
+
+    principal: PrincipalId
+    chat: Chat
+    step: int
+    records: tuple[Record, ...]
+    sentence: str

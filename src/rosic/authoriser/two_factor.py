@@ -15,30 +15,55 @@ import msgspec
 
 from rosic.authoriser import keys_messages as words
 from rosic.authoriser import totp
-from rosic.authoriser.phone import TotpDevice, TotpProof, TotpSetup
-from rosic.authoriser.proven import SecondFactorSessions
+from rosic.authoriser.totp import TotpDevice, TotpProof, TotpSetup
 from rosic.contracts.clock import ClockReading, passed_ns, reading
 from rosic.core.identity import OPERATOR
 from rosic.core.language.sanitise import fold_word
 from rosic.core.message import ChatKind
 from rosic.core.records import Decided, Fact, Letter
-from rosic.errors import (
-    Expired,
-    NotPermitted,
-    NotUnderstood,
-    RecordUnavailable,
-    TooManyRequests,
-)
+from rosic.errors import Expired, NotPermitted, NotUnderstood, RecordUnavailable, TooManyRequests
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from rosic.authoriser.counters import Counters
     from rosic.authoriser.monotonic_clock import MonotonicWallClock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Entropy
     from rosic.core.identity import PrincipalId
     from rosic.core.message import Chat
     from rosic.core.records import Record
+
+IDLE_NS: Final = 3_600_000_000_000
+PROVEN_AT_MOST: Final = 20_000
+
+
+class SecondFactorSessions:
+    """Principal and chat to the last use; an idle hour ends it, by either clock."""
+
+    def __init__(self, time: MonotonicWallClock) -> None:
+        self._time = time
+        self._used: OrderedDict[tuple[PrincipalId, str, str], ClockReading] = OrderedDict()
+
+    def fresh(self, principal: PrincipalId, chat: Chat) -> bool:
+        """Whether an hour without use has not passed."""
+        used = self._used.get((principal, chat.platform, chat.id))
+        return used is not None and passed_ns(self._time, used) < IDLE_NS
+
+    def refresh(self, principal: PrincipalId, chat: Chat) -> None:
+        """Begin the hour anew. Bounded: those used longest ago go first."""
+        where = (principal, chat.platform, chat.id)
+        self._used[where] = reading(self._time)
+        self._used.move_to_end(where)
+        if len(self._used) > PROVEN_AT_MOST:
+            self._used.popitem(last=False)
+
+    def end(self, principal: PrincipalId) -> None:
+        """Forget somebody in every chat; looks at all of them, which is rare."""
+        for where in [where for where in self._used if where[0] == principal]:
+            del self._used[where]
+
+
+# ---- a second step before dangerous things: the code that a person's phone shows now ----
 
 KIND: Final = "totp"
 TRIES: Final = 5

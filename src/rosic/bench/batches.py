@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 
-from rosic.app import heap
+from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import Seed
 from rosic.bench.parts import CLOCK, parts_of
@@ -265,7 +265,7 @@ async def through_rosic(control: Control, batch: Batch) -> BatchFigures:
         gateway = _gateway(place, DatabaseStore(Path(folder), clock=CLOCK), latch)
         try:
             await gateway.open()
-            heap.settle()
+            runtime.settle()
             running = asyncio.create_task(gateway.run())
             try:
                 await _listening(place)

@@ -182,9 +182,13 @@ class Crowd:
         """Have somebody say something, now."""
         now_ns = CLOCK.wall_ns()
         inbound = Inbound(
-            sender=Address("bench", who), chat=Chat("bench", chat), message=str(next(self._ids)),
-            text=text, sent_ns=now_ns, received_ns=now_ns,
-        )  # fmt: skip
+            sender=Address("bench", who),
+            chat=Chat("bench", chat),
+            message=str(next(self._ids)),
+            text=text,
+            sent_ns=now_ns,
+            received_ns=now_ns,
+        )
         await self._gateway.pipeline.receive(self._messenger, inbound)
 
     async def _feed(self, number: int, name: RobotId) -> None:

@@ -124,10 +124,14 @@ def measure(*, quick: bool) -> tuple[str, list[Case]]:
     cases = [list(cases_of(seen, smallest)) for seen in found]
     most = found[-1]
     method = METHOD.format(
-        per_s=PER_S, runs=runs, messages=MESSAGES, most=sizes[-1].robots, seen=compared(found),
+        per_s=PER_S,
+        runs=runs,
+        messages=MESSAGES,
+        most=sizes[-1].robots,
+        seen=compared(found),
         robots_share=median(s.robots_sent.cpu_s / s.robots_sent.seconds for s in most),
         people_share=median(s.people_sent[0].cpu_s / s.people_sent[0].seconds for s in most),
-    )  # fmt: skip
+    )
     return method, list(chain.from_iterable(cases))
 
 
@@ -136,12 +140,15 @@ def compared(found: Sequence[Sequence[ProcessFigures]]) -> str:
     small, most = found[0], found[-1]
     large = min(found, key=lambda seen: abs(seen[0].robots - 1_000))
     return SEEN.format(
-        small=small[0].robots, large=large[0].robots, most=most[0].robots,
-        p99=p99_ns(large) / p99_ns(small), own=own_p99_ns(large) / own_p99_ns(small),
+        small=small[0].robots,
+        large=large[0].robots,
+        most=most[0].robots,
+        p99=p99_ns(large) / p99_ns(small),
+        own=own_p99_ns(large) / own_p99_ns(small),
         command=median(map(times_as_much, map(flat_out_us, most), map(flat_out_us, small))),
         report=median(map(times_as_much, map(each_ns, most), map(each_ns, small))),
         same=_same(small),
-    )  # fmt: skip
+    )
 
 
 def _same(runs: Sequence[ProcessFigures]) -> str:

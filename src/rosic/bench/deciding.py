@@ -9,12 +9,12 @@ from statistics import median
 from time import perf_counter_ns
 from typing import TYPE_CHECKING, TypeAlias
 
-from rosic.app import loop
+from rosic.app import runtime
 from rosic.bench.places import KINDS, LARGE, SMALL, Size, fill, gateway_over
 from rosic.bench.report import Case, quantile
 from rosic.core.policy.evaluate import decide
 from rosic.core.policy.query import Deny, Query
-from rosic.organiser.grounds import NOTHING
+from rosic.organiser.organiser import NOTHING
 from rosic.stores.memory import MemoryStore
 
 if TYPE_CHECKING:
@@ -62,9 +62,12 @@ class DecidingSite:
         caller, robot = self._next(number)
         state = self._organiser._state(caller, robot, NOTHING)  # noqa: SLF001 - what it would ask
         ask = Query(
-            principal=caller.principal, key=caller.key, robot=robot, skill="move",
+            principal=caller.principal,
+            key=caller.key,
+            robot=robot,
+            skill="move",
             arguments=ARGUMENTS,
-        )  # fmt: skip
+        )
         return partial(decide, state, ask)
 
     def whole(self, number: int) -> Call:
@@ -112,7 +115,7 @@ def measure(*, quick: bool = False) -> tuple[str, tuple[Case, ...]]:
         How, and what was seen.
     """
     runs, calls = (1, QUICK_CALLS) if quick else (RUNS, CALLS)
-    small, large = (loop.run(_open(size)) for size in (SMALL, LARGE))
+    small, large = (runtime.run(_open(size)) for size in (SMALL, LARGE))
     places = {
         str(SMALL): DecidingSite(small, SMALL),
         str(LARGE): DecidingSite(large, LARGE),

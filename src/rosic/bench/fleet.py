@@ -18,7 +18,7 @@ from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import Task
 from rosic.core.fleet.transitions import react
 from rosic.core.robot.profile import RobotId
-from rosic.organiser.planning.assigning import assign
+from rosic.organiser.planning.solver import assign
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,9 +78,12 @@ def floor(seed: int, tasks: int, robots: int) -> Floor:
         # Some tasks want one of a few; most are for any.
         among = tuple(names) if chance.random() < 0.8 else tuple(chance.sample(names, robots // 2))  # noqa: PLR2004
         task = Task(
-            id=str(n + 1), author="p", among=among, given_ns=NOW_NS - chance.randrange(10**11),
+            id=str(n + 1),
+            author="p",
+            among=among,
+            given_ns=NOW_NS - chance.randrange(10**11),
             place=(chance.uniform(0, SIDE_M), chance.uniform(0, SIDE_M)),
-        )  # fmt: skip
+        )
         for fact in fleet.facts(react(fleet, Given(task), NOW_NS)):
             fleet.apply(fact)
     return Floor(fleet, glances)

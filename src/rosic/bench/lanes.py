@@ -224,8 +224,11 @@ class Sending:
         """Hand messages over as they are ready, one after another."""
         create_future = asyncio.get_running_loop().create_future
         receive, messenger, ends, ready = (
-            self._receive, self._messenger, self._messenger.ended, self._ready,
-        )  # fmt: skip
+            self._receive,
+            self._messenger,
+            self._messenger.ended,
+            self._ready,
+        )
         numbers, wall_ns = self._numbers, self._wall_ns
         while True:
             while ready:
@@ -233,9 +236,13 @@ class Sending:
                 lane = slot.lane
                 message, now_ns = str(next(numbers)), wall_ns()
                 inbound = Inbound(
-                    sender=lane.sender, chat=lane.chat, message=message, text=next(lane.texts),
-                    sent_ns=now_ns, received_ns=now_ns,
-                )  # fmt: skip
+                    sender=lane.sender,
+                    chat=lane.chat,
+                    message=message,
+                    text=next(lane.texts),
+                    sent_ns=now_ns,
+                    received_ns=now_ns,
+                )
                 ends[message] = slot
                 slot.began_ns = perf_counter_ns()
                 await receive(messenger, inbound)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app import heap, loop
+from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import Seed
 from rosic.bench.fed import FedRobot, Feed, Frames, read_wish
@@ -203,9 +203,13 @@ def inbound_of(person: str, text: str) -> Inbound:
     """Return what somebody says now."""
     now_ns = CLOCK.wall_ns()
     return Inbound(
-        sender=Address("bench", person), chat=Chat("bench", person), message=str(next(IDS)),
-        text=text, sent_ns=now_ns, received_ns=now_ns,
-    )  # fmt: skip
+        sender=Address("bench", person),
+        chat=Chat("bench", person),
+        message=str(next(IDS)),
+        text=text,
+        sent_ns=now_ns,
+        received_ns=now_ns,
+    )
 
 
 @asynccontextmanager
@@ -218,9 +222,14 @@ async def line(
         frames = Frames(take)
         server = await asyncio.get_running_loop().create_unix_server(lambda: frames, path)
         process = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", "rosic.bench.feeding", who, path, *map(str, numbers),
+            sys.executable,
+            "-m",
+            "rosic.bench.feeding",
+            who,
+            path,
+            *map(str, numbers),
             stdout=asyncio.subprocess.PIPE,
-        )  # fmt: skip
+        )
         try:
             await asyncio.wait_for(frames.connected.wait(), STARTING_S)
             frames.transport.write(b"!")
@@ -243,7 +252,7 @@ async def see(plan: Plan) -> None:
     await gateway.open()
     start_s = perf_counter() - began_s
     running = asyncio.create_task(gateway.run())
-    heap.settle()
+    runtime.settle()
     try:
         robots = {n: robot for n, robot in gateway.robots.items() if isinstance(robot, FedRobot)}
         feed.join(robots)
@@ -284,10 +293,17 @@ async def _see(
         ]
     rss = rss_bytes()
     return ProcessFigures(
-        plan.robots, start_s, rss, quiet_cpu_s / quiet_s, fed_cpu_s, fed_s, fed,
+        plan.robots,
+        start_s,
+        rss,
+        quiet_cpu_s / quiet_s,
+        fed_cpu_s,
+        fed_s,
+        fed,
         tuple(commanded),
-        robots_sent[0], tuple(people_sent),
-    )  # fmt: skip
+        robots_sent[0],
+        tuple(people_sent),
+    )
 
 
 async def _all_heard(feed: Feed) -> None:
@@ -367,7 +383,7 @@ def profile_of(number: int) -> Profile:
 
 def main(text: str) -> None:
     """See what a plan asks for, say it, and take turns."""
-    loop.run(see(msgspec.json.decode(text, type=Plan)))
+    runtime.run(see(msgspec.json.decode(text, type=Plan)))
 
 
 if __name__ == "__main__":

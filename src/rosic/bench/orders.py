@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
-from rosic.app import heap
+from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import Seed
 from rosic.bench import places
@@ -92,7 +92,7 @@ async def run(*loads: OrderLoad) -> list[Ran]:
     found = [Ran([], []) for _ in loads]
     async with AsyncExitStack() as stack:
         opened = [await stack.enter_async_context(_opened(load)) for load in loads]
-        heap.settle()
+        runtime.settle()
         stack.callback(gc.unfreeze)
         for load, (gateway, sending, lanes) in zip(loads, opened, strict=True):
             await sending.send(lanes, load.skills)

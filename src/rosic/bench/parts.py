@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.app.face import face_of
 from rosic.app.gateway import GatewayParts
+from rosic.app.runtime import face_of
 from rosic.config.units import compile_units
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.stop_latch import MemoryLatch

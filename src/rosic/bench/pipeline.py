@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app import loop
+from rosic.app import runtime
 from rosic.bench import deciding, weighing
 from rosic.bench.lanes import TURN_MESSAGES
 from rosic.bench.orders import ROBOTS, OrderLoad, Ran, run
@@ -63,13 +63,13 @@ def measure(*, quick: bool = False) -> Report:
     for _ in range(runs):
         for load in loads:
             if load.name not in COMPARED:
-                seen[load.name] += loop.run(run(load))
-        first, *others = loop.run(run(*abreast))
+                seen[load.name] += runtime.run(run(load))
+        first, *others = runtime.run(run(*abreast))
         reference.append(first)
         for name, ran in zip(COMPARED, others, strict=True):
             seen[name].append(ran)
     orders = [case_of(n, [(r.rate_per_s, r.times_ns) for r in ran]) for n, ran in seen.items()]
-    method = METHOD.format(turn=TURN_MESSAGES, robots=ROBOTS, runs=runs, loop=loop.name())
+    method = METHOD.format(turn=TURN_MESSAGES, robots=ROBOTS, runs=runs, loop=runtime.name())
     how, asked = deciding.measure(quick=quick)
     how_weighed, weighed = weighing.measure()
     return Report(

@@ -95,9 +95,14 @@ def slots_of(size: Size, now_ns: int, principal_of: Callable[[int], str]) -> Ite
     for n in range(size.slots):
         start_ns = now_ns + (1 + n // size.robots) * HOUR_NS
         yield BookedSlot(
-            id=f"s{n}", principal=principal_of(n % size.people), robot=f"robot{n % size.robots}",
-            start_ns=start_ns, end_ns=start_ns + HOUR_NS, made_ns=now_ns, by=OPERATOR,
-        )  # fmt: skip
+            id=f"s{n}",
+            principal=principal_of(n % size.people),
+            robot=f"robot{n % size.robots}",
+            start_ns=start_ns,
+            end_ns=start_ns + HOUR_NS,
+            made_ns=now_ns,
+            by=OPERATOR,
+        )
 
 
 def gateway_over(size: Size, store: Store) -> Gateway:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from telegram import Bot, Update
 from telegram.ext import Application, MessageHandler, filters
 
-from rosic.app import heap
+from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import Seed
 from rosic.bench.parts import CLOCK, parts_of
@@ -148,7 +148,7 @@ async def received(control: Control, orders: int) -> dict[str, list[int]]:
         }
         if TMPFS.is_dir():  # noqa: ASYNC240 - before anything is measured
             sides[NO_DISK] = await rosic_in(folder(str(TMPFS)))
-        heap.settle()
+        runtime.settle()
         return await _in_turns(sides, orders)
 
 
@@ -206,8 +206,9 @@ async def _synced(file: Path, _number: int) -> int:
 async def _rosic(store: Store) -> AsyncIterator[Callable[[int], Awaitable[int]]]:
     """Let a gateway run; yield what hands it one update and waits until the order is given."""
     line = ScriptedLine()
-    messenger = TelegramMessenger("bench", read_settings("bench", {"token": TOKEN}), CLOCK,
-                                  line=line)  # fmt: skip
+    messenger = TelegramMessenger(
+        "bench", read_settings("bench", {"token": TOKEN}), CLOCK, line=line
+    )
     gateway = _gateway(messenger, store)
     await gateway.open()
     running = asyncio.create_task(gateway.run())

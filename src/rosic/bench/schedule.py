@@ -114,8 +114,14 @@ def _window(
         )
     if kind == "half day":
         noon = 4 * 60
-        return (opens[day], opens[day] + noon) if chance.random() < 0.45 else (  # noqa: PLR2004
-            opens[day] + noon, opens[day] + open_min)  # fmt: skip
+        return (
+            (opens[day], opens[day] + noon)
+            if chance.random() < 0.45  # noqa: PLR2004 - nearly half of them
+            else (
+                opens[day] + noon,
+                opens[day] + open_min,
+            )
+        )
     last = day if kind == "day" else min(day + chance.choice((1, 2)), len(opens) - 1)
     return opens[day], opens[last] + open_min
 

@@ -33,9 +33,13 @@ async def stand_in() -> AsyncIterator[Control]:
             hint=f"Install it with: {how_to_install('telegram,testing')}.",
         ) from missing
     process = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", "rosic.testing.telegram", "--token", TOKEN,
+        sys.executable,
+        "-m",
+        "rosic.testing.telegram",
+        "--token",
+        TOKEN,
         stdout=asyncio.subprocess.PIPE,
-    )  # fmt: skip
+    )
     try:
         assert process.stdout is not None  # noqa: S101 - as asked for just above
         said = await asyncio.wait_for(process.stdout.readline(), STARTING_S)

@@ -26,10 +26,10 @@ from rosic.core.order import Ending
 from rosic.core.order_gate import OrderGate
 from rosic.core.synchronised_start import TOGETHER_NS, TOO_LATE_NS, misses_start
 from rosic.errors import OrderVoid
-from rosic.robots.ros2.client.two_clocks import ahead_ns
+from rosic.robots.ros2.client.executor_thread import ahead_ns
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.system import SystemClock
-from rosic.testing.orders import OrderBook
+from rosic.testing.factories import OrderBook
 from rosic.testing.ros2.graph import RosGraph
 from rosic_sim.ros2.urgency import Urgency
 
@@ -109,13 +109,19 @@ def measure(*, quick: bool, robots: int = ROBOTS, rounds: int = 0) -> Report:
             cases += _cases(name, counted, rate)
             findings.append(_within(name, counted))
     method = METHOD.format(
-        robots=robots, processes=PROCESSES, together=TOGETHER_NS / NS, rounds=rounds,
+        robots=robots,
+        processes=PROCESSES,
+        together=TOGETHER_NS / NS,
+        rounds=rounds,
         granted="yes" if granted else "no",
-    )  # fmt: skip
+    )
     return Report(
-        machine=machine(), method=method, cases=tuple(cases), findings=tuple(findings),
+        machine=machine(),
+        method=method,
+        cases=tuple(cases),
+        findings=tuple(findings),
         failures=tuple(failures),
-    )  # fmt: skip
+    )
 
 
 def _granted() -> bool:
@@ -156,9 +162,13 @@ def _within(name: str, seen: Sequence[Round]) -> str:
     robots = {at for at, one in enumerate(seen) if spread_ns(one.robots_ns) < PROMISED_NS}
     sleepers = {at for at, one in enumerate(seen) if max(one.sleepers_ns) < PROMISED_NS}
     return WITHIN.format(
-        name=name, robots=len(robots), rounds=len(seen), promised_ms=PROMISED_NS / 1e6,
-        sleepers=len(sleepers), both=len(robots & sleepers),
-    )  # fmt: skip
+        name=name,
+        robots=len(robots),
+        rounds=len(seen),
+        promised_ms=PROMISED_NS / 1e6,
+        sleepers=len(sleepers),
+        both=len(robots & sleepers),
+    )
 
 
 def _case(name: str, taken_ns: Sequence[int], rate: float) -> Case:
@@ -221,9 +231,12 @@ class _Sleeper:
 async def sleeping() -> AsyncIterator[_Sleeper]:
     """Run a plain process while inside."""
     process = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", "rosic.bench.sleeper",
-        stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
-    )  # fmt: skip
+        sys.executable,
+        "-m",
+        "rosic.bench.sleeper",
+        stdin=asyncio.subprocess.PIPE,
+        stdout=asyncio.subprocess.PIPE,
+    )
     try:
         yield _Sleeper(process)
     finally:

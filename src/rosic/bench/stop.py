@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app import heap, loop
+from rosic.app import runtime
 from rosic.bench.crowd import (
     EVERYTHING,
     ROBOTS,
@@ -86,8 +86,9 @@ class StopFigures(msgspec.Struct):
 def measure(*, quick: bool = False) -> Report:
     """Stop robots with the record in memory, then with the record and the latch on disk."""
     load = QUICK if quick else FULL
-    runs = [(name, loop.run(_run(load, durable=name == "durable")))
-            for name in ("memory", "durable")]  # fmt: skip
+    runs = [
+        (name, runtime.run(_run(load, durable=name == "durable"))) for name in ("memory", "durable")
+    ]
     cases = tuple(
         case_of(f"{name}, {which}: {what}", [(rate, times)])
         for name, (rate, found) in runs
@@ -107,9 +108,13 @@ def measure(*, quick: bool = False) -> Report:
         for one in seen.wrong
     )
     method = METHOD.format(
-        queued=load.queued, robots=ROBOTS, work_ms=WORK_S * 1e3,
-        alone=load.alone, together=load.together, loop=loop.name(),
-    )  # fmt: skip
+        queued=load.queued,
+        robots=ROBOTS,
+        work_ms=WORK_S * 1e3,
+        alone=load.alone,
+        together=load.together,
+        loop=runtime.name(),
+    )
     return Report(machine=machine(), method=method, cases=cases, failures=failures)
 
 
@@ -124,7 +129,7 @@ async def _run(load: StopLoad, *, durable: bool) -> tuple[float, dict[str, StopF
         gateway = crowded_gateway(messenger, store, latch, load.queued)
         try:
             await gateway.open()
-            heap.settle()
+            runtime.settle()
             try:
                 crowd = Crowd(gateway, messenger, load.queued)
                 return await _stops(_Bench(crowd, messenger, latch, load.queued), load)

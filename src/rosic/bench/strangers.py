@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 
-from rosic.app import loop
+from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import Seed
 from rosic.bench.parts import CLOCK, parts_of
@@ -41,8 +41,14 @@ DRAINED_WITHIN_S: Final = 60.0
 ABOVE_QUIET_S: Final = 0.100
 STEP_S: Final = 0.020
 SIGNS: Final = (
-    "\ufdfa\n", "\ufdfa", "\u3316\n", "stop \ufdfa", "@x a\n", "\U0001f6d1x\n", "/start A-B\n",
-)  # fmt: skip
+    "\ufdfa\n",
+    "\ufdfa",
+    "\u3316\n",
+    "stop \ufdfa",
+    "@x a\n",
+    "\U0001f6d1x\n",
+    "/start A-B\n",
+)
 """What a message of a flood is made of, over and over, in turns."""
 NAMED: Final = "\n".join(f"@b{number}bot " + "\u3316 " * 12 + str(number) for number in range(300))
 """Each line is to another bot and unlike all others, and of signs that are six letters each."""
@@ -102,7 +108,7 @@ class StopWatcher(MemoryRobot):
 def measure(*, quick: bool = False) -> Report:
     """Stop a robot without strangers and behind their floods, in turns."""
     load = QUICK if quick else FULL
-    found = loop.run(_run(load))
+    found = runtime.run(_run(load))
     with undisturbed(), asyncio.Runner(loop_factory=MeteredLoop) as runner:
         longest = runner.run(_run(msgspec.structs.replace(load, samples=load.metered))).longest
     above_s = (quantile(found.flooded, 0.99) - quantile(found.quiet, 0.99)) / 1e9
@@ -119,18 +125,20 @@ def measure(*, quick: bool = False) -> Report:
     return Report(
         machine=machine(),
         method=METHOD.format(
-            samples=load.samples, flood=load.flood, longest=LONGEST, worst=worst,
-            metered=load.metered, loop=loop.name(),
+            samples=load.samples,
+            flood=load.flood,
+            longest=LONGEST,
+            worst=worst,
+            metered=load.metered,
+            loop=runtime.name(),
         ),
         cases=(
             case_of("a stop, quiet", [(rate, found.quiet)]),
             case_of("a stop behind a flood", [(rate, found.flooded)]),
         ),
         findings=findings,
-        failures=tuple(
-            finding for finding, held in zip(findings, kept, strict=True) if not held
-        ),
-    )  # fmt: skip
+        failures=tuple(finding for finding, held in zip(findings, kept, strict=True) if not held),
+    )
 
 
 async def _run(load: StrangerLoad) -> StrangerFigures:

@@ -2,21 +2,69 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
-from rosic.app import loop
-from rosic.bench.batches import ROUND_TRIP_S, Batch, BatchFigures, through_rosic
-from rosic.bench.naive import through_a_loop
+from rosic.app import runtime
+from rosic.bench.batches import ENDED, ROUND_TRIP_S, Batch, BatchFigures, BatchSite, through_rosic
 from rosic.bench.receiving import findings, received
 from rosic.bench.report import Case, Report, case_of, machine
-from rosic.bench.stand_in import stand_in
+from rosic.bench.stand_in import TOKEN, stand_in
+from rosic.messengers.telegram.bot_client import BotClient
+from rosic.messengers.telegram.errors import ErrorKind, TelegramError
+from rosic.messengers.telegram.settings import read_settings
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from rosic.testing.telegram import Control
+
+
+# ---- the naive sender: a plain loop that answers the same commands, to be compared with ----
+
+
+async def through_a_loop(control: Control, batch: Batch) -> BatchFigures:
+    """Have a plain loop answer the same commands: it sends at once, and waits when it is told to.
+
+    It has no commands to follow and nothing to write down; each outcome is one message.
+    """
+    place = BatchSite(control, batch)
+    await place.prepare()
+    await place.command()
+    settings = read_settings("bench", {"token": TOKEN, "api_base": control.api_base})
+    line = BotClient(settings)
+    said = {person: await control.messages(person) for person in place.people}
+    waiting = [
+        (person, said[person][number]["message_id"])
+        for number in range(batch.commands // batch.chats)
+        for person in place.people
+    ]
+    async with line.held():
+        for person, message in waiting:
+            await _send_at_once(line, person, message)
+    return await place.found((), 0, 0)
+
+
+async def _send_at_once(line: BotClient, person: int, message: int) -> None:
+    while True:
+        try:
+            await line.ask(
+                lambda bot: bot.send_message(
+                    person, f"robot: go\n{ENDED}now", reply_to_message_id=message
+                )
+            )
+        except TelegramError as trouble:
+            if trouble.kind is not ErrorKind.TOO_FAST:
+                raise
+            await asyncio.sleep(trouble.wait_s)
+        else:
+            return
+
+
+# ---- telegram: the paper's Algorithm 11 under Telegram's limits, and what receiving costs ----
 
 AT_LEAST = 0.95
 SIZES = (10, 50, 100, 500)
@@ -69,14 +117,19 @@ def measured(asked: Asked) -> Report:
     level = log.level
     log.setLevel(logging.ERROR)
     try:
-        cases, failures, seen = loop.run(_run(asked))
+        cases, failures, seen = runtime.run(_run(asked))
     finally:
         log.setLevel(level)
-    method = METHOD.format(round_trip_ms=ROUND_TRIP_S * 1e3, loop=loop.name(), orders=asked.orders)
+    method = METHOD.format(
+        round_trip_ms=ROUND_TRIP_S * 1e3, loop=runtime.name(), orders=asked.orders
+    )
     return Report(
-        machine=machine(), method=method, cases=tuple(cases), findings=seen,
+        machine=machine(),
+        method=method,
+        cases=tuple(cases),
+        findings=seen,
         failures=tuple(failures),
-    )  # fmt: skip
+    )
 
 
 async def _run(asked: Asked) -> tuple[list[Case], list[str], tuple[str, ...]]:

@@ -102,9 +102,11 @@ class Waiting:
 async def waiting(*command: str) -> AsyncIterator[Waiting]:
     """Run a process that says a line and then takes turns; it ends when this is left."""
     process = await asyncio.create_subprocess_exec(
-        *command, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
+        *command,
+        stdin=asyncio.subprocess.PIPE,
+        stdout=asyncio.subprocess.PIPE,
         limit=LONGEST_LINE_BYTES,
-    )  # fmt: skip
+    )
     try:
         yield Waiting(process)
         await asyncio.wait_for(process.communicate(b""), WITHIN_S)

@@ -9,7 +9,7 @@ from pathlib import Path
 from time import perf_counter_ns
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.app import loop
+from rosic.app import runtime
 from rosic.bench.parts import CLOCK
 from rosic.bench.places import HOUR_NS, LARGE, Size, fill, gateway_over
 from rosic.bench.report import Case, quantile
@@ -76,7 +76,9 @@ def _change_ns(gateway: Gateway, who: str) -> int:
 def measure() -> tuple[str, Case]:
     """Return how it is measured, and what was seen."""
     people = LARGE.people
-    many, none = (loop.run(_kept(LARGE._replace(people=count, slots=0))) for count in (people, 0))
+    many, none = (
+        runtime.run(_kept(LARGE._replace(people=count, slots=0))) for count in (people, 0)
+    )
     case = Case(
         name=f"a person's memory: {people} people, {LARGE.roles} roles",
         rate_per_s=round(people / many.opened_s, 1),

@@ -6,7 +6,7 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.api import Ask, Verb
 from rosic.cli.client import add_where
 from rosic.cli.desk import changed
 from rosic.errors import ConfigurationError

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.api import Ask, Verb
 from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up
-from rosic.features.personal_data.inspecting_messages import shown
-from rosic.features.personal_data.operator_view import ShownContainer
+from rosic.features.personal_data.operator_view import ShownContainer, shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

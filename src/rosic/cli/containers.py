@@ -7,12 +7,12 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.api import Ask, Verb
 from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up
 from rosic.container import export
 from rosic.errors import ConfigurationError
-from rosic.features.personal_data import inspecting_messages as words
+from rosic.features.personal_data import operator_view as words
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -8,8 +8,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from rosic.app.demo import demonstrate
-from rosic.app.face import face_of
 from rosic.app.logging import log_to_standard_error
+from rosic.app.runtime import face_of
 from rosic.cli.begun import begun_ns
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock, SystemEntropy

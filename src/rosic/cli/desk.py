@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
-    from rosic.app.admin.asked import Ask
+    from rosic.app.admin.api import Ask
 
 
 def looked_up(options: argparse.Namespace, ask: Ask, *, robots: bool = False) -> tuple[str, ...]:
@@ -58,7 +58,7 @@ def _answered(
     try:
         return answers(data_of(options), ask)
     except NotRunning:
-        from rosic.cli import alone  # noqa: PLC0415 - a database, which a running gateway has open
+        from rosic.cli import client  # noqa: PLC0415 - a database, which a running gateway has open
 
-        seeding = alone.CHANGES if changes else alone.LOOKS
-        return alone.do(options, ask, seeding, robots=robots)
+        seeding = client.CHANGES if changes else client.LOOKS
+        return client.do(options, ask, seeding, robots=robots)

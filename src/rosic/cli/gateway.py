@@ -9,9 +9,19 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.asked import Ask, Verb
-from rosic.app.admin.schedule import BookAsk, ScheduleWindow, SlotBooking, Taken, Who
-from rosic.app.admin.wishes import merged_who, not_over, openings_of, problem_of, read_wishes
+from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.schedule import (
+    BookAsk,
+    ScheduleWindow,
+    SlotBooking,
+    Taken,
+    Who,
+    merged_who,
+    not_over,
+    openings_of,
+    problem_of,
+    read_wishes,
+)
 from rosic.cli.client import add_where
 from rosic.cli.desk import changed, looked_up
 from rosic.errors import ConfigurationError

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.api import Ask, Verb
 from rosic.app.admin.history import AT_MOST, HistoryAsk
 from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up, printed

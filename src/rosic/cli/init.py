@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import asyncio
 import os
+import sys
+from getpass import getpass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,14 +23,98 @@ from rosic.app.setup.init import (
     zone_here,
 )
 from rosic.cli.client import CONFIG
-from rosic.cli.questions import Questions
 from rosic.config.profiles import shipped_profiles
 from rosic.core.identity import Address
 from rosic.errors import ConfigurationError, RosicError
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
+
+
+# ---- questions at the terminal, each with what is taken when the answer is empty ----
+
+HIDDEN = "Nothing is shown while you type or paste the next answer; Enter ends it."
+_YES = {"y": True, "yes": True, "n": False, "no": False}
+
+
+class Questions:
+    """Asks somebody, or nobody.
+
+    Args:
+        silent: Ask nothing: every answer is empty.
+    """
+
+    def __init__(self, *, silent: bool) -> None:
+        self._silent = silent
+
+    def say(self, sentence: str) -> None:
+        """Tell something between two questions."""
+        print(sentence)
+
+    def fit(
+        self, question: str, default: str, check: Callable[[str], object], *, secret: bool = False
+    ) -> str:
+        """Ask for a text, again until it fits: one slip of a finger costs no other answer.
+
+        Args:
+            question: What is asked.
+            default: For an empty answer.
+            check: Raises a ConfigurationError about an answer that does not fit.
+            secret: Do not show what is typed.
+
+        Raises:
+            ConfigurationError: The answers ended before the questions; or nothing is asked, and
+                the default does not fit.
+        """
+        while True:
+            answer = self.text(question, default, secret=secret)
+            try:
+                check(answer)
+            except ConfigurationError as wrong:
+                if self._silent:
+                    raise
+                self.say(str(wrong))
+            else:
+                return answer
+
+    def text(self, question: str, default: str, *, secret: bool = False) -> str:
+        """Ask for a text.
+
+        Args:
+            question: What is asked.
+            default: For an empty answer.
+            secret: Do not show what is typed.
+
+        Raises:
+            ConfigurationError: The answers ended before the questions.
+        """
+        if self._silent:
+            return default
+        shown = f"{question} [{default}] " if default else f"{question} "
+        try:
+            hidden = secret and sys.stdin.isatty()
+            if hidden:
+                self.say(HIDDEN)
+            return (getpass(shown) if hidden else input(shown)).strip() or default
+        except EOFError:
+            print()
+            raise ConfigurationError(
+                "The questions were not answered to the end. Nothing was written.",
+                hint="rosic init --yes asks nothing.",
+            ) from None
+
+    def yes(self, question: str, *, default: bool) -> bool:
+        """Ask for yes or no, again until it is one of them."""
+        while True:
+            said = self.text(f"{question} {'[Y/n]' if default else '[y/N]'}", "")
+            answer = default if not said else _YES.get(said.casefold())
+            if answer is not None:
+                return answer
+            self.say("Please say yes or no.")
+
+
+# ---- ``rosic init``: a few questions, then a configuration that works ----
 
 ABOUT = """Ask a few questions and write rosic.toml, and profiles of robots that were found on the
 ROS 2 graph. Nothing that exists is overwritten. With --yes nothing is asked: what no option says is
@@ -77,13 +163,23 @@ def _parser() -> argparse.ArgumentParser:
     add("--name", metavar="NAME", help=f"of this place ({NAME})")
     add("--zone", metavar="ZONE", help="its time zone, as Europe/Vienna (this machine's)")
     token = parser.add_mutually_exclusive_group()
-    token.add_argument("--token-env", metavar="VARIABLE", default="",
-                       help="of the environment, which holds the Telegram token")  # fmt: skip
-    token.add_argument("--token-file", metavar="FILE", default="",
-                       help="which holds the Telegram token")  # fmt: skip
+    token.add_argument(
+        "--token-env",
+        metavar="VARIABLE",
+        default="",
+        help="of the environment, which holds the Telegram token",
+    )
+    token.add_argument(
+        "--token-file", metavar="FILE", default="", help="which holds the Telegram token"
+    )
     token.add_argument("--no-telegram", action="store_true", help="talk at this terminal")
-    add("--robot", nargs="+", action="extend", metavar="PROFILE",
-        help="profiles that ship, or files: ./rover.yaml")  # fmt: skip
+    add(
+        "--robot",
+        nargs="+",
+        action="extend",
+        metavar="PROFILE",
+        help="profiles that ship, or files: ./rover.yaml",
+    )
     add("--link", choices=LINKS, help="how those are reached (simulated)")
     add("--discover", action="store_true", help="look for robots on the ROS 2 graph")
     add("--admin", metavar="ID", help=f"a Telegram id, or {CODE}: the first start shows one")

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.api import Ask, Verb
 from rosic.cli.client import add_where
 from rosic.cli.desk import changed
-from rosic.cli.picture import show
+from rosic.cli.people import show
 from rosic.cli.spans import joined, seconds
 
 if TYPE_CHECKING:
@@ -48,8 +48,14 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="rosic invite", description=ABOUT, epilog=EPILOG)
     add = parser.add_argument
     add("--role", action="append", default=[], metavar="ROLE", help="once or several times")
-    add("--robot", nargs="+", action="extend", default=[], metavar="ROBOT",
-        help="only on these robots or groups")  # fmt: skip
+    add(
+        "--robot",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="ROBOT",
+        help="only on these robots or groups",
+    )
     add("--for", dest="lasts", metavar="TIME", help="how long the right lasts; left out: for good")
     add("--code-ttl", default=CODE_TTL, metavar="TIME", help=f"how long the code does ({CODE_TTL})")
     add("--limit", action="append", default=[], metavar="LIMIT", help="'speed <= 0.2 m/s'")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.asked import AS_JSON, NOTHING, Ask, Verb
+from rosic.app.admin.api import AS_JSON, NOTHING, Ask, Verb
 from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up, printed
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app.added_robots import Draft, Wanted
-from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.api import Ask, Verb
 from rosic.app.admin.control_client import NotRunning
 from rosic.cli.client import add_where, ask, data_of
 from rosic.config.profiles import find_profile, known_units, read_profile

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.app import loop
+from rosic.app import runtime
 from rosic.app.builder import secrets_of
 from rosic.app.config import Config, load_config
-from rosic.app.face import face_of
 from rosic.app.logging import log_to_standard_error
 from rosic.app.private_memory import keep_memory_private
+from rosic.app.runtime import face_of
 from rosic.app.service import GatewayService
 from rosic.cli.begun import begun_ns
 from rosic.cli.client import CONFIG
-from rosic.cli.picture import show
+from rosic.cli.people import show
 from rosic.config.file_permissions import open_to_others
 from rosic.config.translations import of_locale
 from rosic.core.i18n import in_language
@@ -58,7 +58,7 @@ def run(arguments: Sequence[str]) -> int:
     for found in others:
         log.warning("%s", found.error)
     try:
-        loop.run(_serve(config))
+        runtime.run(_serve(config))
     except RosicError as error:
         print(f"rosic: {error}", file=sys.stderr)
         return 1

@@ -6,7 +6,7 @@ import argparse
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from rosic.app.painting import jpeg_drawer
+from rosic.app.alert_feature import jpeg_drawer
 from rosic.robots.ros2.client.rclpy_import import load_ros
 
 if TYPE_CHECKING:
@@ -29,9 +29,11 @@ def run(arguments: Sequence[str]) -> int:
     parser.add_argument("robots", metavar="ROBOT", nargs="*")
     parser.add_argument("--ros2", action="store_true", help="as ROS 2 nodes; the only way so far")
     parser.add_argument(
-        "--link-lost", type=float, metavar="SECONDS",
+        "--link-lost",
+        type=float,
+        metavar="SECONDS",
         help="hold, or land, after so long without a sign of life from the gateway",
-    )  # fmt: skip
+    )
     options = parser.parse_args(arguments)
     load_ros()
     lost = [] if options.link_lost is None else [f"--link-lost={options.link_lost:g}"]

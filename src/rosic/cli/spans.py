@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from rosic.core.language.clock_words import Unclear
-from rosic.core.language.time_tokens import TimeTokens
+from rosic.core.language.time_tokens import TimeTokens, Unclear
 from rosic.errors import OutOfBounds
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
+from rosic.config.missions import fleet_of, rulebook_of
 from rosic.config.profile_fields import NAMED
-from rosic.config.rulebook import fleet_of, rulebook_of
 from rosic.config.source_map import Place, nearest
 from rosic.config.validation import Field, FieldForm, NumberBounds, Rules, ValidationFinding
 from rosic.container.file_messages import MB

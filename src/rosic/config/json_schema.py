@@ -83,9 +83,11 @@ def among_schema() -> dict[str, Any]:
     ((top,), made) = msgspec.json.schema_components((Utterance,), ref_template="#/$defs/{name}")
     _describe(made)
     return {
-        "$schema": DIALECT, **top, "title": "What a robot says through ROSIC",
+        "$schema": DIALECT,
+        **top,
+        "title": "What a robot says through ROSIC",
         "$defs": dict(sorted(made.items())),
-    }  # fmt: skip
+    }
 
 
 def _schema(top: type, title: str) -> dict[str, Any]:

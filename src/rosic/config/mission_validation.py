@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from math import isfinite
 from typing import TYPE_CHECKING, Final
 
 from rosic.config.source_map import Place, nearest
@@ -9,16 +11,20 @@ from rosic.config.validation import ValidationFinding
 from rosic.core.alerts.condition import seconds
 from rosic.core.fleet.mission import Late, MissionPart
 from rosic.core.fleet.task import STEPS_AT_MOST
-from rosic.core.fleet.template import filled, names_in, shown
+from rosic.core.fleet.template import QUANTITIES_AT_MOST, filled, names_in, shown
 from rosic.core.language import Do, LineContext, Vocabulary, bind, understand
 from rosic.errors import Refusal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from rosic.core.fleet.mission import Mission
     from rosic.core.fleet.template import Quantity
     from rosic.core.language import UnitTable
     from rosic.core.robot.profile import RobotId
+
+
+# ---- what is wrong with the parts of a mission, looked at with the robots that are to do them ----
 
 ANY: Final = "any"
 LONGEST_S: Final = 86_400.0
@@ -60,23 +66,31 @@ class MissionCheck:
             yield from self._task(part, place)
         elif part.deadline:
             yield ValidationFinding(
-                (*place, "deadline"), "Only a part with steps has a deadline of its own.",
+                (*place, "deadline"),
+                "Only a part with steps has a deadline of its own.",
                 "Give one to each of its parts, or one to the mission.",
-            )  # fmt: skip
+            )
 
     def deadline(self, said: str, late: Late, place: Place) -> Iterator[ValidationFinding]:
         """Find what is wrong with a deadline, and with what happens then."""
         if said and not self._is_length(said):
-            yield ValidationFinding((*place, "deadline"), f"{said!r} is no length of time.",
-                          "Write for example 20 min.")  # fmt: skip
+            yield ValidationFinding(
+                (*place, "deadline"), f"{said!r} is no length of time.", "Write for example 20 min."
+            )
         if not said and late is Late.CANCEL:
-            yield ValidationFinding((*place, "late"), "Without a deadline nothing is late.",
-                          "Write for example deadline: 20 min.")  # fmt: skip
+            yield ValidationFinding(
+                (*place, "late"),
+                "Without a deadline nothing is late.",
+                "Write for example deadline: 20 min.",
+            )
 
     def _handed_on(self, part: MissionPart, place: Place) -> Iterator[ValidationFinding]:
         if not part.mission:
-            yield ValidationFinding((*place, "with"), "Only another mission is given values.",
-                          "Write them into the steps.")  # fmt: skip
+            yield ValidationFinding(
+                (*place, "with"),
+                "Only another mission is given values.",
+                "Write them into the steps.",
+            )
         for name, text in part.values.items():
             yield from self._unknown(text, (*place, "with", name))
 
@@ -99,8 +113,11 @@ class MissionCheck:
         for index, step in enumerate(part.steps):
             yield from self._step(part.on, robots, step, (*place, "steps", index))
         if part.within and not self._is_length(part.within):
-            yield ValidationFinding((*place, "within"), f"{part.within!r} is no length of time.",
-                          "Write for example 5 min.")  # fmt: skip
+            yield ValidationFinding(
+                (*place, "within"),
+                f"{part.within!r} is no length of time.",
+                "Write for example 5 min.",
+            )
         yield from self.deadline(part.deadline, part.late, place)
 
     def _step(
@@ -162,3 +179,68 @@ def _tries(quantities: Mapping[str, Quantity]) -> list[dict[str, str]]:
         {name: quantity.max for name, quantity in quantities.items()},
     )
     return [{name: shown(quantities[name], value) for name, value in v.items()} for v in values]
+
+
+# ---- what is wrong with the parameters of a mission ----
+
+NAME: Final = re.compile(r"[a-z][a-z0-9_]*")
+TIMES: Final = frozenset({"in", "at", "on", "every", "now", "next", "today", "tomorrow"})
+"""What begins a time when a mission is started later."""
+
+
+def quantity_findings(mission: Mission, units: UnitTable) -> Iterator[ValidationFinding]:
+    """Find what is wrong with each of them."""
+    place = ("parameters",)
+    if len(mission.parameters) > QUANTITIES_AT_MOST:
+        yield ValidationFinding(place, f"A mission has at most {QUANTITIES_AT_MOST} parameters.")
+    for name, quantity in mission.parameters.items():
+        if not NAME.fullmatch(name):
+            yield ValidationFinding(
+                (*place, name),
+                f"{name!r} is no name for a parameter.",
+                "Use small letters, digits and _, a letter first.",
+            )
+        elif name in TIMES:
+            yield ValidationFinding(
+                (*place, name), f"{name!r} begins a time here.", "Call it otherwise."
+            )
+        yield from (
+            ValidationFinding((*place, name, *under), sentence, hint)
+            for under, sentence, hint in _wrong(quantity, units)
+        )
+
+
+def _wrong(quantity: Quantity, units: UnitTable) -> Iterator[tuple[tuple[str, ...], str, str]]:
+    if quantity.unit and units.find(quantity.unit) is None:
+        yield (
+            ("unit",),
+            f"{quantity.unit!r} is no unit that is known here.",
+            nearest(quantity.unit, units.exact, say_all=False)
+            or "Write for example m, m/s, deg or s.",
+        )
+    if not isfinite(quantity.min) or not isfinite(quantity.max) or quantity.min > quantity.max:
+        yield ("min",), "min and max have to be finite, and min not above max.", ""
+        return
+    if quantity.default is not None and not quantity.min <= quantity.default <= quantity.max:
+        bounds = f"{quantity.min:g} and {quantity.max:g}"
+        sentence = f"The default {quantity.default:g} is not between {bounds}."
+        yield ("default",), sentence, "Change the default or its bounds."
+
+
+def unused_findings(mission: Mission) -> Iterator[ValidationFinding]:
+    """Find parameters that change nothing."""
+    used = {name for part in mission.do for text in _texts(part) for name in names_in(text)}
+    for name in mission.parameters:
+        if name not in used:
+            yield ValidationFinding(
+                ("parameters", name),
+                f"No step uses {name!r}.",
+                f"Write ${name} in a step, or leave it out.",
+            )
+
+
+def _texts(part: MissionPart) -> Iterator[str]:
+    yield from part.steps
+    yield from part.values.values()
+    for other in (*part.sequence, *part.together):
+        yield from _texts(other)

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 from msgspec import inspect
 
-from rosic.config.mission_quantities import quantity_findings, unused_findings
-from rosic.config.mission_validation import MissionCheck
+from rosic.config.mission_validation import MissionCheck, quantity_findings, unused_findings
 from rosic.config.profile_fields import NAMED
 from rosic.config.validation import Field, FieldForm, NumberBounds, Rules, ValidationFinding, Walker
 from rosic.config.yaml_source import read_yaml
 from rosic.core.fleet.mission import InvalidMission, Mission, MissionPart, lay_out
 from rosic.core.fleet.task import PRIORITIES
-from rosic.core.language import Vocabulary
+from rosic.core.language import Vocabulary, skills_of
+from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
+from rosic.core.policy.scope import Fleet
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -23,7 +24,11 @@ if TYPE_CHECKING:
 
     from rosic.config.source_map import Source
     from rosic.core.language import UnitTable
+    from rosic.core.policy.roles import Role, SkillPrecondition
     from rosic.core.robot.profile import Profile
+
+
+# ---- missions: their files, and what is wrong with them, with its line ----
 
 MISSION_BOUNDS: Final[dict[Field, NumberBounds]] = {
     (MissionPart, "priority"): NumberBounds(*PRIORITIES),
@@ -100,3 +105,24 @@ class Missions:
                 lay_out(mission, known, self._units)
             except InvalidMission as fault:
                 yield ValidationFinding(fault.place, fault.sentence)
+
+
+# ---- what a place has written down about rights, as rights see it: its rules and its robots ----
+
+
+def fleet_of(profiles: Iterable[Profile]) -> Fleet:
+    """Return the robots there are, as rights see them."""
+    groups: dict[str, list[str]] = {}
+    skills = {}
+    for profile in profiles:
+        skills[profile.id] = skills_of(profile)
+        for group in profile.groups:
+            groups.setdefault(group, []).append(profile.id)
+    return Fleet(skills=skills, groups={name: tuple(some) for name, some in groups.items()})
+
+
+def rulebook_of(
+    roles: dict[str, Role], care: tuple[SkillPrecondition, ...] = (), preempt: tuple[str, ...] = ()
+) -> RoleRules:
+    """Return the rules of a place: its own roles beside the default ones, or instead of them."""
+    return RoleRules(roles={**DEFAULT_ROLES, **roles}, care=care, preempt=preempt)

@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING, Final
 
 from msgspec.structs import replace
 
-from rosic.config.profile_benchmarks import expected
 from rosic.config.profile_fields import BOUNDS, FORMS, HIDDEN
 from rosic.config.profile_rest import unseen_axes
-from rosic.config.profile_skill_validation import meant, moved, of_trajectory
+from rosic.config.profile_skill_validation import expected, meant, moved, of_trajectory
 from rosic.config.profile_types import fitting_booleans, of_one_type, said_stop, watched
 from rosic.config.source_map import Place, nearest
 from rosic.config.validation import Rules, ValidationFinding
 from rosic.core.alerts.rule import InvalidAlertRule, compile_rule, read_run, rules_of
 from rosic.core.language import UnitTable, Vocabulary
-from rosic.core.policy.authority import AMONG, FILES, READ, RESUME
+from rosic.core.policy.scope import AMONG, FILES, READ, RESUME
 from rosic.core.robot.file_transfer import CONTENT_BYTES
 from rosic.core.robot.profile import Deliver, Files, Profile, Telemetry
 from rosic.core.robot.skill import Parameter, Skill, SkillClass

@@ -165,9 +165,13 @@ class Archive:
         message = inbound.under if tapped else inbound.message
         said = EntryContent(inbound.sender.account, author.name, _cut(inbound.text), note, message)
         entry = ArchiveEntry(
-            at_ns=inbound.received_ns, way="in", who=author.principal, identity=identity,
-            since_ns=_since(known, inbound, backlog=backlog), backlog=backlog,
-        )  # fmt: skip
+            at_ns=inbound.received_ns,
+            way="in",
+            who=author.principal,
+            identity=identity,
+            since_ns=_since(known, inbound, backlog=backlog),
+            backlog=backlog,
+        )
         return (*gaps, *self._add(key, known, entry, said))
 
     def say(

@@ -10,14 +10,13 @@ import asyncio
 from collections import Counter, OrderedDict
 from functools import partial
 from hashlib import blake2b
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import msgspec
 from msgspec.structs import replace
 
 from rosic.container import records
 from rosic.container.patience import Patience
-from rosic.container.unit import SHARED_BYTES, PersonContainer, RobotContainer
 from rosic.core.i18n import said
 from rosic.core.language import bind, show
 from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, Permit, Request, Spoken
@@ -34,6 +33,76 @@ if TYPE_CHECKING:
     from rosic.core.language import Vocabulary
     from rosic.core.message import Chat
     from rosic.core.robot.profile import RobotId
+
+
+# ---- one principal's and one robot's container: units that share nothing (I11) ----
+
+CHATS_AT_MOST = 64
+SHARED_BYTES: Final = 8
+"""With so many begins what stands for any part of a chat."""
+
+
+class PersonContainer:
+    """What belongs to one person: which robot they chose, chat by chat.
+
+    Args:
+        principal: They.
+        there: Where everybody's chats are counted.
+    """
+
+    __slots__ = ("_selected", "_there", "principal")
+
+    def __init__(self, principal: PrincipalId, there: Counter[bytes]) -> None:
+        self.principal = principal
+        self._there = there
+        self._selected: OrderedDict[bytes, str] = OrderedDict()
+
+    def select(self, chat: bytes, name: str) -> None:
+        """Choose a robot or a group for a chat; an empty name undoes the choice."""
+        if self._selected.pop(chat, None) is not None:
+            self._leave(chat)
+        if name:
+            self._selected[chat] = name
+            self._there[chat[:SHARED_BYTES]] += 1
+            if len(self._selected) > CHATS_AT_MOST:
+                self._leave(self._selected.popitem(last=False)[0])
+
+    def clear(self) -> None:
+        """Undo every choice."""
+        while self._selected:
+            self._leave(self._selected.popitem()[0])
+
+    def _leave(self, chat: bytes) -> None:
+        own = chat[:SHARED_BYTES]
+        self._there[own] -= 1
+        if not self._there[own]:
+            del self._there[own]
+
+    def selected(self, chat: bytes) -> str:
+        """Return the choice for a chat, empty for none."""
+        return self._selected.get(chat, "") if self._selected else ""
+
+    def chose(self, chat: bytes) -> bool:
+        """Whether there is a choice for a chat, or for a part of it, that begins so."""
+        return any(digest.startswith(chat) for digest in self._selected)
+
+
+class RobotContainer:
+    """What belongs to one robot: the number of its last order."""
+
+    __slots__ = ("n", "robot")
+
+    def __init__(self, robot: RobotId, n: int) -> None:
+        self.robot = robot
+        self.n = n
+
+    def next_number(self) -> int:
+        """Return the next order number; numbers skipped by a failed claim stay skipped (I3)."""
+        self.n += 1
+        return self.n
+
+
+# ---- the paper's container: PROCESSCOMMAND of Algorithm 1, and the durable claim ----
 
 DIGEST_BYTES = 16
 MET = "met"
@@ -130,11 +199,19 @@ class Containers:
             n = self._robots[request.robot].next_number()
             orders.append(
                 Order(
-                    request.cid, request.robot, request.skill, values.arguments, n,
-                    request.deadline_ns, request.expires_ns, permit, None, request.sequel,
+                    request.cid,
+                    request.robot,
+                    request.skill,
+                    values.arguments,
+                    n,
+                    request.deadline_ns,
+                    request.expires_ns,
+                    permit,
+                    None,
+                    request.sequel,
                     values.words,
                 )
-            )  # fmt: skip
+            )
             told = records.encode(replace(reply_to, values=dict(values.arguments)))
             letter = Letter(permits[0].principal, told)
             claims.append(_claim(request, permit, n, values.digest, accepted_ns, letter))
@@ -163,10 +240,8 @@ class Containers:
         for order in orders:
             letter = Letter(order.permit.principal, why.encode())
             self._store.note(
-                Concluded(
-                    cid=order.cid, ending=Ending.REFUSED.value, at_ns=at_ns, letter=letter
-                )
-            )  # fmt: skip
+                Concluded(cid=order.cid, ending=Ending.REFUSED.value, at_ns=at_ns, letter=letter)
+            )
 
     async def refuse(
         self, cid: bytes, caller: Caller, refusal: Refusal, answer: records.KeptAnswer
@@ -178,9 +253,12 @@ class Containers:
         """
         letter = Letter(caller.principal, records.encode(answer))
         refused = Refused(
-            cid=cid, principal=caller.principal, code=refusal.code,
-            at_ns=self._clock.wall_ns(), letter=letter,
-        )  # fmt: skip
+            cid=cid,
+            principal=caller.principal,
+            code=refusal.code,
+            at_ns=self._clock.wall_ns(),
+            letter=letter,
+        )
         try:
             await self._patience.write((refused,), _as_said)
         except StoreFault:
@@ -231,9 +309,12 @@ class Containers:
         """
         try:
             resumed = Resumed(
-                cid=cid, robot=robot, generation=generation, principal=caller.principal,
+                cid=cid,
+                robot=robot,
+                generation=generation,
+                principal=caller.principal,
                 at_ns=self._clock.wall_ns(),
-            )  # fmt: skip
+            )
             await self._patience.write((resumed,), partial(self.stays_stopped, cid))
         except StoreFault as fault:
             raise RecordUnavailable(
@@ -360,9 +441,18 @@ def _claim(
 ) -> Claimed:
     skill = request.skill
     return Claimed(
-        cid=request.cid, principal=permit.principal, key=permit.key, robot=request.robot,
-        skill=skill.id, n=n, fence=permit.fence, new_fence=permit.new_fence,
-        stop_generation=permit.stop_generation, epoch=permit.epoch, digest=digest,
-        accepted_ns=accepted_ns, expires_ns=request.sent_ns + skill.order_lifetime_ns,
+        cid=request.cid,
+        principal=permit.principal,
+        key=permit.key,
+        robot=request.robot,
+        skill=skill.id,
+        n=n,
+        fence=permit.fence,
+        new_fence=permit.new_fence,
+        stop_generation=permit.stop_generation,
+        epoch=permit.epoch,
+        digest=digest,
+        accepted_ns=accepted_ns,
+        expires_ns=request.sent_ns + skill.order_lifetime_ns,
         letter=letter,
-    )  # fmt: skip
+    )

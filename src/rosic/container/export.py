@@ -25,9 +25,14 @@ OWN_ID: Final = "rosic"
 OWN_NAME: Final = "ROSIC"
 UNKNOWN: Final = "None"  # as the paper's program writes a username that is not there
 COLUMNS: Final[Mapping[str, int]] = {
-    "Number": 9, "Time": 24, "Direction": 10, "Sender ID": 20, "Sender Username": 20, "Message": 80,
+    "Number": 9,
+    "Time": 24,
+    "Direction": 10,
+    "Sender ID": 20,
+    "Sender Username": 20,
+    "Message": 80,
     "Note": 12,
-}  # fmt: skip
+}
 THINGS: Final[Mapping[str, int]] = {"Kind": 16, "ID": 24, "Known": 60, "Sealed": 80}
 """Headings of spreadsheets, and how wide their columns are."""
 LONGEST_CELL: Final = 32_767
@@ -82,9 +87,14 @@ def _row(fact: Fact) -> ArchiveRow:
     said = archive_records.read_content(fact.letter.content)
     out = entry.way == "out"
     return ArchiveRow(
-        n=n, time=time, way=entry.way, sender=OWN_ID if out else said.account,
-        name=OWN_NAME if out else said.name, text=said.text, note=said.note,
-    )  # fmt: skip
+        n=n,
+        time=time,
+        way=entry.way,
+        sender=OWN_ID if out else said.account,
+        name=OWN_NAME if out else said.name,
+        text=said.text,
+        note=said.note,
+    )
 
 
 ENDINGS: Final[Mapping[str, str]] = {"text": "txt", "jsonl": "jsonl", "xlsx": "xlsx"}

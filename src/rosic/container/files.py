@@ -214,9 +214,15 @@ class FileStore:
             log.warning("a file cannot be read; it is left out")
             return
         filed = StoredFile(
-            id=fact.key, owner=body.owner, name=name, sort=body.sort, size=body.size,
-            digest=body.digest, parts=body.parts, at_ns=body.at_ns,
-        )  # fmt: skip
+            id=fact.key,
+            owner=body.owner,
+            name=name,
+            sort=body.sort,
+            size=body.size,
+            digest=body.digest,
+            parts=body.parts,
+            at_ns=body.at_ns,
+        )
         self._files.setdefault(body.owner, {})[fact.key] = filed
         self._owners[fact.key] = body.owner
         self._bytes += filed.size

@@ -21,8 +21,7 @@ from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, TooManyReques
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
 
 KIND: Final = "shelf"
 QUOTA: Final = "shelf-quota"

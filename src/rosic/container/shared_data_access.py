@@ -7,16 +7,34 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 import msgspec
 
-from rosic.container import sharing_messages as words
+from rosic.core.i18n import said, said_n
 from rosic.core.identity import PrincipalId
+from rosic.core.language.sanitise import quote
 from rosic.core.records import Fact, Letter
 from rosic.errors import NotUnderstood, TooManyRequests
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
+
+
+# ---- every sentence about lending what one keeps ----
+
+
+def lent_enough(most: int) -> str:
+    """Return that sharing has its bounds."""
+    return said_n(
+        "You can share {n} thing at most, and you do. Nothing has changed. Take one back first.",
+        "You can share {n} things at most, and you do. Nothing has changed. Take one back first.",
+        most,
+    )
+
+
+def not_lent(name: str) -> str:
+    """Return that there is nothing to take back."""
+    return said("You share nothing called {name} so. Nothing has changed.", name=quote(name))
+
 
 LOAN: Final = "shelf-loan"
 LOANS_MOST: Final = 64
@@ -104,12 +122,13 @@ class SharedDataAccess:
             TooManyRequests: As much is lent as can be. Nothing has changed.
         """
         before = [
-            loan for loan in self._by.get(owner, {}).values()
+            loan
+            for loan in self._by.get(owner, {}).values()
             if (loan.reader, loan.name) == (reader, name)
-        ]  # fmt: skip
+        ]
         over = [loan for loan in self._by.get(owner, {}).values() if loan not in self.by(owner)]
         if len(self.by(owner)) - len(before) >= LOANS_MOST:
-            raise TooManyRequests(words.lent_enough(LOANS_MOST), retry_after_s=0.0)
+            raise TooManyRequests(lent_enough(LOANS_MOST), retry_after_s=0.0)
         fresh = Fact(
             kind=LOAN,
             key=self._entropy.token(_ID_BYTES).hex(),
@@ -128,7 +147,7 @@ class SharedDataAccess:
         found = [loan for loan in self.by(owner) if loan.name == name]
         found = [loan for loan in found if not reader or loan.reader == reader]
         if not found:
-            raise NotUnderstood(words.not_lent(name))
+            raise NotUnderstood(not_lent(name))
         return tuple(map(_no_more, found))
 
     def end_name(self, owner: PrincipalId, name: str) -> tuple[Fact, ...]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
+# ---- time as an argument ----
+
 
 class Clock(Protocol):
     """Two clocks and a way to wait.
@@ -45,3 +47,14 @@ def reading(clock: Clock) -> ClockReading:
 def passed_ns(clock: Clock, since: ClockReading) -> int:
     """Return how much time has passed since then, by the clock that says more."""
     return max(clock.monotonic_ns() - since.monotonic_ns, clock.wall_ns() - since.wall_ns)
+
+
+# ---- chance as an argument ----
+
+
+class Entropy(Protocol):
+    """Unguessable bytes."""
+
+    def token(self, length: int) -> bytes:
+        """Return ``length`` bytes fit for secrets; a test may own the sequence."""
+        ...

@@ -6,8 +6,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequenc
 from typing import Protocol, TypeAlias
 
 from rosic.core.identity import Address
-from rosic.core.menu import Menu
-from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Passing, Reaction, Weight
+from rosic.core.message import Chat, Enclosure, Inbound, Menu, Outbound, Passing, Reaction, Weight
 from rosic.errors import MessengerFault
 
 Receive: TypeAlias = Callable[[Inbound], Awaitable[None]]

@@ -17,12 +17,28 @@ MINUTE_NS = 60_000_000_000
 DAY_NS = MINUTES_A_DAY * MINUTE_NS
 
 WEEKDAYS = (
-    said("Mon"), said("Tue"), said("Wed"), said("Thu"), said("Fri"), said("Sat"), said("Sun"),
-)  # fmt: skip
+    said("Mon"),
+    said("Tue"),
+    said("Wed"),
+    said("Thu"),
+    said("Fri"),
+    said("Sat"),
+    said("Sun"),
+)
 MONTHS = (
-    said("Jan"), said("Feb"), said("Mar"), said("Apr"), said("May"), said("Jun"),
-    said("Jul"), said("Aug"), said("Sep"), said("Oct"), said("Nov"), said("Dec"),
-)  # fmt: skip
+    said("Jan"),
+    said("Feb"),
+    said("Mar"),
+    said("Apr"),
+    said("May"),
+    said("Jun"),
+    said("Jul"),
+    said("Aug"),
+    said("Sep"),
+    said("Oct"),
+    said("Nov"),
+    said("Dec"),
+)
 
 _LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
 _THURSDAY = 3  # 1 January 1970

@@ -11,6 +11,8 @@ import msgspec
 from rosic.core.i18n import said
 from rosic.core.identity import Address
 
+# ---- what comes from a messenger and what goes back to it, whatever the messenger is ----
+
 _NO_NAME = frozenset("/\\\0\n\r")
 
 
@@ -301,3 +303,34 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     def urgent(self) -> bool:
         """Whether it waits for nothing else in its own chat (a stop's answer, an alarm)."""
         return self.weight <= Weight.ALARM
+
+
+# ---- what a messenger may offer while somebody types: commands with a line about each ----
+
+
+class MenuScope(enum.Enum):
+    """In which chats a menu is shown."""
+
+    PRIVATE = "private"
+    GROUPS = "groups"
+    CHAT = "chat"
+
+
+class Menu(msgspec.Struct, frozen=True):
+    """Commands, in one language, for some chats. Showing one gives nobody a right to it.
+
+    Attributes:
+        commands: Name without a slash, and what it does; none takes the menu away.
+        locale: For whom: ``de``; empty for everybody whose language has no menu.
+        chat: Id of the one chat that it is for.
+    """
+
+    where: MenuScope
+    commands: tuple[tuple[str, str], ...]
+    locale: str = ""
+    chat: str = ""
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """What tells it from every other menu."""
+        return self.where.value, self.chat, self.locale

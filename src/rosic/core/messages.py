@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import figure, filled, joined, said, titled
 from rosic.core.language.common_names import shown_name
 from rosic.core.language.sanitise import echo
-from rosic.core.policy.authority import RESUME
+from rosic.core.policy.scope import RESUME
 from rosic.core.units import bound_in_words, measured
 
 if TYPE_CHECKING:

@@ -88,9 +88,16 @@ class OrderStatus:
     """
 
     __slots__ = (
-        "_accepted_ns", "_ending", "_face", "_fraction", "_note", "_steps",
-        "title", "where", "words",
-    )  # fmt: skip
+        "_accepted_ns",
+        "_ending",
+        "_face",
+        "_fraction",
+        "_note",
+        "_steps",
+        "title",
+        "where",
+        "words",
+    )
 
     def __init__(
         self, where: str, title: str, face: Face, at_ns: int, words: StatusTexts = ENGLISH

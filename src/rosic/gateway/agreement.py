@@ -188,9 +188,7 @@ class Agreements:
         elif isinstance(line, Do):
             line, _ = self._lowering.of(caller, line)
             for robot, skill in zip(line.robots, line.skills, strict=True):
-                asked = Request(
-                    b"", robot, skill, line.spoken, line.text, 0, 0, 0, 0, line.group
-                )  # fmt: skip
+                asked = Request(b"", robot, skill, line.spoken, line.text, 0, 0, 0, 0, line.group)
                 values = self._rooms.container.complete(asked)
                 yield ActPart(robot, skill.id, values.arguments, values.words)
 

@@ -69,11 +69,14 @@ class BusyRobots:
             name = self._rooms.organiser.name_of(whose)
             busy = said(
                 "{shown} is busy: {what}, for {name}. This was not done.",
-                shown=shown, what=what, name=name,
-            )  # fmt: skip
+                shown=shown,
+                what=what,
+                name=name,
+            )
             return RobotBusy(busy, choices=after)
-        busy = said("{shown} is busy: {what}, as you asked. This was not done.",
-                    shown=shown, what=what)  # fmt: skip
+        busy = said(
+            "{shown} is busy: {what}, as you asked. This was not done.", shown=shown, what=what
+        )
         instead = ((STOP_THEN_THIS, f"{INSTEAD}{command}"),) if after else ()
         return RobotBusy(busy, choices=(*after, *instead))
 

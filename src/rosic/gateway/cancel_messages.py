@@ -27,14 +27,18 @@ def waited(count: int) -> str:
     """Return how many orders waited; empty for none."""
     if not count:
         return ""
-    return said_n("One command that waited is not done.",
-                  "{n} commands that waited are not done.", count)  # fmt: skip
+    return said_n(
+        "One command that waited is not done.", "{n} commands that waited are not done.", count
+    )
 
 
 def withdrawn(count: int) -> str:
     """Return how many commands had waited for a second person."""
-    return said_n("The question to a second person is withdrawn.",
-                  "{n} questions to a second person are withdrawn.", count)  # fmt: skip
+    return said_n(
+        "The question to a second person is withdrawn.",
+        "{n} questions to a second person are withdrawn.",
+        count,
+    )
 
 
 def at_work_for(shown: str, name: str) -> str:

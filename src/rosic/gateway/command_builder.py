@@ -13,8 +13,7 @@ from msgspec.structs import replace
 from rosic.core.i18n import joined, said
 from rosic.core.language import CommandLine, Do, Misunderstood
 from rosic.core.language.arguments import place
-from rosic.core.language.formatting import show, show_choice, show_named
-from rosic.core.language.stepping import beginning, stepped
+from rosic.core.language.formatting import beginning, show, show_choice, show_named, stepped
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood, Refusal
 from rosic.gateway.builtin_commands import Reply
@@ -103,9 +102,10 @@ class CommandBuilder:
             if value is None:
                 raise NotUnderstood(
                     said(
-                        "Say what: {example} ...", example=f"{robot} {compiled.spoken}",
+                        "Say what: {example} ...",
+                        example=f"{robot} {compiled.spoken}",
                     )
-                )  # fmt: skip
+                )
             arguments[parameter.name] = value
         arguments |= self._lowering.within(caller, robot, compiled, arguments, given)[0]
         shown = vocabulary.robots[robot].shown
@@ -166,9 +166,11 @@ def _backwards(trail: Sequence[str]) -> str:
 
 
 def _steppers(
-    robot: RobotId, compiled: CompiledSkill, arguments: Mapping[str, Argument],
+    robot: RobotId,
+    compiled: CompiledSkill,
+    arguments: Mapping[str, Argument],
     trail: Sequence[str],
-) -> tuple[tuple[Button, ...], ...]:  # fmt: skip
+) -> tuple[tuple[Button, ...], ...]:
     """Return a row for each number and some for each choice; none for what is better typed."""
     now = _command(robot, compiled, arguments)
     way = [now, *trail]
@@ -185,19 +187,27 @@ def _steppers(
         if parameter.is_number:
             smaller, larger = stepped(parameter, float(value))
             label = show_named(compiled, parameter, value)
-            steppers.append((
-                Button(SMALLER, becoming(parameter, smaller)),
-                Button(label, becoming(parameter, value)),
-                Button(LARGER, becoming(parameter, larger)),
-            ))  # fmt: skip
+            steppers.append(
+                (
+                    Button(SMALLER, becoming(parameter, smaller)),
+                    Button(label, becoming(parameter, value)),
+                    Button(LARGER, becoming(parameter, larger)),
+                )
+            )
         elif parameter.words is not None:
             choices = list(dict.fromkeys(parameter.words.values()))
             if len(choices) in range(2, CHOICES_AT_MOST + 1):
-                steppers.extend(rows([
-                    Button(joined("", (CHOSEN * (choice == value), show_choice(choice))),
-                           becoming(parameter, choice))
-                    for choice in choices
-                ]))  # fmt: skip
+                steppers.extend(
+                    rows(
+                        [
+                            Button(
+                                joined("", (CHOSEN * (choice == value), show_choice(choice))),
+                                becoming(parameter, choice),
+                            )
+                            for choice in choices
+                        ]
+                    )
+                )
     return tuple(steppers) if len(steppers) <= ROWS_AT_MOST else ()
 
 

@@ -7,7 +7,7 @@ import logging
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.core.i18n import in_language, said
-from rosic.core.menu import Menu, MenuScope
+from rosic.core.message import Menu, MenuScope
 from rosic.gateway.command_words import menu_name
 
 if TYPE_CHECKING:

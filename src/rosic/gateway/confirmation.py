@@ -22,14 +22,13 @@ from rosic.gateway import cancel_messages as words
 from rosic.gateway.agreement import ResolvedAct
 from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
-from rosic.organiser.grounds import AuthContext
+from rosic.organiser.organiser import AuthContext
 from rosic.organiser.refusals import ANY_CHANNEL, bound_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.office import CommandContext

@@ -83,10 +83,11 @@ class LeaseHandover:
                 said(
                     "{robot} is {names}'s now, and not yours to take over. Wait for it, and I tell "
                     "you when it is free.",
-                    robot=shown, names=names,
+                    robot=shown,
+                    names=names,
                 ),
                 offers=(f"wait {robot}",),
-            )  # fmt: skip
+            )
         name = asked.caller.name
         self._reach.tell(
             others, said("{name} takes {shown} over now.", name=name, shown=shown), urgent=True
@@ -128,10 +129,11 @@ class LeaseHandover:
                 said(
                     "{robot} is {name}'s now. They can end that, or an admin. Wait for it, and I "
                     "tell you when it is free.",
-                    robot=shown, name=self._name(holder),
+                    robot=shown,
+                    name=self._name(holder),
                 ),
                 offers=(f"wait {robot}",),
-            )  # fmt: skip
+            )
         if not await self.end(robot, said("{name} ended the session", name=asked.caller.name)):
             raise RobotBusy(
                 said(
@@ -155,12 +157,19 @@ class LeaseHandover:
             return Reply(said("Session ended. {shown} is at rest, and free.", shown=shown))
         until = organiser.moment(who, slot.end_ns)
         text = (
-            said("Session ended. {shown} is at rest, and yours until {until}.",
-                 shown=shown, until=until)
+            said(
+                "Session ended. {shown} is at rest, and yours until {until}.",
+                shown=shown,
+                until=until,
+            )
             if owner == who
-            else said("Session ended. {shown} is at rest, and {name}'s until {until}.",
-                      shown=shown, name=self._name(owner), until=until)
-        )  # fmt: skip
+            else said(
+                "Session ended. {shown} is at rest, and {name}'s until {until}.",
+                shown=shown,
+                name=self._name(owner),
+                until=until,
+            )
+        )
         return Reply(text, ((Button(said("Give that time back"), f"/cancel booking {slot.id}"),),))
 
     def _name(self, principal: PrincipalId) -> str:

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from rosic.core import messages
 from rosic.core.i18n import figure, joined, said
 from rosic.core.language.common_names import shown_command, shown_name
-from rosic.core.language.stepping import beginning
+from rosic.core.language.formatting import beginning
 from rosic.core.message import Button
-from rosic.core.policy.authority import RESUME
-from rosic.core.policy.scope import FLEET, GRANT
+from rosic.core.policy.scope import FLEET, GRANT, RESUME
 from rosic.core.robot.profile import Slots
 from rosic.core.robot.view import Sight
 from rosic.core.units import measured

@@ -17,7 +17,7 @@ from rosic.core.order import Request, Spoken
 from rosic.core.policy.limits import limit_in_words
 from rosic.core.policy.query import Deny, PolicyCode
 from rosic.core.policy.roles import Assurance
-from rosic.organiser.grounds import AuthContext
+from rosic.organiser.organiser import AuthContext
 from rosic.organiser.refusals import bound_of
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from rosic.errors import OutOfBounds
     from rosic.gateway.components import Components
     from rosic.gateway.message_context import MessageContext
-    from rosic.gateway.requesting import RequestFactory
+    from rosic.gateway.requests import RequestFactory
 
 # What a chat is worth is asked when the order is admitted; here only limits matter.
 ANYWHERE = AuthContext(channel=Assurance.LOCAL)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from rosic.core.policy.roles import ASSURANCES, Assurance
-from rosic.organiser.grounds import AuthContext
+from rosic.organiser.organiser import AuthContext
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
@@ -38,9 +38,19 @@ class MessageContext:
     """
 
     __slots__ = (
-        "act", "arrived_ns", "asked", "caller", "confirmed", "inbound",
-        "messenger", "note", "proven", "second", "shown_ns", "stepup",
-    )  # fmt: skip
+        "act",
+        "arrived_ns",
+        "asked",
+        "caller",
+        "confirmed",
+        "inbound",
+        "messenger",
+        "note",
+        "proven",
+        "second",
+        "shown_ns",
+        "stepup",
+    )
 
     def __init__(
         self,

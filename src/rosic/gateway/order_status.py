@@ -62,8 +62,10 @@ class OrderMessage:
         "open",
         "principal",
         "reply_to",
-        "untold", "where", "words",
-    )  # fmt: skip
+        "untold",
+        "where",
+        "words",
+    )
 
     def __init__(
         self,

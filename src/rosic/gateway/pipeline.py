@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from typing import TYPE_CHECKING
 
 from rosic.container.history import CommandHistory
@@ -30,10 +30,10 @@ from rosic.errors import (
     OutOfBounds,
     Refusal,
     Repeated,
+    TooManyRequests,
     Unrecognised,
 )
 from rosic.gateway.agreement import Agreements
-from rosic.gateway.audience import RobotFollowers
 from rosic.gateway.builtin_commands import BuiltinCommands
 from rosic.gateway.busy import BusyRobots
 from rosic.gateway.button_expiry import ButtonExpiry
@@ -45,11 +45,10 @@ from rosic.gateway.message_context import MessageContext
 from rosic.gateway.office import CommandContext
 from rosic.gateway.order_execution import OrderExecutor
 from rosic.gateway.order_status import OrderMessage, stop_button
-from rosic.gateway.ordering import ChatLocks
 from rosic.gateway.reception import PipelineHooks, may_bring_a_code
 from rosic.gateway.replies import ASK_FIRST, BEHIND, CONFIRMED, LEAVE, Replies, reply_id
-from rosic.gateway.reply_context import meant
-from rosic.gateway.requesting import RequestFactory, line_id
+from rosic.gateway.reply_context import RobotFollowers, meant
+from rosic.gateway.requests import RequestFactory, line_id
 from rosic.gateway.unfollowed_messages import UnfollowedMessages
 from rosic.gateway.urgent import UrgentLane
 
@@ -60,7 +59,7 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, CommandId, PrincipalId
     from rosic.core.language import Line
-    from rosic.core.message import Inbound
+    from rosic.core.message import Chat, Inbound
     from rosic.core.order import Order, Request
     from rosic.core.order_status import Face
     from rosic.core.robot.skill import Argument
@@ -68,6 +67,68 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.sender import ChatSender
     from rosic.gateway.stop import StopLane
+
+
+# ---- one chat's messages pass the rooms in the order in which they came ----
+
+WAITING_AT_MOST = 256
+
+
+class ChatLocks:
+    """A queue of one per chat that costs nothing while nobody waits.
+
+    ``asyncio.Lock`` per chat would do the same, but would have to be created, kept and thrown
+    away for every chat.
+    """
+
+    def __init__(self) -> None:
+        # None: somebody has the turn, and nobody waits for it.
+        self._chats: dict[tuple[str, str], deque[asyncio.Future[None]] | None] = {}
+
+    def try_take(self, chat: Chat) -> bool:
+        """Take the chat's turn if nobody has it; ``give`` must follow."""
+        where = (chat.platform, chat.id)
+        if where in self._chats:
+            return False
+        self._chats[where] = None
+        return True
+
+    async def take(self, chat: Chat) -> None:
+        """Wait for the chat's turn; ``give`` must follow.
+
+        Raises:
+            TooManyRequests: Too many messages of this chat wait already (I15); no ``give`` is due.
+        """
+        if self.try_take(chat):
+            return
+        where = (chat.platform, chat.id)
+        waiting = self._chats[where]
+        if waiting is None:
+            waiting = self._chats[where] = deque()
+        if len(waiting) >= WAITING_AT_MOST:
+            raise TooManyRequests(
+                said("Too many messages at once. Wait a moment."), retry_after_s=5.0
+            )
+        future: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        waiting.append(future)
+        try:
+            await future
+        except asyncio.CancelledError:
+            if future.done() and not future.cancelled():
+                self.give(chat)
+            raise
+
+    def give(self, chat: Chat) -> None:
+        """Give the turn to the next message of the chat."""
+        where = (chat.platform, chat.id)
+        waiting = self._chats[where]
+        while waiting:
+            future = waiting.popleft()
+            if not future.done():
+                future.set_result(None)
+                return
+        del self._chats[where]
+
 
 FOLLOWED_KEPT, LONG = 10_000, 1_000
 FRESH = Standing.FRESH

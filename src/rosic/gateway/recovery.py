@@ -88,10 +88,12 @@ class Recovery:
         try:
             await self._store.write(
                 Concluded(
-                    cid=life.cid, ending=Ending.UNKNOWN.value, at_ns=self._clock.wall_ns(),
+                    cid=life.cid,
+                    ending=Ending.UNKNOWN.value,
+                    at_ns=self._clock.wall_ns(),
                     letter=Letter(life.principal, b""),
                 )
-            )  # fmt: skip
+            )
         except StoreFault:
             log.exception("an interrupted order could not be settled")
             return False

@@ -197,9 +197,12 @@ class Replies:
         if refusal.petition:
             buttons = (*buttons, (Button(ask_for_it(), refusal.petition),))
         outbound = Outbound(
-            chat=inbound.chat, text=refusal.sentence, reply_to=reply_id(inbound),
-            buttons=self._bind(inbound, caller, buttons), weight=Weight.OUTCOME,
-        )  # fmt: skip
+            chat=inbound.chat,
+            text=refusal.sentence,
+            reply_to=reply_id(inbound),
+            buttons=self._bind(inbound, caller, buttons),
+            weight=Weight.OUTCOME,
+        )
         told = translated(outbound, self._languages.of(caller.principal))
         note = OutgoingMessage(messenger, told, cid, edited_by(inbound), to=caller.principal)
         self._say(note, inbound, refusal)

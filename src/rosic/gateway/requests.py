@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from rosic.authoriser.button_tokens import OPEN
 from rosic.core.i18n import said
+from rosic.core.identity import command_id, robot_command_id
+from rosic.core.language import places as places_of
+from rosic.core.order import Request
 from rosic.errors import Expired
 
 if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.core.identity import CommandId
+    from rosic.core.language import Do
     from rosic.core.message import Inbound
-    from rosic.core.order import Request
+    from rosic.gateway.components import Components
+    from rosic.gateway.message_context import MessageContext
+
+
+# ---- what is too old to act on, in the words of the person who sent it (I2) ----
 
 MINUTE_S = 60
 HOUR_S = 3600
@@ -110,3 +121,89 @@ def age(age_ns: int) -> str:
     if seconds < 2 * HOUR_S:
         return said("{seconds:.0f} minutes", seconds=seconds / MINUTE_S)
     return said("{seconds:.0f} hours", seconds=seconds / HOUR_S)
+
+
+class RequestFactory:
+    """Makes requests of lines."""
+
+    def __init__(self, rooms: Components, clock: Clock) -> None:
+        self._board = rooms.board
+        self._profiles = rooms.profiles
+        self._clock = clock
+
+    def requests(
+        self, said: MessageContext, line: Do, cid: CommandId, now_ns: int
+    ) -> list[Request]:
+        """Return what the line asks of each robot, as long as it is fresh."""
+        inbound = said.inbound
+        received_ns = inbound.received_ns
+        sent_ns, arrived_ns = inbound.sent_ns, said.arrived_ns
+        age_ns = received_ns - sent_ns
+        if age_ns < 0:
+            sent_ns, age_ns = received_ns, 0
+        wall_ns = self._clock.wall_ns()
+        waited_ns = wall_ns - received_ns
+        # Whichever clock says that it is older: the wall clock may have been set back meanwhile.
+        asked_ns = (now_ns - waited_ns if waited_ns > now_ns - arrived_ns else arrived_ns) - age_ns
+        requests: list[Request] = []
+        for robot, skill in zip(line.robots, line.skills, strict=True):
+            request = Request(
+                # The first carries the line's own id: understood anew, it is found all the same.
+                robot_command_id(cid, robot) if requests else cid,
+                robot,
+                skill,
+                line.spoken,
+                line.text,
+                sent_ns,
+                age_ns,
+                asked_ns + skill.order_lifetime_ns,
+                wall_ns + (asked_ns - now_ns) + skill.order_lifetime_ns,
+                line.group,
+                robot in said.asked,
+            )
+            if now_ns > request.deadline_ns or sent_ns < inbound.listening_since_ns:
+                check_fresh(inbound, request, now_ns)
+            if received_ns <= self._board[robot].at_ns:
+                self._check_later_than_stop(inbound, request)
+            requests.append(request)
+        return requests
+
+    def _check_later_than_stop(self, inbound: Inbound, request: Request) -> None:
+        """Refuse motion received before its robot's last stop, wherever it waited since (I5)."""
+        stopped = self._board[request.robot]
+        if inbound.received_ns <= stopped.at_ns and not stopped.latched and request.skill.actuates:
+            shown = self._profiles[request.robot].shown
+            raise Expired(
+                said("{shown} was stopped after you sent this. Nothing was done.", shown=shown),
+                offers=(request.text,),
+            )
+
+
+def line_id(inbound: Inbound, number: int) -> CommandId:
+    """Return the identity of one line of a message, or of what a tap says.
+
+    A button that is nobody's may be tapped again, so what counts is the tap.
+    """
+    nonce = inbound.nonce
+    if nonce is not None and not nonce.startswith(OPEN):  # in a group, several may tap the same one
+        sender = inbound.sender
+        return command_id("tap", nonce, sender.platform, sender.account, str(number))
+    if inbound.written:  # a line has the same place to a bot that another line is addressed to
+        places = places_of(inbound.text, inbound.written)
+        number = places[number] if number < len(places) else number
+    return command_id(*message_parts(inbound), str(number))
+
+
+def message_parts(inbound: Inbound) -> tuple[str, ...]:
+    """Return what a message is known by, for ever: the same message gives the same parts.
+
+    Two bots of one gateway count the messages of the same person alike, so the number of one of
+    these says nothing without the bot. Where all who are in a chat share its numbers, or something
+    else of the message, a message that both bots hear is one.
+    """
+    sender, chat = inbound.sender, inbound.chat
+    if inbound.shared:
+        return (sender.platform, "in", chat.id, sender.account, inbound.shared)
+    if inbound.account:
+        return (sender.platform, "to", inbound.account, chat.id, inbound.message)
+    return (sender.platform, sender.account, chat.id, inbound.message)

@@ -16,7 +16,7 @@ from rosic.core.identity import (
     robot_command_id,
 )
 from rosic.core.message import Button
-from rosic.core.policy.authority import RESUME
+from rosic.core.policy.scope import RESUME
 from rosic.errors import (
     Expired,
     Fault,

@@ -6,10 +6,10 @@ all, and nobody waits longer for it than in a place with fifty.
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING, Final, TypeVar
 
 if TYPE_CHECKING:
-    import asyncio
     from collections.abc import Callable, Iterable, Sequence
 
     from rosic.contracts.clock import Clock
@@ -54,3 +54,20 @@ async def go_round(
         more.clear()
         await more.wait()
         due_ns = clock.monotonic_ns()
+
+
+# ---- waits for a time, or until something has happened that may be due sooner ----
+
+
+async def sleep_or_wake(clock: Clock, seconds: float, woken: asyncio.Event) -> None:
+    """Return when so many seconds are over or the event is set, whichever comes first.
+
+    The event is left as it is: whoever sleeps again clears it before they look at what is due.
+    """
+    timer = asyncio.create_task(clock.sleep(seconds))
+    waking = asyncio.create_task(woken.wait())
+    try:
+        await asyncio.wait((timer, waking), return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        timer.cancel()
+        waking.cancel()

@@ -20,7 +20,6 @@ from rosic.errors import ChatGone, MessageGone, MessengerFault, Unrecognised
 from rosic.gateway.button_rows import rows
 from rosic.gateway.company import SeveralRobots, is_unnamed
 from rosic.gateway.delivery.chat_queue import OutgoingMessage
-from rosic.gateway.holding_stops import HoldingStops
 from rosic.gateway.replies import ask_for_it
 from rosic.gateway.resume import RESUMED_AT_MOST
 from rosic.gateway.stopped_by import stopped_by
@@ -41,6 +40,54 @@ if TYPE_CHECKING:
     from rosic.gateway.resume import ResumeHandler
     from rosic.linker.linker import StopInProgress
 
+
+# ---- which stops hold what they came in unconfirmed, while the stop file takes its time ----
+
+
+class HoldingStops:
+    """Knows the newest stop of each robot, by the messenger that would bring it again."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._newest: dict[tuple[str, RobotId], asyncio.Future[None]] = {}
+        self._holds: dict[asyncio.Future[None], int] = {}
+
+    async def hold(
+        self,
+        messenger: str,
+        robots: tuple[RobotId, ...],
+        latched: asyncio.Task[bool],
+        within_s: float,
+    ) -> None:
+        """Wait until a stop is on disk, or newer ones stop all its robots, or for so long."""
+        mine: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        names = [(messenger, robot) for robot in robots]
+        self._holds[mine] = len(names)
+        for name in names:
+            self._succeed(self._newest.get(name))
+            self._newest[name] = mine
+        patience = asyncio.create_task(self._clock.sleep(within_s))
+        try:
+            await asyncio.wait((latched, patience, mine), return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            patience.cancel()
+            del self._holds[mine]
+            for name in names:
+                if self._newest.get(name) is mine:
+                    del self._newest[name]
+
+    def _succeed(self, older: asyncio.Future[None] | None) -> None:
+        if older is None:
+            return
+        self._holds[older] -= 1
+        if not self._holds[older] and not older.done():
+            older.set_result(None)
+
+
+# ---- the stop lane: before the grammar, never queued, limited, expired or void (I5, I10) ----
+
+
+if TYPE_CHECKING:
     OwnOf: TypeAlias = Callable[[PrincipalId], Collection[RobotId]]
 
 # In one chat at a time. Stops are obeyed whatever their number; answering a flood of them helps
@@ -164,13 +211,15 @@ class StopLane:
         self._store.note(
             *(
                 Stopped(
-                    robot=robot, generation=self._board[robot].generation, principal=by,
+                    robot=robot,
+                    generation=self._board[robot].generation,
+                    principal=by,
                     at_ns=at_ns,
                 )
                 for robot in robots
             ),
             *(stopped_by(robot, self._board) for robot in robots),
-        )  # fmt: skip
+        )
 
     async def _answer(
         self, messenger: Messenger, inbound: Inbound, halting: StopInProgress, by: PrincipalId
@@ -227,9 +276,13 @@ class StopLane:
         await self._say(messenger, Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP), "")
 
     def _buttons(
-        self, inbound: Inbound, robots: tuple[RobotId, ...], by: PrincipalId,
-        catalogue: Catalogue | None, asking: tuple[tuple[Button, ...], ...],
-    ) -> tuple[tuple[Button, ...], ...]:  # fmt: skip
+        self,
+        inbound: Inbound,
+        robots: tuple[RobotId, ...],
+        by: PrincipalId,
+        catalogue: Catalogue | None,
+        asking: tuple[tuple[Button, ...], ...],
+    ) -> tuple[tuple[Button, ...], ...]:
         """Offer to resume what was stopped, to whoever may; and to ask for that, to others.
 
         In a group the buttons are for everybody there: each tap is checked for whoever taps.
@@ -270,13 +323,15 @@ class StopLane:
             [
                 Button(
                     said("Ask to resume {shown}", shown=self._profiles[robot].shown)
-                    if several else ask_for_it(),
+                    if several
+                    else ask_for_it(),
                     petition,
                     good_for_ns=MENU_LIFETIME_NS,
                 )
-                for robot, petition in asks if petition
+                for robot, petition in asks
+                if petition
             ]
-        )  # fmt: skip
+        )
 
     async def _rest(self, robot: RobotId, task: asyncio.Task[Rest]) -> Rest:
         try:

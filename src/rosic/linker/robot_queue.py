@@ -48,8 +48,15 @@ class RobotQueue:
     """
 
     __slots__ = (
-        "_clock", "_robot", "_waiting", "_wakes_ns", "_watch", "current", "replaces", "running",
-    )  # fmt: skip
+        "_clock",
+        "_robot",
+        "_waiting",
+        "_wakes_ns",
+        "_watch",
+        "current",
+        "replaces",
+        "running",
+    )
 
     def __init__(self, robot: Robot, clock: Clock) -> None:
         self._robot = robot

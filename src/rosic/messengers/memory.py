@@ -11,6 +11,7 @@ from msgspec.structs import replace
 from rosic.core.identity import Address
 from rosic.core.language import is_urgent
 from rosic.core.message import (
+    Attachment,
     Button,
     Chat,
     ChatKind,
@@ -20,14 +21,43 @@ from rosic.core.message import (
     Passing,
     Standing,
 )
-from rosic.errors import ChatGone, ChatNotBegun, ConfigurationError, MessageGone, MessengerFault
-from rosic.messengers.whole import whole
+from rosic.errors import (
+    ChatGone,
+    ChatNotBegun,
+    ConfigurationError,
+    MessageGone,
+    MessengerFault,
+    RosicError,
+)
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Passed, Receive
+
+
+# ---- a file as a whole, for messengers that have nothing to send it in pieces to ----
+
+
+async def whole(attachment: Attachment, most: int) -> Attachment:
+    """Return a file with all of its content.
+
+    Raises:
+        MessengerFault: It is larger than ``most``, or not what was promised.
+    """
+    if attachment.size > most:
+        raise MessengerFault("The file is too large for this messenger. Nothing was sent.")
+    if attachment.pieces is None:
+        return attachment
+    try:
+        content = b"".join([piece async for piece in attachment.read()])
+    except RosicError as error:
+        raise MessengerFault(error.sentence) from error
+    return Attachment(attachment.name, attachment.media_type, content)
+
+
+# ---- a messenger inside the process: for tests, and as the smallest example of the contract ----
 
 KEEP = 10_000
 """How many of the newest messages, edits and answers are remembered."""

@@ -21,7 +21,7 @@ from rosic.organiser import petitions_messages as words
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Entropy
     from rosic.core.records import Record
 
 PETITION: Final = "petition"
@@ -157,9 +157,12 @@ class AccessRequests:
         self._check_new(mine, want, now_ns)
         self._check_often(mine, now_ns)
         petition = AccessRequest(
-            id=f"a{self._entropy.token(_ID_BYTES).hex()}", principal=principal, want=want,
-            asked_ns=now_ns, digest=digest,
-        )  # fmt: skip
+            id=f"a{self._entropy.token(_ID_BYTES).hex()}",
+            principal=principal,
+            want=want,
+            asked_ns=now_ns,
+            digest=digest,
+        )
         return petition, self._records(petition, "ask", principal)
 
     def _check_new(self, mine: Iterable[AccessRequest], want: WantedRight, now_ns: int) -> None:
@@ -213,9 +216,12 @@ class AccessRequests:
     def _records(self, petition: AccessRequest, act: str, by: PrincipalId) -> tuple[Record, ...]:
         now_ns = self._wall_ns()
         decided = Decided(
-            act=f"petition-{act}", by=by, about=petition.principal, at_ns=now_ns,
+            act=f"petition-{act}",
+            by=by,
+            about=petition.principal,
+            at_ns=now_ns,
             digest=petition.id.encode(),
-        )  # fmt: skip
+        )
         return decided, Fact(kind=PETITION, key=petition.id, body=_encode(petition))
 
     # ---- time ----

@@ -18,7 +18,7 @@ from rosic.errors import Expired, NotPermitted, NotUnderstood, OutOfBounds, TooM
 from rosic.organiser import calendar_messages as words
 from rosic.organiser.calendar_conflicts import OutsideSlot, SlotConflict, SlotTaken
 from rosic.organiser.calendar_index import CalendarIndex
-from rosic.organiser.occasions import SeriesLimits, occasions
+from rosic.organiser.recurrence import SeriesLimits, occasions
 from rosic.organiser.timezones import UNIVERSAL, zone_named
 
 if TYPE_CHECKING:
@@ -140,9 +140,15 @@ class Calendar(CalendarIndex):
         made_ns = self._clock.wall_ns()
         key = self._new_id(principal, robot, series, str(span[0]), str(made_ns))
         return BookedSlot(
-            id=key, principal=principal, robot=robot, start_ns=span[0], end_ns=span[1],
-            series=series, made_ns=made_ns, by=by,
-        )  # fmt: skip
+            id=key,
+            principal=principal,
+            robot=robot,
+            start_ns=span[0],
+            end_ns=span[1],
+            series=series,
+            made_ns=made_ns,
+            by=by,
+        )
 
     def _new_id(self, *parts: str) -> str:
         """Return an id that no slot had before, even if the clock stands still."""

@@ -8,33 +8,94 @@ robots and slots. What is simply allowed is looked up; everything else goes thro
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias
 
+import msgspec
 from msgspec.structs import replace as renewed
 
+from rosic.contracts.clock import Clock
 from rosic.core.i18n import said
-from rosic.core.identity import Caller, PrincipalId
+from rosic.core.identity import Caller, KeyId, PrincipalId
 from rosic.core.lease import Lease, Leases
 from rosic.core.order import FOREVER_NS, Order, Permit, Request
 from rosic.core.policy.evaluate import decide
 from rosic.core.policy.query import Deny, PolicyState, Query
-from rosic.core.policy.roles import StepRequired
+from rosic.core.policy.roles import Assurance, StepRequired
 from rosic.core.robot.profile import Slots
 from rosic.core.robot.skill import Argument
 from rosic.errors import NotPermitted, RobotStopped, TimeInDoubt
 from rosic.organiser.calendar import Calendar
-from rosic.organiser.grounds import NOTHING, AccessState, AuthContext
-from rosic.organiser.rates_messages import person_full
+from rosic.organiser.rate_limits import person_full
 from rosic.organiser.refusals import CLOCK_SET_BACK, LOCKED, RefusalBuilder
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from rosic.core.policy.permissions import Permissions
-    from rosic.core.policy.query import Allow, Decision
+    from rosic.core.policy.query import Allow, Decision, PolicyKey
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.core.slot import SlotRule
     from rosic.core.stop_registry import StopRegistry
     from rosic.errors import Refusal
     from rosic.organiser.rate_limits import RateLimits
+
+
+# ---- what counts for a decision besides the rights: of one request, and of everybody's access ----
+
+
+class AuthContext(msgspec.Struct, frozen=True, kw_only=True):
+    """What counts for one request.
+
+    Attributes:
+        channel: What the conversation is worth.
+        stepped_up: A second factor was shown lately, in this chat.
+        confirmed: This very request was confirmed by a tap.
+        second: Who else has agreed to this very request.
+    """
+
+    channel: Assurance = Assurance.PROVIDER_READABLE
+    stepped_up: bool = False
+    confirmed: bool = False
+    second: PrincipalId | None = None
+
+
+NOTHING = AuthContext()
+
+
+class CheckedClock(Clock, Protocol):
+    """A clock that knows when the machine's was set back.
+
+    Attributes:
+        behind: It was, and nobody has said yet that it is right: nothing new moves.
+    """
+
+    behind: bool
+
+
+class AccessState(NamedTuple):
+    """What the authoriser keeps and the organiser decides by: live views, never copies.
+
+    Attributes:
+        clock: By which rights, slots and leases end.
+        key_of: Returns a key as deciding sees it; None: there is none.
+        narrow: Keys that reach less than their principal's rights.
+        locked: Who is locked.
+        own_limits: Returns what somebody has set for themselves, as the texts of limits.
+        locked_out: Hears of whoever was turned away because they are locked.
+        released: Hears of a robot that was taken from whoever had it: what has not begun yet is to
+            be admitted once more.
+    """
+
+    clock: CheckedClock
+    key_of: Callable[[KeyId], PolicyKey | None]
+    narrow: Collection[KeyId]
+    locked: Collection[PrincipalId]
+    own_limits: Callable[[PrincipalId], tuple[str, ...]]
+    locked_out: Callable[[PrincipalId], object]
+    released: Callable[[RobotId], object]
+
+
+# ---- the paper's organiser: CHECKPERMISSIONS of Algorithm 1 ----
 
 Moment: TypeAlias = Callable[[PrincipalId, int], str]
 NameOf: TypeAlias = Callable[[PrincipalId], str]
@@ -159,12 +220,18 @@ class Organiser:
             grew = lease is not None and lease.take(principal, now_ns, self._idle_ns)
             permits.append(
                 Permit(
-                    principal, caller.key, robot, request.skill.id,
-                    0 if lease is None else lease.fence, grew,
-                    self._stops[robot].generation, rights.epoch, until_ns,
+                    principal,
+                    caller.key,
+                    robot,
+                    request.skill.id,
+                    0 if lease is None else lease.fence,
+                    grew,
+                    self._stops[robot].generation,
+                    rights.epoch,
+                    until_ns,
                     self._stops.cancelled(principal, robot) if self._stops.cancels else 0,
                 )
-            )  # fmt: skip
+            )
         return tuple(permits)
 
     def _spend(self, caller: Caller, requests: Sequence[Request]) -> None:
@@ -238,9 +305,13 @@ class Organiser:
     ) -> Decision:
         """Decide by every rule, and say why: for what is not simply allowed, and for explaining."""
         ask = Query(
-            principal=caller.principal, key=caller.key, robot=robot, skill=skill,
-            arguments=arguments, channel=grounds.channel,
-        )  # fmt: skip
+            principal=caller.principal,
+            key=caller.key,
+            robot=robot,
+            skill=skill,
+            arguments=arguments,
+            channel=grounds.channel,
+        )
         return decide(self._state(caller, robot, grounds), ask)
 
     def _state(self, caller: Caller, robot: RobotId, grounds: AuthContext) -> PolicyState:

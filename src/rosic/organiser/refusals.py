@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import capital, joined, said
 from rosic.core.language.suggestions import AND, OR
 from rosic.core.messages import named_of, no_robot
-from rosic.core.policy.authority import RESUME
 from rosic.core.policy.limits import broken_limit, limit_in_words
 from rosic.core.policy.query import PolicyCode
 from rosic.core.policy.roles import Assurance, StepRequired
+from rosic.core.policy.scope import RESUME
 from rosic.core.robot.profile import Slots
 from rosic.core.role_names import role_shown
 from rosic.errors import (
@@ -135,10 +135,15 @@ class RefusalBuilder:
         robot = allowed.ask.robot
         names = joined(AND, map(self._organiser.name_of, allowed.preempts))
         return TakeOver(
-            said("{shown} is {names}'s now. You may take it over; they are told.",
-                 shown=self._shown(robot), names=names),
-            offers=(f"take over {robot}",), robot=robot, others=allowed.preempts,
-        )  # fmt: skip
+            said(
+                "{shown} is {names}'s now. You may take it over; they are told.",
+                shown=self._shown(robot),
+                names=names,
+            ),
+            offers=(f"take over {robot}",),
+            robot=robot,
+            others=allowed.preempts,
+        )
 
     def over(self, robot: RobotId) -> OrderVoid:
         """Return that a robot was taken from somebody before what they asked for could begin."""

@@ -64,9 +64,14 @@ class Zone:
 
     def _utc_minute(self, local: LocalTime, fold: int) -> int:
         wall = datetime(
-            local.year, local.month, local.day, local.hour, local.minute,
-            tzinfo=self._rules, fold=fold,
-        )  # fmt: skip
+            local.year,
+            local.month,
+            local.day,
+            local.hour,
+            local.minute,
+            tzinfo=self._rules,
+            fold=fold,
+        )
         return (wall - _EPOCH) // _MINUTE
 
     def _after_gap(self, before: int, after: int) -> LocalTime:

@@ -13,17 +13,80 @@ from typing import TYPE_CHECKING
 import msgspec
 from msgspec.structs import replace
 
+from rosic.core.i18n import said
 from rosic.core.identity import PrincipalId
 from rosic.core.records import Fact
 from rosic.core.robot.profile import RobotId
 from rosic.core.slot import read_fact
 from rosic.errors import Expired, OutOfBounds, RobotTaken
-from rosic.organiser import waiting_messages as words
+from rosic.organiser.calendar_messages import moment
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from rosic.contracts.clock import Clock
+    from rosic.organiser.timezones import Zone
+
+
+# ---- what people read about waiting for a robot ----
+
+
+def queue_full(shown: str, people: int) -> str:
+    """No more may wait."""
+    return said(
+        "{people} people wait for {shown} already. Book a time instead.", people=people, shown=shown
+    )
+
+
+def waits_enough(most: int) -> str:
+    """The person is in too many queues."""
+    return said("You wait for {most} robots already. Leave one of these queues first.", most=most)
+
+
+def turn_over(shown: str) -> str:
+    """An offer was not taken in time."""
+    return said("Your turn with {shown} has passed on. Say wait to queue again.", shown=shown)
+
+
+def not_your_turn(shown: str, place: int) -> str:
+    """Somebody takes what was not offered to them.
+
+    Args:
+        shown: The robot's title.
+        place: 0 if they do not wait.
+    """
+    if not place:
+        return said("You are not waiting for {shown}.", shown=shown)
+    return said(
+        "{shown} is offered to somebody else now. You are number {place} in the queue.",
+        shown=shown,
+        place=place,
+    )
+
+
+def your_turn(shown: str, offer_s: float) -> str:
+    """The offer itself."""
+    return said(
+        "{shown} is free and it is your turn. Tap within {offer_s:.0f} s to take it.",
+        shown=shown,
+        offer_s=offer_s,
+    )
+
+
+def your_place(shown: str, place: int, about_ns: int, now_ns: int, zone: Zone) -> str:
+    """Where somebody stands, and about when it is their turn."""
+    if about_ns <= now_ns:
+        return said("You are number {place} in the queue for {shown}.", place=place, shown=shown)
+    about = moment(about_ns, now_ns, zone)
+    return said(
+        "You are number {place} in the queue for {shown}: about {about}.",
+        place=place,
+        shown=shown,
+        about=about,
+    )
+
+
+# ---- who waits for a robot, in which order, and whose turn it is now ----
 
 WAITING = "waiting"
 
@@ -146,9 +209,9 @@ class WaitingList:
         if principal in queue:
             return ()
         if len(queue) >= self.limits.most_per_robot:
-            raise OutOfBounds(words.queue_full(self.shown_of(robot), len(queue)))
+            raise OutOfBounds(queue_full(self.shown_of(robot), len(queue)))
         if len(self.waits_for(principal)) >= self.limits.most_per_person:
-            raise OutOfBounds(words.waits_enough(self.limits.most_per_person))
+            raise OutOfBounds(waits_enough(self.limits.most_per_person))
         last = self._queues[robot][-1].number if queue else 0
         waiting = QueueEntry(
             robot=robot, principal=principal, number=last + 1, since_ns=self._clock.wall_ns()
@@ -203,11 +266,9 @@ class WaitingList:
         offered = standing is not None and standing.principal == principal
         over = standing is not None and self._clock.monotonic_ns() >= standing.expires_ns
         if (offered and over) or principal in self._passed.get(robot, ()):
-            raise Expired(words.turn_over(self.shown_of(robot)), offers=(f"wait {robot}",))
+            raise Expired(turn_over(self.shown_of(robot)), offers=(f"wait {robot}",))
         if not offered:
-            raise RobotTaken(
-                words.not_your_turn(self.shown_of(robot), self.place(principal, robot))
-            )
+            raise RobotTaken(not_your_turn(self.shown_of(robot), self.place(principal, robot)))
         return self.leave(principal, robot)
 
     def withdraw(self, robot: RobotId) -> None:

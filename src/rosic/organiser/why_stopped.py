@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import joined, said
 from rosic.core.language.suggestions import AND, OR
-from rosic.core.policy.authority import RESUME
+from rosic.core.policy.scope import RESUME
 from rosic.errors import RobotStopped
 
 if TYPE_CHECKING:

@@ -168,9 +168,12 @@ def _height(sheet: Sheet, poses: list[Pose], area: tuple[float, float, float, fl
         gone.append(gone[-1] + hypot(*(b - a for a, b in zip(here, there, strict=True))))
     heights = [pose.z_m for pose in poses]
     plot = Plot(
-        sheet, area, (0.0, max(gone[-1], LEAST_M)),
-        widened(min(0.0, *heights), max(heights), LEAST_M), equal=False,
-    )  # fmt: skip
+        sheet,
+        area,
+        (0.0, max(gone[-1], LEAST_M)),
+        widened(min(0.0, *heights), max(heights), LEAST_M),
+        equal=False,
+    )
     plot.rule("", said("height, m"), about=3)
     _draw(plot, list(zip(gone, heights, strict=True)))
 

@@ -17,9 +17,8 @@ from rosic.errors import NothingToSee, RobotOffline
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Generator
 
-    from rosic.contracts.among import Speak
     from rosic.contracts.clock import Clock
-    from rosic.contracts.robot import Say, Tell
+    from rosic.contracts.robot import Say, Speak, Tell
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.file_transfer import FileForRobot
     from rosic.core.robot.view import Content, Pose, Sight
@@ -145,8 +144,9 @@ class MemoryRobot:
     async def deliver(self, parcel: FileForRobot) -> Receipt:
         """Keep a file, and say its checksum or what was given to be said."""
         if not self.online:
-            raise RobotOffline(said("{shown} is not there. Nothing was sent.",
-                                    shown=self.profile.shown))  # fmt: skip
+            raise RobotOffline(
+                said("{shown} is not there. Nothing was sent.", shown=self.profile.shown)
+            )
         self.delivered.append(parcel)
         if isinstance(self.receipt, Exception):
             raise self.receipt

@@ -14,10 +14,9 @@ from rosic.core.i18n import said
 from rosic.core.records import APART, Fact, KeyRevoked, Letter, Resumed, Stopped
 from rosic.errors import StoreFault
 from rosic.stores import decoding, history, sqlite, tables
-from rosic.stores.data_dir import DataDir
+from rosic.stores.data_dir import DataDir, StoreSettings
 from rosic.stores.encoding import CARD, CLAIM, PLACED, WORDS
 from rosic.stores.kept_files import KeptFiles
-from rosic.stores.settings import StoreSettings
 from rosic.stores.write_thread import WriteThread
 from rosic.stores.writer import OWN, Writer, fault
 
@@ -102,9 +101,14 @@ class DatabaseContainers(decoding.RecordDecoder):
         found = []
         for row in reversed(self._connection.execute(query).all()):
             body = msgspec.msgpack.encode(
-                {"at_ns": row.at_ns, "is": row.kind, "robot": row.robot, "skill": row.skill,
-                 "ending": row.ending or row.code}
-            )  # fmt: skip
+                {
+                    "at_ns": row.at_ns,
+                    "is": row.kind,
+                    "robot": row.robot,
+                    "skill": row.skill,
+                    "ending": row.ending or row.code,
+                }
+            )
             key = row.cid.hex()
             letters = (
                 ("command", row.container, CLAIM, row.sealed),

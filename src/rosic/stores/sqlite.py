@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy.engine.interfaces import DBAPICursor
 
-    from rosic.stores.settings import StoreSettings
+    from rosic.stores.data_dir import StoreSettings
 
 CHECKPOINT_PAGES = 4_000  # 16 MiB of write-ahead log before it is folded into the database
 LOG_BYTES = 64 << 20  # the log file is cut to this size once it was folded in

@@ -8,28 +8,55 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import msgspec
+from sqlalchemy import Dialect, bindparam, select
 
 from rosic.core.i18n import said
 from rosic.core.records import Claimed, Decided, Memory, Record, Refused, Resumed, Stopped
 from rosic.errors import ConfigurationError, Repeated, RosicError, StoreFault
-from rosic.stores import decoding, migrate, sqlite, tables, upkeep
+from rosic.stores import bulk_writes, decoding, migrate, sqlite, tables
 from rosic.stores.bulk_writes import BulkInsert
-from rosic.stores.decision_query import DecisionQuery
 from rosic.stores.encoding import RecordEncoder
 from rosic.stores.encryption import RootKey, Unreadable
 from rosic.stores.record_guard import Calls, RecordGuard
 from rosic.stores.record_mark import RecordNumber
-from rosic.stores.statements import Find
+from rosic.stores.statements import Find, in_words
 
 if TYPE_CHECKING:
     from sqlalchemy import Connection
     from sqlalchemy.engine.interfaces import DBAPICursor
 
     from rosic.contracts.clock import Clock
-    from rosic.stores.data_dir import DataDir
+    from rosic.stores.data_dir import DataDir, StoreSettings
     from rosic.stores.kept_files import KeptFiles
-    from rosic.stores.settings import StoreSettings
     from rosic.stores.write_thread import WriteJob
+
+
+# ---- administrative acts as they are read back ----
+
+
+class DecisionQuery:
+    """Reads administrative acts, the newest first, on the driver's own cursor.
+
+    That is outside any transaction: it waits for nobody and takes no right to write.
+    """
+
+    def __init__(self, dialect: Dialect) -> None:
+        table = tables.decisions
+        older = select(table).where(table.c.id < bindparam("before")).order_by(table.c.id.desc())
+        self._text = in_words(dialect, older)
+
+    def run(self, cursor: DBAPICursor, before: int, limit: int) -> list[tuple[int, Decided]]:
+        """Return the newest ones before one of them, each with its number; close the cursor."""
+        try:
+            cursor.execute(self._text, (before,))
+            rows = cursor.fetchmany(limit)
+        finally:
+            cursor.close()  # left half read, it would keep the log file from being cut
+        return [
+            (number, Decided(act=act, by=by, about=about, at_ns=at_ns, digest=digest))
+            for number, act, by, about, at_ns, digest in rows
+        ]
+
 
 log = logging.getLogger("rosic.stores")
 
@@ -53,7 +80,7 @@ class Writer:
         self._clock = clock
         self._engine = sqlite.engine_for(folder.database, settings)
         self._insertion = BulkInsert(self._engine.dialect)
-        self._erasure = upkeep.Erasure(self._engine.dialect)
+        self._erasure = bulk_writes.Erasure(self._engine.dialect)
         commands, containers = tables.commands.c, tables.containers.c
         self._find_seq = Find(self._engine.dialect, commands.seq, commands.cid)
         self._find_key = Find(self._engine.dialect, containers.wrapped, containers.container)
@@ -311,7 +338,7 @@ class Writer:
         try:
             connection, _ = self._connected()
             with connection.begin():
-                before_ns = upkeep.horizon(connection, self._clock.wall_ns(), self._settings)
+                before_ns = bulk_writes.horizon(connection, self._clock.wall_ns(), self._settings)
                 return self._erasure.prune(connection, before_ns)
         except sqlite.FAILURES as error:
             raise fault(f"{sqlite.reason(error)}. Nothing was forgotten.", error) from error

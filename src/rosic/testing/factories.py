@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from itertools import count
+from typing import TYPE_CHECKING, Any
 
 from rosic.core.identity import AuthorisationKey, CommandId, command_id
+from rosic.core.order import Order, Permit
 from rosic.core.records import (
     Claimed,
     Concluded,
@@ -19,6 +21,14 @@ from rosic.core.records import (
     Stopped,
     Told,
 )
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.core.robot.profile import Profile
+    from rosic.core.robot.skill import Argument
+
+
+# ---- made-up records, each with one line: Ada and a robot named omni, unless said otherwise ----
 
 ADA, OMNI, KUKA = "p-ada", "omni", "kuka1"
 AWKWARD = b"  \x00\xff 50 cm links \xf0\x9f\xa4\x96 ' -- \n" + bytes(range(256)) * 16 + b" \n"
@@ -108,3 +118,51 @@ def a_fact(
 def a_decision(about: str, at_ns: int = 1_000) -> Decided:
     """Return that the owner let somebody in."""
     return Decided(act="enrol", by="owner", about=about, at_ns=at_ns, digest=b"digest")
+
+
+# ---- orders as a gateway would give them, for suites that begin at the robot ----
+
+LIFETIME_NS = 5_000_000_000
+
+
+class OrderBook:
+    """Numbers the orders of one robot."""
+
+    def __init__(self, profile: Profile, clock: Clock) -> None:
+        self._profile = profile
+        self._clock = clock
+        self._n = count(1)
+
+    def order(
+        self,
+        skill: str,
+        arguments: dict[str, Argument] | None = None,
+        *,
+        n: int | None = None,
+        fence: int = 1,
+        stop_generation: int = 0,
+        late_s: float = 0.0,
+    ) -> Order:
+        """Return an order that is good unless an argument makes it bad.
+
+        Args:
+            skill: A skill of the profile.
+            arguments: SI.
+            n: Instead of the next number.
+            fence: The lease it is given under.
+            stop_generation: The robot's when it was admitted.
+            late_s: How long ago it expired; 0 for one that is fresh.
+        """
+        number = next(self._n) if n is None else n
+        left_ns = -int(late_s * 1e9) if late_s else LIFETIME_NS
+        permit = Permit("p1", "k1", self._profile.id, skill, fence, False, stop_generation, 1)
+        return Order(
+            command_id("test", self._profile.id, str(number), str(fence)),
+            self._profile.id,
+            self._profile.skills[skill],
+            dict(arguments or {}),
+            number,
+            self._clock.monotonic_ns() + left_ns,
+            self._clock.wall_ns() + left_ns,
+            permit,
+        )

@@ -12,8 +12,7 @@ from msgspec.structs import replace
 
 from rosic.core.message import Outbound, Standing
 from rosic.errors import MessageGone
-from rosic.testing.enclosure_rules import EnclosureRules
-from rosic.testing.messenger_files import LONG, YES, FileRules
+from rosic.testing.messenger_files import LONG, YES, EnclosureRules, FileRules
 from rosic.testing.messenger_stage import (
     Ear,
     MessengerHarness,

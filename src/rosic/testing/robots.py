@@ -16,7 +16,7 @@ from msgspec.structs import replace
 from rosic.core.order import Ending, Outcome, Stage, StageReport, Stop
 from rosic.core.robot.view import Sight
 from rosic.errors import NothingToSee, OrderVoid
-from rosic.testing.orders import OrderBook
+from rosic.testing.factories import OrderBook
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -27,9 +27,8 @@ from rosic_sim.robots.theatre import theatre_of
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Mapping
 
-    from rosic.contracts.among import Speak
     from rosic.contracts.clock import Clock
-    from rosic.contracts.robot import Say, Tell
+    from rosic.contracts.robot import Say, Speak, Tell
     from rosic.core.deadman import Break
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.view import Content

@@ -16,8 +16,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from rosic.errors import ConfigurationError
-from rosic.robots.ros2.client.own_interfaces import find_interfaces, find_own_interfaces
-from rosic.robots.ros2.client.rclpy_import import load_ros, make_executor
+from rosic.robots.ros2.client.rclpy_import import (
+    find_interfaces,
+    find_own_interfaces,
+    load_ros,
+    make_executor,
+)
 from rosic.robots.ros2.messages.names import did_you_mean
 from rosic_sim.robots.machines.afield import FireWatcher, Rover
 from rosic_sim.robots.machines.crazyflie import Crazyflie
@@ -81,13 +85,17 @@ def main(arguments: Sequence[str] | None = None, draw: DrawJpeg | None = None) -
         "--starts", type=Path, metavar="FILE", help="append a line whenever a robot begins to move"
     )
     parser.add_argument(
-        "--punctual", action="store_true",
+        "--punctual",
+        action="store_true",
         help="ask for real-time priority when a common start is near",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--link-lost", type=float, default=LINK_LOST_S, metavar="SECONDS",
+        "--link-lost",
+        type=float,
+        default=LINK_LOST_S,
+        metavar="SECONDS",
         help="hold, or land, after so long without a sign of life from the gateway (%(default)g)",
-    )  # fmt: skip
+    )
     asked = parser.parse_args(arguments)
     robots = list(dict.fromkeys(asked.robots)) or list(MODELS)
     for robot in robots:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from rosic.robots.ros2.client.two_clocks import ahead_ns
+from rosic.robots.ros2.client.executor_thread import ahead_ns
 
 LONGEST_GAP_S = 0.2
 NS = 1_000_000_000

@@ -8,9 +8,13 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 JOINTS = (
-    "shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint",
-    "wrist_1_joint", "wrist_2_joint", "wrist_3_joint",
-)  # fmt: skip
+    "shoulder_pan_joint",
+    "shoulder_lift_joint",
+    "elbow_joint",
+    "wrist_1_joint",
+    "wrist_2_joint",
+    "wrist_3_joint",
+)
 FASTEST_RAD_S = (2.0, 2.0, 3.0, 3.0, 3.0, 3.0)
 DECELERATION_RAD_S2 = 8.0
 LAG_RAD = 0.1

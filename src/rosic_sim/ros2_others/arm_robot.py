@@ -50,13 +50,17 @@ class ArmRobot:
         self._states = publisher(node, self._state, "joint_states")
         actions = import_module("control_msgs.action")
         self._follow = Served(
-            node, actions.FollowJointTrajectory, f"{CONTROLLER}/follow_joint_trajectory",
+            node,
+            actions.FollowJointTrajectory,
+            f"{CONTROLLER}/follow_joint_trajectory",
             ActionCallbacks(self._asked, self._followed, self._arm.halt),
-        )  # fmt: skip
+        )
         self._grip = Served(
-            node, actions.GripperCommand, f"{GRIPPER_CONTROLLER}/gripper_cmd",
+            node,
+            actions.GripperCommand,
+            f"{GRIPPER_CONTROLLER}/gripper_cmd",
             ActionCallbacks(self._asked_to_grip, self._gripped, self._gripper.halt),
-        )  # fmt: skip
+        )
 
     def close(self) -> None:
         """Leave the graph."""
@@ -105,9 +109,7 @@ class ArmRobot:
         if arm.late and not self._follow.cancelling:
             arm.halt()
             sentence = "the joints could not keep up with the trajectory"
-            self._follow.end(
-                ABORTED, error_code=PATH_TOLERANCE_VIOLATED, error_string=sentence
-            )  # fmt: skip
+            self._follow.end(ABORTED, error_code=PATH_TOLERANCE_VIOLATED, error_string=sentence)
         elif self._follow.cancelling:
             if arm.at_rest:
                 self._follow.end(CANCELLED)

@@ -49,10 +49,14 @@ class Served:
         self._present: tuple[RosObject, RosObject] | None = None
         self._ends: dict[bytes, RosObject] = {}
         self._server = self._rclpy.ActionServer(
-            node, action, name, self._carry,
-            goal_callback=self._asked, handle_accepted_callback=self._accepted,
+            node,
+            action,
+            name,
+            self._carry,
+            goal_callback=self._asked,
+            handle_accepted_callback=self._accepted,
             cancel_callback=self._called_off,
-        )  # fmt: skip
+        )
 
     @property
     def busy(self) -> bool:

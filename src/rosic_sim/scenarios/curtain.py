@@ -6,7 +6,7 @@ import sys
 import textwrap
 from typing import TYPE_CHECKING, Final
 
-from rosic.messengers.terminal.painting import harmless, painted
+from rosic.messengers.terminal.screen import harmless, painted
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -40,9 +40,7 @@ class TerminalView:
         self._colour = colour
         self._columns = columns
         self.now_s = now_s
-        self._colours = {
-            name: COLOURS[at % len(COLOURS)] for at, name in enumerate(people)
-        }  # fmt: skip
+        self._colours = {name: COLOURS[at % len(COLOURS)] for at, name in enumerate(people)}
         self._told = ""
 
     def title(self, text: str) -> None:
@@ -89,9 +87,13 @@ class TerminalView:
         if not self._columns or len(line) < columns:
             return [line]
         return textwrap.wrap(
-            line, max(columns - 1, LEAST), subsequent_indent="  ", break_long_words=False,
-            break_on_hyphens=False, replace_whitespace=False,
-        )  # fmt: skip
+            line,
+            max(columns - 1, LEAST),
+            subsequent_indent="  ",
+            break_long_words=False,
+            break_on_hyphens=False,
+            replace_whitespace=False,
+        )
 
     def _name(self, who: str) -> str:
         return self._in(self._colours.get(who, BOLD), who)

@@ -26,13 +26,15 @@ RESTOCK: Final = Mission(
     name="restock",
     title="Restock the shelves",
     do=(
-        MissionPart(together=(
-            MissionPart(on="carriers", steps=("goto x=0.6 y=0.3",), battery=30),
-            MissionPart(on="carriers", steps=("goto x=0.6 y=-0.3",), battery=30),
-        )),
+        MissionPart(
+            together=(
+                MissionPart(on="carriers", steps=("goto x=0.6 y=0.3",), battery=30),
+                MissionPart(on="carriers", steps=("goto x=0.6 y=-0.3",), battery=30),
+            )
+        ),
         MissionPart(on="any", steps=("goto x=0 y=0",), battery=30),
     ),
-)  # fmt: skip
+)
 
 
 async def _script(stage: ScenarioRunner) -> None:
@@ -77,8 +79,14 @@ FLEET: Final = Scenario(
         Omni(name, (0.0, 0.5 * (1 - at), 0.0)) for at, name in enumerate(CARRIERS)
     ),
     script=_script,
-    hints=("/task carriers goto x=1 y=0 then goto x=0 y=0", "/fleet", "/tasks",
-           "/mission restock", "/mission start restock",
-           "/robot disable carrier2", "stop"),
+    hints=(
+        "/task carriers goto x=1 y=0 then goto x=0 y=0",
+        "/fleet",
+        "/tasks",
+        "/mission restock",
+        "/mission start restock",
+        "/robot disable carrier2",
+        "stop",
+    ),
     missions=(RESTOCK,),
-)  # fmt: skip
+)

@@ -8,43 +8,179 @@ import shutil
 import sys
 from contextlib import asynccontextmanager
 from functools import partial
+from math import dist
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 
 from rosic.app.admin.dispatch import AdminDispatcher
+from rosic.app.alert_feature import painter
 from rosic.app.closing import close_in_time, on_signals
 from rosic.app.console import read_at
-from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
-from rosic.app.painting import painter
 from rosic.app.people import Seed
-from rosic.app.runtime import PIPED, until_done, until_quiet
+from rosic.app.runtime import PIPED, face_of, until_done, until_quiet
 from rosic.config.plugins import robot_factory
 from rosic.config.profiles import known_units
 from rosic.core.identity import ROBOT, Address
+from rosic.core.message import Attachment
 from rosic.core.rate_limit import RateLimit
+from rosic.core.robot.view import PathsView, PathView, Pose
 from rosic.errors import how_to_install
+from rosic.messengers.terminal import TerminalMessenger
 from rosic.messengers.terminal.downloads import DownloadFolder
-from rosic.messengers.terminal.messenger import is_terminal
+from rosic.messengers.terminal.messenger import is_terminal, own_locale
 from rosic.stores.stop_latch import MemoryLatch
+from rosic_sim.robots.scenery.scene import robot_scene
 from rosic_sim.robots.theatre import theatre_of
-from rosic_sim.scenarios.brisk import FastClock
 from rosic_sim.scenarios.curtain import TerminalView
 from rosic_sim.scenarios.ledger import RecordingStore
 from rosic_sim.scenarios.play import OffScript
-from rosic_sim.scenarios.seat import UserTerminal
 from rosic_sim.scenarios.stage import ScenarioChats, ScenarioRunner
-from rosic_sim.scenarios.trails import RobotPaths
 from rosic_sim.scenarios.voices import SpeakingRobot
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
     from rosic.contracts.adapter import RobotFactory
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
+    from rosic.contracts.messenger import Receive
+    from rosic.contracts.renderer import Renderer
+    from rosic.core.message import Outbound
+    from rosic.core.robot.view import Subject
+    from rosic_sim.robots.theatre import SimulationLoop
     from rosic_sim.scenarios.play import Scenario
+
+
+# ---- a clock that runs faster than the wall's, for whoever has no half a minute ----
+
+
+class FastClock:
+    """Another clock, so many times as fast. Everything on it keeps its proportions.
+
+    Args:
+        clock: The real one.
+        factor: At least 1.
+
+    Attributes:
+        factor: The same.
+    """
+
+    def __init__(self, clock: Clock, factor: float) -> None:
+        self._clock = clock
+        self.factor = factor
+        self._wall_ns = clock.wall_ns()
+        self._began_ns = clock.monotonic_ns()
+
+    def wall_ns(self) -> int:
+        """Return the wall clock, as if more time had passed since this was made."""
+        return self._wall_ns + self._past_ns()
+
+    def monotonic_ns(self) -> int:
+        """Return the monotonic clock, likewise."""
+        return self._began_ns + self._past_ns()
+
+    async def sleep(self, seconds: float) -> None:
+        """Wait for so long on this clock."""
+        await self._clock.sleep(seconds / self.factor)
+
+    def _past_ns(self) -> int:
+        return int((self._clock.monotonic_ns() - self._began_ns) * self.factor)
+
+
+# ---- the newcomer's seat: this terminal, from the moment at which it is their turn ----
+
+
+class UserTerminal(TerminalMessenger):
+    """A terminal that neither asks nor shows anything before somebody sits down.
+
+    Attributes:
+        taken: Set it, and they may type. What they are told before is shown to the play's person.
+    """
+
+    def __init__(self, *, clock: Clock, plain: bool) -> None:
+        super().__init__("seat", clock=clock, plain=plain, locale=own_locale())
+        self.taken = asyncio.Event()
+        self._unseen = 0
+
+    async def run(self, receive: Receive) -> None:
+        """Listen from then on."""
+        await self.taken.wait()
+        await super().run(receive)
+
+    async def send(self, outbound: Outbound) -> str:
+        """Show it, once there is somebody to see it."""
+        if self.taken.is_set():
+            return await super().send(outbound)
+        self._unseen += 1
+        return f"unseen-{self._unseen}"
+
+
+LEAST_M: Final = 0.02
+"""Shorter steps are not kept: a way of a minute has some hundred points then."""
+WENT_M: Final = 0.05
+"""Who stayed within so much of their beginning went nowhere."""
+
+
+class RobotPaths:
+    """Follows the robots of a play while the world is stepped.
+
+    Args:
+        gateway: Whose robots they are.
+        theatre: Of the world that they move in.
+    """
+
+    def __init__(self, gateway: Gateway, theatre: SimulationLoop) -> None:
+        self._gateway = gateway
+        self._theatre = theatre
+        self._points: dict[str, list[Pose]] = {}
+        theatre.watch(self._look)
+
+    def close(self) -> None:
+        """Follow them no more."""
+        self._theatre.forget(self._look)
+
+    def _look(self) -> None:
+        for robot, profile in self._gateway.rooms.profiles.items():
+            if profile.pose is None:
+                continue
+            pose = self._gateway.rooms.linker.presence(robot).pose
+            points = self._points.setdefault(robot, [])
+            if pose is not None and (not points or _apart_m(points[-1], pose) >= LEAST_M):
+                points.append(pose)
+
+    def subject(self, title: str) -> Subject:
+        """Return what there is to draw: the ways, or the first robot where none went anywhere."""
+        profiles = self._gateway.rooms.profiles
+        ways = tuple(
+            PathView(profiles[robot].shown, tuple(points))
+            for robot, points in self._points.items()
+            if max((_apart_m(points[0], pose) for pose in points), default=0.0) > WENT_M
+        )
+        return (
+            PathsView(title, ways)
+            if ways
+            else robot_scene(self._theatre.world, next(iter(profiles)))
+        )
+
+    def picture(self, title: str, name: str, draw: Renderer) -> Attachment:
+        """Return the picture as a file.
+
+        Args:
+            title: What stands over it.
+            name: Of the file, without its ending.
+            draw: Who draws it.
+        """
+        drawing = draw(self.subject(title))
+        ending = drawing.media_type.rpartition("/")[2].replace("jpeg", "jpg")
+        return Attachment(f"{name}.{ending}", drawing.media_type, drawing.content)
+
+
+def _apart_m(one: Pose, other: Pose) -> float:
+    return dist((one.x_m, one.y_m, one.z_m), (other.x_m, other.y_m, other.z_m))
+
+
+# ---- plays a play: raises the curtain, follows the script, and says at the end what happened ----
 
 FAST: Final = 4.0
 INTERRUPTED: Final = 130

@@ -59,8 +59,13 @@ SHIFT: Final = Scenario(
         Omni(name, (0.0, 0.6 * (1 - at), 0.0)) for at, name in enumerate(CARRIERS)
     ),
     script=_script,
-    hints=("north goto x=1 y=0", "/task north goto x=1 y=0 then goto x=0 y=0", "/fleet",
-           "/handover Night manager", "stop"),
+    hints=(
+        "north goto x=1 y=0",
+        "/task north goto x=1 y=0 then goto x=0 y=0",
+        "/fleet",
+        "/handover Night manager",
+        "stop",
+    ),
     rules=RoleRules(roles=ROLES),
     lease_idle_s=4.0,
-)  # fmt: skip
+)

@@ -95,13 +95,18 @@ SWARM: Final = Scenario(
     about="a search with drones in the air and rovers on the ground",
     people=(Person(LEADER, "admin"),),
     profiles=lambda: (*shipped(*DRONES), *several("rover", ((), ()))),
-    machines=lambda: tuple(
-        Rover(name, (0.0, 0.5 - at, 0.0)) for at, name in enumerate(ROVERS)
-    ),
+    machines=lambda: tuple(Rover(name, (0.0, 0.5 - at, 0.0)) for at, name in enumerate(ROVERS)),
     script=_script,
-    hints=("crazyflies takeoff 1 m", "crazyflies formation line", "rovers goto x=1 y=0",
-           "/together crazyflies land",
-           "/strategy rover1 careful", "/shared cf1", "/assist", "stop"),
+    hints=(
+        "crazyflies takeoff 1 m",
+        "crazyflies formation line",
+        "rovers goto x=1 y=0",
+        "/together crazyflies land",
+        "/strategy rover1 careful",
+        "/shared cf1",
+        "/assist",
+        "stop",
+    ),
     fellows=(*DRONES, *ROVERS),
     rules=RoleRules(roles={**DEFAULT_ROLES, "fellow": FELLOW}),
-)  # fmt: skip
+)

@@ -108,12 +108,15 @@ class World:
         return {
             name: RobotGlance(
                 robot=name,
-                free=robot.heard and not robot.latched and not robot.by_hand
-                and robot.doing is None and not robot.moving,
+                free=robot.heard
+                and not robot.latched
+                and not robot.by_hand
+                and robot.doing is None
+                and not robot.moving,
                 holder=robot.holder,
             )
             for name, robot in self.robots.items()
-        }  # fmt: skip
+        }
 
     # ---- what may happen ----
 
@@ -373,11 +376,43 @@ class World:
 
 
 OPS = (
-    "give", "give", "give", "plan", "plan", "plan", "plan", "act", "act", "act", "act", "act",
-    "finish", "finish", "finish", "hear", "hear", "hear", "hear", "guess", "lose", "regain",
-    "deviate", "deviate", "stop", "resume", "resume", "take", "give_back", "give_back", "hold",
-    "release", "release", "stand", "hand", "crash",
-)  # fmt: skip
+    "give",
+    "give",
+    "give",
+    "plan",
+    "plan",
+    "plan",
+    "plan",
+    "act",
+    "act",
+    "act",
+    "act",
+    "act",
+    "finish",
+    "finish",
+    "finish",
+    "hear",
+    "hear",
+    "hear",
+    "hear",
+    "guess",
+    "lose",
+    "regain",
+    "deviate",
+    "deviate",
+    "stop",
+    "resume",
+    "resume",
+    "take",
+    "give_back",
+    "give_back",
+    "hold",
+    "release",
+    "release",
+    "stand",
+    "hand",
+    "crash",
+)
 
 
 def possible(world: World) -> list[str]:

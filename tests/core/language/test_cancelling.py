@@ -49,18 +49,45 @@ EVERYTHING = """
 cancel Cancel CANCEL!! cancel. /cancel /cancel@lab_robots_bot abort ABORT! cancle cancell
 """
 KINDLY = [
-    "please cancel", "cancel please", "cancel it", "cancel that now", "cancel everything",
-    "cancel all my orders", "ok, cancel that", "brich ab", "iptal et", "रद्द करो", "hủy bỏ",
-    "abort mission", "cancel my task", "cancel the mission", "status\ncancel", "ＣＡＮＣＥＬ",
-    "c\u200bancel", "cancel cancel cancel " * 5,
-]  # fmt: skip
+    "please cancel",
+    "cancel please",
+    "cancel it",
+    "cancel that now",
+    "cancel everything",
+    "cancel all my orders",
+    "ok, cancel that",
+    "brich ab",
+    "iptal et",
+    "रद्द करो",
+    "hủy bỏ",
+    "abort mission",
+    "cancel my task",
+    "cancel the mission",
+    "status\ncancel",
+    "ＣＡＮＣＥＬ",
+    "c\u200bancel",
+    "cancel cancel cancel " * 5,
+]
 OTHER = [
-    "cancel booking", "cancel my bookings", "/cancel booking 0a1b2c3d4e5f",
-    "/cancel 0a1b2c3d4e5f", "/cancel only 0a1b2c3d4e5f", "cancel kuka1 tomorrow 14:30",
-    "cancel task 7", "cancel mission restock", "don't cancel", "not cancelled yet",
-    "the flight was late, so we had to cancel our whole trip to the sea", "channel", "about",
-    "cancer", "omni move 1 m", "", "  ", "cancel " + "x" * 300,
-]  # fmt: skip
+    "cancel booking",
+    "cancel my bookings",
+    "/cancel booking 0a1b2c3d4e5f",
+    "/cancel 0a1b2c3d4e5f",
+    "/cancel only 0a1b2c3d4e5f",
+    "cancel kuka1 tomorrow 14:30",
+    "cancel task 7",
+    "cancel mission restock",
+    "don't cancel",
+    "not cancelled yet",
+    "the flight was late, so we had to cancel our whole trip to the sea",
+    "channel",
+    "about",
+    "cancer",
+    "omni move 1 m",
+    "",
+    "  ",
+    "cancel " + "x" * 300,
+]
 
 
 def test_every_language_that_can_stop_can_cancel() -> None:

@@ -4,7 +4,7 @@ from math import inf, isnan
 
 import pytest
 
-from rosic.core.language.numerals import read_numeral
+from rosic.core.language.numbers import read_numeral
 
 
 @pytest.mark.parametrize(
@@ -74,10 +74,32 @@ def test_a_division_by_nothing_is_no_number_that_can_be_used() -> None:
 @pytest.mark.parametrize(
     "word",
     [
-        "", "m", "left", "-", "+", ".", ",", "1-2", "1,2,3", "1.2.3", "1/2/3", "--1", "1½", "5²",
-        "10²", "²", "①", "Ⅳ", "一", "nan", "inf", "0x10,5", "1:30", "1,500.5",
+        "",
+        "m",
+        "left",
+        "-",
+        "+",
+        ".",
+        ",",
+        "1-2",
+        "1,2,3",
+        "1.2.3",
+        "1/2/3",
+        "--1",
+        "1½",
+        "5²",
+        "10²",
+        "²",
+        "①",
+        "Ⅳ",
+        "一",
+        "nan",
+        "inf",
+        "0x10,5",
+        "1:30",
+        "1,500.5",
     ],
-)  # fmt: skip
+)
 def test_what_is_no_number_is_not_read_as_one(word: str) -> None:
     numeral = read_numeral(word)
 

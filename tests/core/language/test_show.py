@@ -47,9 +47,19 @@ def test_an_unknown_skill_or_argument_is_no_reason_to_fail(vocabulary: Vocabular
 
 @pytest.mark.parametrize(
     ("value", "shown"),
-    [(0, "0"), (-0.0, "0"), (15, "15"), (0.25, "0.25"), (1 / 3, "0.333"), (1e-9, "1e-09"),
-     (123456.7891, "123456.789"), (1e12, "1e+12"), (float("nan"), "nan"), (float("inf"), "inf")],
-)  # fmt: skip
+    [
+        (0, "0"),
+        (-0.0, "0"),
+        (15, "15"),
+        (0.25, "0.25"),
+        (1 / 3, "0.333"),
+        (1e-9, "1e-09"),
+        (123456.7891, "123456.789"),
+        (1e12, "1e+12"),
+        (float("nan"), "nan"),
+        (float("inf"), "inf"),
+    ],
+)
 def test_a_number_is_short(value: float, shown: str) -> None:
     assert show_number(value) == shown
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from rosic.config.profiles import known_units
 from rosic.core.language import Vocabulary
-from rosic.core.language.stepping import beginning, stepped
+from rosic.core.language.formatting import beginning, stepped
 from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Parameter, Skill
 

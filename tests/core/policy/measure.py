@@ -95,10 +95,15 @@ def a_place(size: Size) -> Place:
         start = NOW + (1 + place) * HOUR_NS
         slots[robot].append(
             BookedSlot(
-                id=f"s{n}", principal=f"p{n % size.people}", robot=robot, start_ns=start,
-                end_ns=start + HOUR_NS, made_ns=0, by="p0",
+                id=f"s{n}",
+                principal=f"p{n % size.people}",
+                robot=robot,
+                start_ns=start,
+                end_ns=start + HOUR_NS,
+                made_ns=0,
+                by="p0",
             )
-        )  # fmt: skip
+        )
     # As many are asked about in either place: what differs is what lies around them.
     some = [
         (f"p{lot.randrange(size.people)}", f"robot{lot.randrange(size.robots)}") for _ in "x" * 64

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, TypeAlias
 
 from rosic.core.language.numbers import Unit, UnitTable
-from rosic.core.policy.authority import Scope
 from rosic.core.policy.evaluate import decide
 from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.permissions import Permissions
@@ -18,7 +17,7 @@ from rosic.core.policy.roles import (
     SkillPrecondition,
     StepRequired,
 )
-from rosic.core.policy.scope import Fleet
+from rosic.core.policy.scope import Fleet, Scope
 from rosic.core.robot.skill import Parameter, Skill, SkillClass
 from rosic.core.slot import BookedSlot
 
@@ -142,9 +141,14 @@ def a_slot(said: Data, robot: str) -> BookedSlot | None:
     if said is None:
         return None
     return BookedSlot(
-        id="s", principal=said["owner"], robot=robot, start_ns=said["start"], end_ns=said["end"],
-        made_ns=0, by=said["owner"],
-    )  # fmt: skip
+        id="s",
+        principal=said["owner"],
+        robot=robot,
+        start_ns=said["start"],
+        end_ns=said["end"],
+        made_ns=0,
+        by=said["owner"],
+    )
 
 
 def state_of(rights: Permissions, case: Data) -> PolicyState:
@@ -167,9 +171,13 @@ def state_of(rights: Permissions, case: Data) -> PolicyState:
 
 def ask_of(case: Data) -> Query:
     return Query(
-        principal=case["who"], key="k", robot=case["robot"], skill=case["skill"],
-        arguments=case["arguments"], channel=Assurance(case["channel"]),
-    )  # fmt: skip
+        principal=case["who"],
+        key="k",
+        robot=case["robot"],
+        skill=case["skill"],
+        arguments=case["arguments"],
+        channel=Assurance(case["channel"]),
+    )
 
 
 def answer(rights: Permissions, case: Data) -> Data:

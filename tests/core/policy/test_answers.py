@@ -5,12 +5,11 @@ from __future__ import annotations
 import pytest
 
 from rosic.core.policy import compiled
-from rosic.core.policy.authority import Scope
 from rosic.core.policy.evaluate import decide
 from rosic.core.policy.permissions import MOST_NAMED, Permissions
 from rosic.core.policy.query import Allow, Deny, PolicyCode, PolicyKey, PolicyState, Query
 from rosic.core.policy.roles import DEFAULT_ROLES, Assurance, Grant, Role, RoleRules
-from rosic.core.policy.scope import FLEET, GRANT
+from rosic.core.policy.scope import FLEET, GRANT, Scope
 from tests.core.policy.product import CONVERT
 from tests.core.policy.test_rights import FLEET_HERE, rights
 from tests.core.policy.worlds import NOW
@@ -240,17 +239,26 @@ def test_every_way_that_allows_something_of_its_own_is_kept(includes: tuple[str,
         (force, channel): isinstance(
             decide(
                 PolicyState(rights=snapshot, key=key, now_ns=NOW),
-                Query(principal="p", key="k", robot="kuka1", skill="grasp", channel=channel,
-                    arguments={"force": force, "hand": "left"}),
-            ), Allow,
+                Query(
+                    principal="p",
+                    key="k",
+                    robot="kuka1",
+                    skill="grasp",
+                    channel=channel,
+                    arguments={"force": force, "hand": "left"},
+                ),
+            ),
+            Allow,
         )
         for force in (10.0, 30.0)
         for channel in (Assurance.PROVIDER_READABLE, Assurance.LOCAL)
-    }  # fmt: skip
+    }
     assert found == {
-        (10.0, Assurance.PROVIDER_READABLE): True, (10.0, Assurance.LOCAL): True,
-        (30.0, Assurance.PROVIDER_READABLE): False, (30.0, Assurance.LOCAL): True,
-    }  # fmt: skip
+        (10.0, Assurance.PROVIDER_READABLE): True,
+        (10.0, Assurance.LOCAL): True,
+        (30.0, Assurance.PROVIDER_READABLE): False,
+        (30.0, Assurance.LOCAL): True,
+    }
 
 
 def test_a_way_that_allows_nothing_of_its_own_is_not_kept() -> None:

@@ -8,7 +8,6 @@ from typing import Any, TypeAlias
 import msgspec
 import pytest
 
-from rosic.core.policy.authority import Scope
 from rosic.core.policy.evaluate import RULES, decide
 from rosic.core.policy.explain import PolicyTexts, explain
 from rosic.core.policy.permissions import Permissions
@@ -31,6 +30,7 @@ from rosic.core.policy.roles import (
     SkillPrecondition,
     StepRequired,
 )
+from rosic.core.policy.scope import Scope
 from rosic.core.slot import BookedSlot
 from tests.core.policy import product, worlds
 from tests.core.policy.product import CONVERT

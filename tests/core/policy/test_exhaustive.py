@@ -53,10 +53,22 @@ def a_world(roles: tuple[str, ...], gone: frozenset[Any]) -> dict[str, Any]:
 def a_case(who: str, robot: str, skill: str, gone: frozenset[Any]) -> dict[str, Any]:
     key = {"owner": who, "revoked": ("key", who) in gone, "ends": None, "scopes": []}
     return {
-        "who": who, "robot": robot, "skill": skill, "arguments": None, "channel": 0, "now": NOW,
-        "key": key, "locked": [], "stopped": False, "holder": "ben", "until": None, "next": None,
-        "stepped_up": False, "confirmed": False, "second": None,
-    }  # fmt: skip
+        "who": who,
+        "robot": robot,
+        "skill": skill,
+        "arguments": None,
+        "channel": 0,
+        "now": NOW,
+        "key": key,
+        "locked": [],
+        "stopped": False,
+        "holder": "ben",
+        "until": None,
+        "next": None,
+        "stepped_up": False,
+        "confirmed": False,
+        "second": None,
+    }
 
 
 def seen(rights: Permissions) -> tuple[Any, ...]:

@@ -87,9 +87,19 @@ def test_a_limit_on_what_a_skill_does_not_have_says_nothing_about_it() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "speed", "speed 0.2", "speed <= fast", "speed << 2", "<= 3 m", "speed <= nan", "x" * 500,
-     "Speed is low", "a:b:c speed <= 2"],
-)  # fmt: skip
+    [
+        "",
+        "speed",
+        "speed 0.2",
+        "speed <= fast",
+        "speed << 2",
+        "<= 3 m",
+        "speed <= nan",
+        "x" * 500,
+        "Speed is low",
+        "a:b:c speed <= 2",
+    ],
+)
 def test_what_is_no_limit_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match="is not a limit: write for example speed <= "):
         parse_limit(text)
@@ -147,13 +157,12 @@ def test_exactly_the_bound_is_allowed_whatever_the_unit() -> None:
         ("speed <= 0.2 m/s", "Tempo <= 0,2 m/s"),
         ("speed<=0.2m/s", "Tempo<=0,2m/s"),
         ("speed ≤ .5 m/s", "Tempo ≤ ,5 m/s"),
-        ("speed >= -0.5 m/s and speed <= 0.2 m/s",
-         "Tempo >= -0,5 m/s und Tempo <= 0,2 m/s"),
+        ("speed >= -0.5 m/s and speed <= 0.2 m/s", "Tempo >= -0,5 m/s und Tempo <= 0,2 m/s"),
         ("angle = +22.5 deg", "Winkel = +22,5 Grad"),
         ("grip2 <= 1.5e-3", "grip2 <= 1,5e-3"),
         ("kuka1:grasp force <= 20 N", "kuka1:grasp Kraft <= 20 N"),
     ],
-)  # fmt: skip
+)
 def test_a_limit_reads_in_whatever_language_its_reader_has(limit: str, german: str) -> None:
     assert limit_in_words(limit) == limit
     assert in_language(limit_in_words(limit), catalogue("de")) == german

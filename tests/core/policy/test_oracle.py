@@ -13,10 +13,21 @@ from tests.core.policy import oracle, product, worlds
 
 CASES_IN_A_WORLD = 50
 CODES = {
-    "key-unknown", "key-revoked", "key-expired", "locked", "no-such-robot", "key-too-narrow",
-    "not-granted", "right-ended", "channel-too-weak", "over-limit", "robot-stopped", "slot-needed",
-    "slot-taken", "robot-taken",
-}  # fmt: skip
+    "key-unknown",
+    "key-revoked",
+    "key-expired",
+    "locked",
+    "no-such-robot",
+    "key-too-narrow",
+    "not-granted",
+    "right-ended",
+    "channel-too-weak",
+    "over-limit",
+    "robot-stopped",
+    "slot-needed",
+    "slot-taken",
+    "robot-taken",
+}
 
 
 def judged(seed: int, cases: int) -> Counter[str]:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import msgspec
 import pytest
 
-from rosic.core.policy.authority import Scope
 from rosic.core.policy.evaluate import decide
 from rosic.core.policy.permissions import Permissions
 from rosic.core.policy.query import Allow
@@ -22,7 +21,7 @@ from rosic.core.policy.roles import (
     loops,
     priority_of,
 )
-from rosic.core.policy.scope import FLEET, GRANT, Fleet
+from rosic.core.policy.scope import FLEET, GRANT, Fleet, Scope
 from rosic.core.robot.skill import Skill, TopicBinding
 from tests.core.policy import product, worlds
 from tests.core.policy.product import CONVERT, a_skill
@@ -106,8 +105,11 @@ def test_what_is_plain_is_allowed_and_what_is_not_there_is_not() -> None:
         held = product.rights_of(world)
         for _ in range(30):
             case = worlds.a_case(lot, world) | {
-                "locked": [], "stopped": False, "holder": None, "slots": "none",
-            }  # fmt: skip
+                "locked": [],
+                "stopped": False,
+                "holder": None,
+                "slots": "none",
+            }
             case["key"] = {"owner": case["who"], "revoked": False, "ends": None, "scopes": []}
             right = held.may(case["who"], case["robot"], case["skill"])
             decision = decide(product.state_of(held, case), product.ask_of(case))
@@ -187,8 +189,11 @@ def test_loops_are_found_and_named_once() -> None:
     }
     assert set(loops(roles)) == {("a", "b", "c", "a"), ("d", "d")}
     assert {chain.via for chain in chains(roles, "a")} == {
-        ("a",), ("a", "b"), ("a", "b", "c"), ("a", "d"),
-    }  # fmt: skip
+        ("a",),
+        ("a", "b"),
+        ("a", "b", "c"),
+        ("a", "d"),
+    }
 
 
 def test_many_ways_to_one_role_are_walked_once() -> None:
@@ -247,10 +252,18 @@ def test_rights_on_many_robots_are_drawn_up_without_comparing_each_with_each() -
 
 
 def test_what_somebody_sees_by_several_grants_is_joined_once() -> None:
-    held = rights({"p": (Grant(role="viewer", robots=("omni",)), Grant(role="operator", id="g1",
-                   robots=("kuka1",), expires_ns=NOW + 10)),
-                   "q": (Grant(role="viewer", robots=("omni",)), Grant(role="admin", id="g2",
-                   robots=("omni",)))})  # fmt: skip
+    held = rights(
+        {
+            "p": (
+                Grant(role="viewer", robots=("omni",)),
+                Grant(role="operator", id="g1", robots=("kuka1",), expires_ns=NOW + 10),
+            ),
+            "q": (
+                Grant(role="viewer", robots=("omni",)),
+                Grant(role="admin", id="g2", robots=("omni",)),
+            ),
+        }
+    )
     assert held.visible("p", NOW) == {"omni", "kuka1"}
     assert held.visible("p", NOW) is held.visible("p", NOW)
     assert held.visible("q", NOW) == {"omni"}, "not what somebody else sees"

@@ -29,8 +29,18 @@ SKILLS: dict[str, Data] = {
 ROBOTS = ("kuka1", "kuka2", "omni")
 SAID_ROBOTS = (*["*"] * 6, "kuka1", "omni", "kuka*", "kuka?", "arms", "all", "o*", "xyz")
 SAID_SKILLS = (
-    *["*"] * 6, "grasp", "move", "drive", "g*", "?o*", "read", "look", "resume", "grant", "say",
-)  # fmt: skip
+    *["*"] * 6,
+    "grasp",
+    "move",
+    "drive",
+    "g*",
+    "?o*",
+    "read",
+    "look",
+    "resume",
+    "grant",
+    "say",
+)
 SIGNS = ("<=", "<=", "<=", ">=", "=")
 BOUNDS = {
     "speed": ((0.2, 0.5, 0.5, 0.6, -0.5), "m/s"),

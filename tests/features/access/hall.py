@@ -30,12 +30,11 @@ from rosic.features.access.admin_policy import AdminPolicy
 from rosic.features.access.approve import ApprovalCommands
 from rosic.features.access.commands import AccessCommands, hire
 from rosic.features.access.context import AccessContext
-from rosic.features.access.inviting import InviteCommands
+from rosic.features.access.invite import InviteCommands
 from rosic.features.access.join import JoinHandler
 from rosic.features.access.newcomer_chat import NewcomerChat
-from rosic.features.access.notices import AccessNotices
 from rosic.features.access.profile_commands import AccountCommands
-from rosic.features.access.revoke_lock import RevokeLockCommands
+from rosic.features.access.revoke_lock import AccessNotices, RevokeLockCommands
 from rosic.features.access.second_factor import SecondFactorCommands
 from rosic.gateway.agreement import ActPart, ResolvedAct
 from rosic.gateway.builtin_commands import Reply
@@ -230,9 +229,11 @@ class Hall:
             reply = self._bound(inbound, Reply(str(refusal), rows))
         if reply.text:
             outbound = Outbound(
-                chat=inbound.chat, text=reply.text, buttons=reply.buttons,
+                chat=inbound.chat,
+                text=reply.text,
+                buttons=reply.buttons,
                 attachment=reply.attachment,
-            )  # fmt: skip
+            )
             self.teller.say(OutgoingMessage(self.chat, outbound, None, inbound.under))
 
     def _bound(self, inbound: Inbound, reply: Reply) -> Reply:
@@ -295,9 +296,11 @@ class Hall:
         address = Address(self.chat.platform, account)
         card = Letter(principal, msgspec.msgpack.encode(PersonRecord(name, (address,))))
         key = AuthorisationKey(
-            id=f"k-{account}", principal=principal, issuer=OPERATOR,
+            id=f"k-{account}",
+            principal=principal,
+            issuer=OPERATOR,
             issued_ns=self.clock.wall_ns(),
-        )  # fmt: skip
+        )
         async with self.changes.turn() as turn:
             await turn.write(
                 (

@@ -18,11 +18,16 @@ async def test_me_says_who_what_and_until_when() -> None:
     async with a_hall() as hall:
         until_ns = hall.clock.wall_ns() + 2 * HOUR_NS
         given = (
-            Grant(id="g1", role="operator", robots=("kuka1",), limits=("distance <= 2 m",),
-                  expires_ns=until_ns),
+            Grant(
+                id="g1",
+                role="operator",
+                robots=("kuka1",),
+                limits=("distance <= 2 m",),
+                expires_ns=until_ns,
+            ),
             Grant(id="g2", scopes=("swarm:look",)),
             Grant(id="g3", role="admin", expires_ns=hall.clock.wall_ns()),
-        )  # fmt: skip
+        )
         await hall.knows(DI, "Di", "junior", grants=given)
         hall.slots = ("KUKA1 tomorrow 14:00 to 15:00",)
         assert (await hall.say(DI, "/me")).splitlines() == [
@@ -55,8 +60,9 @@ async def test_me_says_when_the_key_ends() -> None:
     async with a_hall() as hall:
         key = msgspec.structs.replace(
             hall.directory.key_of("p-3") or hall.keys.of("p-3")[0],
-            id="k-short", expires_ns=hall.clock.wall_ns() + HOUR_NS,
-        )  # fmt: skip
+            id="k-short",
+            expires_ns=hall.clock.wall_ns() + HOUR_NS,
+        )
         async with hall.changes.turn() as turn:
             revoked = hall.keys.revoke("k-3", "p-1")
             await turn.write((KeyIssued(key=key), *revoked.records))

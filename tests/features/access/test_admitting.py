@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rosic.authoriser import messages
-from rosic.authoriser.invitation import InvitationRequest, InvitedRights
+from rosic.authoriser.invitations import InvitationRequest, InvitedRights
 from rosic.core.identity import Address
 from rosic.core.language import Do
 from rosic.core.policy.roles import Grant, StepRequired

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from msgspec.structs import replace
 
-from rosic.authoriser.invitation import InvitedRights
+from rosic.authoriser.invitations import InvitedRights
 from rosic.organiser.access_requests import MOST_AN_HOUR, MOST_OPEN
 from rosic.stores.memory import MemoryStore
 from tests.features.access.house import ADA, BO, EVE, TIM, VI, House, house
@@ -276,10 +276,24 @@ async def test_what_nobody_answers_expires_with_a_sentence() -> None:
 
 
 LINES = (
-    "/ask {} wave for 1h", "/ask {}", "/book {} now 1h", "/slots {}", "/wait {}", "/take over {}",
-    "/end {}", "/use {}", "/help {}", "/status {}", "/resume {}", "{} wave", "{} move 1 m", "{}",
-    "/wait take {}", "/wait keep {}", "/wait none {}",
-)  # fmt: skip
+    "/ask {} wave for 1h",
+    "/ask {}",
+    "/book {} now 1h",
+    "/slots {}",
+    "/wait {}",
+    "/take over {}",
+    "/end {}",
+    "/use {}",
+    "/help {}",
+    "/status {}",
+    "/resume {}",
+    "{} wave",
+    "{} move 1 m",
+    "{}",
+    "/wait take {}",
+    "/wait keep {}",
+    "/wait none {}",
+)
 
 
 @pytest.mark.parametrize("line", LINES)

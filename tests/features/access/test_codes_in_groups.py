@@ -11,7 +11,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.authoriser import messages
-from rosic.authoriser.invitation import InvitationState
+from rosic.authoriser.invitations import InvitationState
 from rosic.authoriser.invite_codes import ALPHABET, SEARCHED_AT_MOST
 from rosic.core.identity import Address
 from rosic.core.message import Chat, ChatKind, Standing
@@ -118,11 +118,23 @@ async def test_a_button_of_a_private_chat_is_dead_in_a_group() -> None:
 
 
 WRITTEN = (
-    "Hi Di:\njoin {bare}", "Hi Di:\njoin {code}", "Di, type: join {bare}", "Di, type /start {bare}",
-    "`/start {bare}`", "_{code}_", "||{code}||", "Di: {first}\u2010{last}", "{first}\u2011{last}",
-    "{first} - {last}", "Di: {first} {last}", "Di: {spaced}", "join{bare}", "{first}\n{last}",
-    "https://t.me/lab_bot?start={first}%2D{last}", "\u00fcber{bare}",
-)  # fmt: skip
+    "Hi Di:\njoin {bare}",
+    "Hi Di:\njoin {code}",
+    "Di, type: join {bare}",
+    "Di, type /start {bare}",
+    "`/start {bare}`",
+    "_{code}_",
+    "||{code}||",
+    "Di: {first}\u2010{last}",
+    "{first}\u2011{last}",
+    "{first} - {last}",
+    "Di: {first} {last}",
+    "Di: {spaced}",
+    "join{bare}",
+    "{first}\n{last}",
+    "https://t.me/lab_bot?start={first}%2D{last}",
+    "\u00fcber{bare}",
+)
 
 
 @pytest.mark.parametrize("way", WRITTEN)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 
-from rosic.authoriser.invitation import InvitationState
+from rosic.authoriser.invitations import InvitationState
 from rosic.core.identity import Address
 from rosic.core.policy.roles import Grant
 from rosic.core.records import Decided, Fact, KeyRevoked, Record
@@ -347,9 +347,11 @@ async def test_acts_are_on_record_by_ids_only() -> None:
         await hall.tap(BO, "Revoke")
         acts = [(r.act, r.by, r.about) for r in written if isinstance(r, Decided)]
         assert acts == [
-            ("lock", "p-1", "p-3"), ("unlock", "p-2", "p-3"),
-            ("ungrant", "p-2", "p-3"), ("revoke-key", "p-2", "k-3"),
-        ]  # fmt: skip
+            ("lock", "p-1", "p-3"),
+            ("unlock", "p-2", "p-3"),
+            ("ungrant", "p-2", "p-3"),
+            ("revoke-key", "p-2", "k-3"),
+        ]
         assert any(isinstance(r, KeyRevoked) for r in written)
         assert b"Young" not in b"".join(r.body for r in written if isinstance(r, Fact))
         assert hall.directory.at(Address("telegram", CY)) is not None

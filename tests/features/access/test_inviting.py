@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.authoriser.invitation import InvitedRights
-from rosic.authoriser.qr import qr_png
+from rosic.authoriser.invitations import InvitedRights
+from rosic.authoriser.invite_codes import qr_png
 from rosic.core.policy.roles import Grant
 from rosic.errors import NotUnderstood
 from rosic.features.access import messages

@@ -32,8 +32,10 @@ async def test_two_of_one_name_are_told_apart() -> None:
             '3 people are called "Cy Young". Which one?'
         )
         assert hall.labels(ADA) == [
-            "Cy Young, operator", "Cy Young, viewer", "Cy Young, without a role of their own",
-        ]  # fmt: skip
+            "Cy Young, operator",
+            "Cy Young, viewer",
+            "Cy Young, without a role of their own",
+        ]
         assert await hall.tap(ADA, "Cy Young, viewer") == LOCKED
         assert hall.ended == [("p-4", True)]
         # Only one of them can be unlocked, so there is nothing to ask.

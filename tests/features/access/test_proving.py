@@ -5,7 +5,7 @@ from __future__ import annotations
 from base64 import b32decode
 
 from rosic.authoriser import keys_messages, totp
-from rosic.authoriser.qr import qr_png
+from rosic.authoriser.invite_codes import qr_png
 from rosic.core.message import Chat, ChatKind
 from rosic.features.access import access_messages
 from rosic.gateway.office import ONLY_IN_PRIVATE

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rosic.authoriser import keys_messages
-from rosic.features.access.notices import AccessNotices
+from rosic.features.access.revoke_lock import AccessNotices
 from tests.features.access.hall import ADA, BO, CY, BrokenStore, a_hall
 
 

@@ -18,15 +18,32 @@ from rosic.authoriser.directory import Directory
 from rosic.core.identity import Address, Principal
 from rosic.core.language import clean_name
 from rosic.errors import NotUnderstood
-from rosic.features.access.names import everybody_called
+from rosic.features.access.admin_policy import everybody_called
 from tests.features.access.hall import ADA, BO, CY, DI, ED, a_hall
 from tests.features.access.house import VI, house
 
 if TYPE_CHECKING:
     from tests.features.access.hall import Hall
 
-WORDS = ("Bo", "confirmed", "operator", "viewer", "kuka1", "for", "2h", "back", "to", "me", "with",
-         "as", "not", "all", "p-2", "\u200bBo", "Bo\u202e")  # fmt: skip
+WORDS = (
+    "Bo",
+    "confirmed",
+    "operator",
+    "viewer",
+    "kuka1",
+    "for",
+    "2h",
+    "back",
+    "to",
+    "me",
+    "with",
+    "as",
+    "not",
+    "all",
+    "p-2",
+    "\u200bBo",
+    "Bo\u202e",
+)
 NAME = st.lists(st.sampled_from(WORDS), min_size=1, max_size=3).map(" ".join)
 
 
@@ -178,9 +195,8 @@ async def _means(names: list[str], said: str, verb: str) -> None:
         exact = {person.id for person in everybody_called(hall.directory, said)}
         told = await hall.say(ADA, f"/{verb} {said}")
         touched = {
-            who for who in before
-            if hall.locks.locked(who) or not hall.directory.has_good_key(who)
-        }  # fmt: skip
+            who for who in before if hall.locks.locked(who) or not hall.directory.has_good_key(who)
+        }
         if said.casefold() in {"me", "myself"}:
             return  # oneself, in a few words that are nobody's name first
         assert told

@@ -9,15 +9,21 @@ from rosic.core.records import Claimed, Decided, Fact, Record
 from rosic.core.robot.alert_config import AlertConfig, RecipientCircle
 from rosic.core.robot.profile import Telemetry
 from rosic.errors import StoreFault
-from rosic.features.alerts.book import RUN
+from rosic.features.alerts.active_alerts import RUN
 from rosic.stores.memory import MemoryStore
 from tests.features.alerts.test_alerts import battery, heard
 from tests.gateway.place import ADA, BO, FLEET, VI, BrokenStore, Place
 
 DRIFT = AlertConfig(
-    name="drift", when="battery outside 40 to 60 %", lasting="2 s", say="Off its benchmark",
-    run="move back 0.5 m", author="Bo", run_every="10 min", tell=RecipientCircle.ADMINS,
-)  # fmt: skip
+    name="drift",
+    when="battery outside 40 to 60 %",
+    lasting="2 s",
+    say="Off its benchmark",
+    run="move back 0.5 m",
+    author="Bo",
+    run_every="10 min",
+    tell=RecipientCircle.ADMINS,
+)
 
 
 class Kept(MemoryStore):

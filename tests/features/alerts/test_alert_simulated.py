@@ -13,9 +13,13 @@ from tests.features.alerts.test_alerts import heard
 from tests.gateway.place import ADA, BO, Place
 
 LOW = AlertConfig(
-    name="battery_low", when="battery < 20 %", lasting="10 s", say="Battery is low",
-    run="arm home", author="Bo",
-)  # fmt: skip
+    name="battery_low",
+    when="battery < 20 %",
+    lasting="10 s",
+    say="Battery is low",
+    run="arm home",
+    author="Bo",
+)
 
 
 class Simulated(Place):

@@ -28,11 +28,14 @@ def fleet(robots: int) -> tuple[Profile, ...]:
     telemetry = {"battery": Telemetry(unit="%"), "heat": Telemetry(unit="°C")}
     return tuple(
         Profile(
-            id=f"r{n}", link=Link(kind="memory"), telemetry=telemetry, alerts=(LOW, HOT),
+            id=f"r{n}",
+            link=Link(kind="memory"),
+            telemetry=telemetry,
+            alerts=(LOW, HOT),
             skills={"wave": WAVE},
         )
         for n in range(robots)
-    )  # fmt: skip
+    )
 
 
 @asynccontextmanager

@@ -10,9 +10,13 @@ from rosic.stores.memory import MemoryStore
 from tests.gateway.place import ADA, BO, FLEET, VI, BrokenStore, Place
 
 LOW = AlertConfig(
-    name="battery_low", when="battery < 20 %", lasting="10 s", clear="battery > 25 %",
-    say="Battery is low", escalate_after="2 min",
-)  # fmt: skip
+    name="battery_low",
+    when="battery < 20 %",
+    lasting="10 s",
+    clear="battery > 25 %",
+    say="Battery is low",
+    escalate_after="2 min",
+)
 
 
 def place(*alerts: AlertConfig, store: MemoryStore | None = None) -> Place:

@@ -11,8 +11,7 @@ from msgspec.structs import replace
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Reaction
 from rosic.errors import MessengerFault
-from rosic.features.alerts.active_alerts import TOLD, ActiveAlert, AlertMessages
-from rosic.features.alerts.book import Alarm
+from rosic.features.alerts.active_alerts import TOLD, ActiveAlert, Alarm, AlertMessages
 from rosic.messengers.memory import MemoryMessenger
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock

@@ -29,13 +29,16 @@ TUNE = Skill(
     set_parameters=ParametersBinding(node="/omni/base", values={"gain": "$gain", "mode": "slow"}),
 )
 CALIBRATE = Skill(
-    id="calibrate", kind=SkillClass.CONFIG,
+    id="calibrate",
+    kind=SkillClass.CONFIG,
     service=ServiceBinding(name="/omni/calibrate", type="std_srvs/srv/Trigger"),
-)  # fmt: skip
+)
 BENCH = Benchmark(
-    duration_s=2.0, per_s={"distance": 4.0}, energy=1.0,
+    duration_s=2.0,
+    per_s={"distance": 4.0},
+    energy=1.0,
     errors={"place": ErrorBound(measured="pose.x", wanted="$distance", within=0.1)},
-)  # fmt: skip
+)
 
 
 def robot(*alerts: AlertConfig) -> Profile:
@@ -46,9 +49,12 @@ def robot(*alerts: AlertConfig) -> Profile:
         "calibrate": CALIBRATE,
     }
     return replace(
-        FLEET[0], skills=skills, telemetry={"battery": Telemetry(unit="%")}, alerts=alerts,
+        FLEET[0],
+        skills=skills,
+        telemetry={"battery": Telemetry(unit="%")},
+        alerts=alerts,
         pose=PoseSource(topic="/omni/pose"),
-    )  # fmt: skip
+    )
 
 
 def place(
@@ -120,9 +126,13 @@ async def test_what_was_cut_short_is_not_judged() -> None:
 
 async def test_a_rule_recalibrates_and_then_nothing_deviates() -> None:
     rule = AlertConfig(
-        name="off", when="deviation is error", lasting="1 s", run="tune 2", author="Ada",
+        name="off",
+        when="deviation is error",
+        lasting="1 s",
+        run="tune 2",
+        author="Ada",
         tell=RecipientCircle.ADMINS,
-    )  # fmt: skip
+    )
     store = MemoryStore()
     async with place(rule, store=store).open() as here:
         await begin(here)
@@ -177,9 +187,13 @@ class Tasks:
 
 async def test_a_rule_reallocates_where_there_are_tasks_and_says_so_where_there_are_none() -> None:
     rule = AlertConfig(
-        name="late", when="deviates", lasting="1 s", run="reallocate", author="Ada",
+        name="late",
+        when="deviates",
+        lasting="1 s",
+        run="reallocate",
+        author="Ada",
         tell=RecipientCircle.ADMINS,
-    )  # fmt: skip
+    )
     async with place(rule).open() as here:
         await begin(here)
         told = await heard(here, 13)

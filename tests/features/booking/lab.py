@@ -264,9 +264,14 @@ class Lab:
         """Tap the newest button with a label that somebody was shown unasked."""
         button = self._shown(label)
         inbound = Inbound(
-            sender=Address("memory", who), chat=Chat("memory", who), message="1", text="",
-            nonce=button.nonce, sent_ns=self.clock.wall_ns(), received_ns=self.clock.wall_ns(),
-        )  # fmt: skip
+            sender=Address("memory", who),
+            chat=Chat("memory", who),
+            message="1",
+            text="",
+            nonce=button.nonce,
+            sent_ns=self.clock.wall_ns(),
+            received_ns=self.clock.wall_ns(),
+        )
         try:
             command = self.authoriser.buttons.redeem(button.nonce, who, inbound).command
         except Refusal as refusal:

@@ -38,8 +38,9 @@ async def test_a_robots_name_lists_the_times_with_it() -> None:
         assert all(line.startswith("KUKA iiwa: ") for line in said[1:-1])
         assert said[-1] == "and 2 more"
         assert (await lab.tap(ANN, "More")).splitlines()[1:] == [
-            "KUKA iiwa: 19:00 to 19:30", "KUKA iiwa: 20:00 to 20:30",
-        ]  # fmt: skip
+            "KUKA iiwa: 19:00 to 19:30",
+            "KUKA iiwa: 20:00 to 20:30",
+        ]
         assert (await lab.tap(ANN, "KUKA iiwa: 20:00 to 20:30")).startswith("Cancelled: KUKA iiwa")
 
 
@@ -49,8 +50,9 @@ async def test_a_long_list_has_pages() -> None:
             await lab.book(ANN, f"kuka1 {hour}:00 30 min")
         assert (await lab.say(ANN, "/cancel booking")).endswith("\nand 2 more")
         assert (await lab.tap(ANN, "More")).splitlines()[1:] == [
-            "KUKA iiwa: 19:00 to 19:30", "KUKA iiwa: 20:00 to 20:30",
-        ]  # fmt: skip
+            "KUKA iiwa: 19:00 to 19:30",
+            "KUKA iiwa: 20:00 to 20:30",
+        ]
         assert "More" not in lab.labels()
 
 
@@ -139,11 +141,21 @@ async def test_other_peoples_times_stay_but_for_who_may_cancel_any() -> None:
         )
         await lab.say(ADA, f"/cancel booking all {series.series}")
         assert await lab.told() == [
-            (ANN, ("Ada cancelled your time with KUKA iiwa on Sat 21 Nov 2026 from 14:00 to 15:00 "
-             "(Europe/Vienna).")),
-            (ANN, ("Ada cancelled 2 of your times with The Arm, first on Tue 24 Nov 2026 from "
-             "14:00 to 15:00 (Europe/Vienna).")),
-        ]  # fmt: skip
+            (
+                ANN,
+                (
+                    "Ada cancelled your time with KUKA iiwa on Sat 21 Nov 2026 from 14:00 to 15:00 "
+                    "(Europe/Vienna)."
+                ),
+            ),
+            (
+                ANN,
+                (
+                    "Ada cancelled 2 of your times with The Arm, first on Tue 24 Nov 2026 from "
+                    "14:00 to 15:00 (Europe/Vienna)."
+                ),
+            ),
+        ]
 
 
 async def test_of_a_robot_that_one_may_not_see_one_hears_nothing() -> None:

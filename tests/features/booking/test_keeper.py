@@ -49,8 +49,11 @@ async def test_a_time_that_goes_on_is_not_said_to_end() -> None:
         await lab.book(ANN, "kuka1 11:30 30 min")
         lab.begin(ANN)
         assert [text for _, text in await lab.told_until(119)] == [
-            "It is your time: KUKA iiwa is yours until 11:30.", BEGINS, FIVE, ONE,
-        ]  # fmt: skip
+            "It is your time: KUKA iiwa is yours until 11:30.",
+            BEGINS,
+            FIVE,
+            ONE,
+        ]
         assert lab.handed == []
 
 

@@ -15,15 +15,25 @@ async def test_unused_time_is_released_after_a_question_if_somebody_waits() -> N
         await lab.say(BEN, "/wait kuka1")
         assert await lab.told_until(74 - 1 / 60) == []
         assert await lab.told_until(74) == [
-            (ANN, ("Somebody waits for KUKA iiwa, and you have not used it for 14 min. Use it, or "
-             "tap, within 60 s to keep it.")),
-        ]  # fmt: skip
+            (
+                ANN,
+                (
+                    "Somebody waits for KUKA iiwa, and you have not used it for 14 min. Use it, or "
+                    "tap, within 60 s to keep it."
+                ),
+            ),
+        ]
         assert await lab.told_until(75 - 1 / 60) == []
         assert await lab.told_until(75) == [
-            (ANN, ("KUKA iiwa was not used and somebody waits for it, so it was given back. It was "
-             "yours until 12:00.")),
+            (
+                ANN,
+                (
+                    "KUKA iiwa was not used and somebody waits for it, so it was given back. "
+                    "It was yours until 12:00."
+                ),
+            ),
             (BEN, "KUKA iiwa is free and it is your turn. Tap within 60 s to take it."),
-        ]  # fmt: skip
+        ]
         assert lab.decisions()[-1] == ("release", OPERATOR)
         assert lab.calendar.of(ANN)[0].end_ns == NOW + 75 * MIN
 

@@ -99,8 +99,9 @@ async def test_a_slot_that_is_over_makes_it_the_nexts_turn() -> None:
         await lab.told_until(9.9)
         assert await lab.told_until(10) == []  # not before rest is measured
         assert await lab.told(0.5) == [
-            (ANN, "Your time with KUKA iiwa is over. It is at rest."), (BEN, TURN),
-        ]  # fmt: skip
+            (ANN, "Your time with KUKA iiwa is over. It is at rest."),
+            (BEN, TURN),
+        ]
 
 
 async def test_an_offer_is_told_once_while_it_stands() -> None:

@@ -120,9 +120,11 @@ async def test_what_was_asked_about_is_what_goes(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "content", "said"),
-    [("log.zip", b"PK\x03\x04abc", "omni takes png or yaml, and this is zip"),
-     ("map.png", MAP, "files of up to 500 KB; this has 600 KB")],
-)  # fmt: skip
+    [
+        ("log.zip", b"PK\x03\x04abc", "omni takes png or yaml, and this is zip"),
+        ("map.png", MAP, "files of up to 500 KB; this has 600 KB"),
+    ],
+)
 async def test_a_robot_takes_what_its_profile_says(
     tmp_path: Path, name: str, content: bytes, said: str
 ) -> None:

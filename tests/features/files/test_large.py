@@ -84,9 +84,11 @@ async def test_a_damaged_one_is_not_sent(tmp_path: Path) -> None:
         await send(ward, "hall.png", LARGE)
         (filed,) = ward.holdings.files.of(ward.id_of(ADA))
         spoilt = Fact(
-            kind=PART, key=f"{filed.id}.000000", body=b"1",
+            kind=PART,
+            key=f"{filed.id}.000000",
+            body=b"1",
             letter=Letter(filed.owner, os.urandom(262_144)),
-        )  # fmt: skip
+        )
         await ward.kept.write(spoilt)
         ward.chat.say("/files get hall.png", account=ADA, chat=ADA)
         await until(ward, lambda: any("does not read as it was kept" in t for t in texts(ward)))

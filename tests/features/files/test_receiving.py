@@ -128,9 +128,12 @@ async def test_strangers_and_groups_leave_nothing() -> None:
 
 @pytest.mark.parametrize(
     ("name", "content"),
-    [("a.png", b"\x7fELF" + bytes(900_000)), ("a.txt", b"a" * 600_000 + b"\0"),
-     ("a.exe", b"MZ\0\0")],
-)  # fmt: skip
+    [
+        ("a.png", b"\x7fELF" + bytes(900_000)),
+        ("a.txt", b"a" * 600_000 + b"\0"),
+        ("a.exe", b"MZ\0\0"),
+    ],
+)
 async def test_what_is_no_known_kind_leaves_nothing(name: str, content: bytes) -> None:
     async with a_ward() as ward:
         assert "none of the kinds" in await send(ward, name, content)
@@ -156,8 +159,9 @@ async def test_a_second_file_of_a_name_gets_another() -> None:
         await send(ward, "a.yaml", NOTE)
         assert "A (2).yaml" in await send(ward, "A.yaml", NOTE)
         assert {one.name for one in ward.holdings.files.of(ward.id_of(ADA))} == {
-            "a.yaml", "A (2).yaml",
-        }  # fmt: skip
+            "a.yaml",
+            "A (2).yaml",
+        }
 
 
 async def test_the_same_message_again_is_the_same_file() -> None:

@@ -311,7 +311,7 @@ async def test_what_came_too_late_is_offered_for_those_it_was_meant_for() -> Non
 class Careful(Warehouse):
     rulebook = RoleRules(
         roles=DEFAULT_ROLES, care=(SkillPrecondition(scopes=("w2:wave",), confirm=True),)
-    )  # fmt: skip
+    )
 
 
 async def test_what_wants_a_tap_each_time_is_not_asked_of_many() -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.core.fleet.task import TaskState
 from rosic.core.order import Ending
 from rosic.errors import RobotBusy
-from rosic.features.fleet.patience import AGAIN_NS, LONGEST_NS, RetryBackoff
+from rosic.features.fleet.dispatch_state import AGAIN_NS, LONGEST_NS, RetryBackoff
 from tests.features.fleet.test_tasks import WAREHOUSE, Warehouse, Worker, heard, tasks, worker
 from tests.gateway.place import FLEET
 
@@ -83,8 +83,9 @@ async def test_what_it_refuses_keeps_no_robot_from_what_it_can_do() -> None:
         await here.say("/task w1 move 1 m")
         await heard(here, 3)
         assert {key: task.state for key, task in tasks(here).items()} == {
-            "1": TaskState.QUEUED, "2": TaskState.RUNNING,
-        }  # fmt: skip
+            "1": TaskState.QUEUED,
+            "2": TaskState.RUNNING,
+        }
         worker(here, "w1").end(Ending.DONE)
         await heard(here, 60)
         assert tasks(here)["1"].state is TaskState.RUNNING, "it is asked again by itself"

@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rosic.core.order import Ending, Outcome
-from rosic.features.fleet.usage import FleetUsage
+from rosic.features.fleet.overview import FleetUsage
 from rosic.testing.clock import ManualClock
-from rosic.testing.orders import OrderBook
+from rosic.testing.factories import OrderBook
 from tests.gateway.place import profile
 
 if TYPE_CHECKING:

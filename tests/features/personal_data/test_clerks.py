@@ -37,8 +37,9 @@ async def test_settings_are_shown_set_and_kept_over_a_restart() -> None:
             f"  Time zone: Europe/Vienna\n{HOW_TO_SET}"
         )
         assert [button.command for row in reply.buttons for button in row] == [
-            "/settings units metric", "/language en",
-        ]  # fmt: skip
+            "/settings units metric",
+            "/language en",
+        ]
         assert ward.book.of(ward.id_of(VI)).robot == ""
 
 
@@ -159,8 +160,10 @@ async def test_an_archive_is_erased_after_one_question() -> None:
         )
 
 
-@pytest.mark.parametrize("rest", ["on soon", "on 3 weeks", "on ² days", "off now", "burn",
-                                  "export pdf", "export text now"])  # fmt: skip
+@pytest.mark.parametrize(
+    "rest",
+    ["on soon", "on 3 weeks", "on ² days", "off now", "burn", "export pdf", "export text now"],
+)
 async def test_what_no_archive_can_do(rest: str) -> None:
     async with a_ward() as ward:
         assert (await ward.said("archive", rest)).startswith("Write /archive on, ")
@@ -187,9 +190,13 @@ async def test_secrets_that_pass_are_not_kept() -> None:
     async with a_ward() as ward:
         await ward.said("archive", "on")
         for secret in (
-            "/code 123456", "/code@lab_bot 123456", "/code\t123456", "hello\n/code 123456",
-            "/authenticator 123456", "/authenticator",
-        ):  # fmt: skip
+            "/code 123456",
+            "/code@lab_bot 123456",
+            "/code\t123456",
+            "hello\n/code 123456",
+            "/authenticator 123456",
+            "/authenticator",
+        ):
             ward.chat.say(secret, account=ADA, chat=ADA)
         await ward.quiet()
         assert any("otpauth://" in told.outbound.text for told in ward.chat.told)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.errors import Refusal, RobotBusy
-from rosic.features.personal_data import inspecting_messages, operator_view
-from rosic.features.personal_data.tidying import tidy
+from rosic.features.personal_data import operator_view
+from rosic.features.personal_data.commands import tidy
 from tests.features.personal_data.ward import Ward, a_ward, used
 from tests.gateway.place import ADA, BO, VI
 
@@ -29,19 +29,17 @@ async def test_the_operator_lists_shows_exports_and_limits(tmp_path: Path) -> No
         assert operator_view.ListedContainer("person", bo, "Bo") in listed
         (chat,) = [one.container for one in listed if one.kind == "chat"]
         assert listed[-1].name == "memory group g"
-        lines = inspecting_messages.table(listed).splitlines()
+        lines = operator_view.table(listed).splitlines()
         assert lines[0] == "robot   cf1"
         assert (
             len({line.index(one.container) for line, one in zip(lines, listed, strict=True)}) == 1
         )
-        shown = inspecting_messages.shown(
-            await operator_view.show_container(holdings, bo)
-        ).splitlines()
+        shown = operator_view.shown(await operator_view.show_container(holdings, bo)).splitlines()
         assert shown[0] == f"person Bo ({bo})"
         assert shown[-1] == "  shared data: 1 of 64 names, 12 bytes of 64 KiB"
         assert "bay four" in await content(ward, bo)
         assert '"text":"hello' in await content(ward, chat)
-        told = inspecting_messages.shown(await operator_view.show_container(holdings, chat))
+        told = operator_view.shown(await operator_view.show_container(holdings, chat))
         assert re.search(r"\n  archived +\d+  ", told)
         limited = await operator_view.limit_container(
             holdings, bo, OPERATOR, names=1, most_bytes=2048

@@ -47,8 +47,11 @@ def watch(ward: Ward) -> set[str]:
     """Note from now on whose container is looked into: in memory, and on the disk."""
     seen: set[str] = set()
     shelf = ward.shelf
-    for holder, names in ((shelf, ("_kept", "_quotas", "_sizes")),
-                          (shelf.lending, ("_by", "_to")), (ward.book, ("_set",))):  # fmt: skip
+    for holder, names in (
+        (shelf, ("_kept", "_quotas", "_sizes")),
+        (shelf.lending, ("_by", "_to")),
+        (ward.book, ("_set",)),
+    ):
         for name in names:
             setattr(holder, name, Watched(getattr(holder, name), seen))
     belongings = ward.kept.belongings
@@ -82,9 +85,15 @@ async def test_no_decision_for_one_looks_into_another_s_container(tmp_path: Path
         await ward.say("omni wave", account=BO, chat=BO)
         await ward.say("omni wave fast", account=BO, chat=BO)
         for verb, rest in (
-            ("data", "other = 1"), ("data", "omni offset = 0.3"), ("data", ""), ("settings", ""),
-            ("mydata", "export"), ("share", "other with Vi"), ("shelf", ""), ("data", "other ="),
-        ):  # fmt: skip
+            ("data", "other = 1"),
+            ("data", "omni offset = 0.3"),
+            ("data", ""),
+            ("settings", ""),
+            ("mydata", "export"),
+            ("share", "other with Vi"),
+            ("shelf", ""),
+            ("data", "other ="),
+        ):
             await ward.said(verb, rest, account=BO)
         assert ids[BO] in seen
         # Asked what is lent to him, he is told of his own index alone; Vi's is not opened.

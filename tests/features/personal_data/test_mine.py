@@ -10,7 +10,7 @@ import pytest
 from rosic.core.message import ChatKind
 from rosic.errors import RecordUnavailable, Refusal, StoreFault
 from rosic.features.personal_data import operator_view
-from rosic.features.personal_data.my_data import SURE
+from rosic.features.personal_data.commands import SURE
 from rosic.stores.database import DatabaseStore
 from rosic.testing.clock import ManualClock
 from tests.features.personal_data.ward import a_ward, used

@@ -12,8 +12,8 @@ from urllib.parse import parse_qs, urlsplit
 
 import msgspec
 
-from rosic.app.face import face_of
 from rosic.app.logging import OneLine
+from rosic.app.runtime import face_of
 from rosic.authoriser import totp
 from rosic.container import export
 from rosic.container.files import PART
@@ -56,8 +56,13 @@ def found_in(folder: Path, planted: list[str]) -> dict[str, list[str]]:
 
 def test_the_search_finds_what_is_there(tmp_path: Path) -> None:
     text = phrases()[0]
-    for form in (text.encode(), b"xq" + text.encode() + b"q", text.encode("utf-16-le"),
-                 b"\0" + text.encode("utf-16-le"), text.encode().hex().encode()):  # fmt: skip
+    for form in (
+        text.encode(),
+        b"xq" + text.encode() + b"q",
+        text.encode("utf-16-le"),
+        b"\0" + text.encode("utf-16-le"),
+        text.encode().hex().encode(),
+    ):
         (tmp_path / "file").write_bytes(form)
         assert list(found_in(tmp_path, phrases())) == ["file"]
 
@@ -192,9 +197,13 @@ async def test_a_thousand_planted_strings_are_found_in_no_file(tmp_path: Path) -
         assert len(parts) > COUNT // 20
         everything.append(parts)
         said = msgspec.json.encode(
-            [fact.letter.content.decode("latin-1") for held in everything for fact in held
-             if fact.letter is not None]
-        ).decode()  # fmt: skip
+            [
+                fact.letter.content.decode("latin-1")
+                for held in everything
+                for fact in held
+                if fact.letter is not None
+            ]
+        ).decode()
         assert [text for text in planted if text not in said] == []  # all of them were kept
     assert found_in(tmp_path, planted) == {}
     assert (tmp_path / "gateway.log").stat().st_size > 0

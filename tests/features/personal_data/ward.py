@@ -117,19 +117,26 @@ class Ward(Place):
         self.shelf.sees = lambda who, robot: robot in organiser.visible(who)
         self.shelf.works_with = lambda who, robot: organiser.holder(robot) == who
         self.holdings = ContainerContext(
-            preferences=self.book, shelf=self.shelf, files=FileStore(clock),
-            habits=gateway.pipeline.habits, archive=self.archive, vault=self.kept,
-            changes=access.changes, clock=clock, name=directory.name,
+            preferences=self.book,
+            shelf=self.shelf,
+            files=FileStore(clock),
+            habits=gateway.pipeline.habits,
+            archive=self.archive,
+            vault=self.kept,
+            changes=access.changes,
+            clock=clock,
+            name=directory.name,
             vocabulary=rooms.vocabulary,
             shown=lambda robot: rooms.profiles[robot].shown if robot in rooms.profiles else robot,
-            visible=organiser.visible, choices=organiser.visible,
+            visible=organiser.visible,
+            choices=organiser.visible,
             zone_of=lambda who: zone_named(self.book.of(who).zone or "UTC"),
             may_oversee=lambda who, _robot: who == ADA,
             may_archive=lambda who: authority.rights.holds(who, FLEET, "archive", clock.wall_ns()),
             robots=frozenset(rooms.profiles),
             find=lambda name: tuple(person.id for person in directory.named(name)),
             tell=gateway.furnishing.reach.tell,
-        )  # fmt: skip
+        )
         self.erasing = ErasureCommands(self.holdings, self.sides())
         filing = employ_clerks(gateway.pipeline.reception.office, self.holdings, self.erasing)
         self.receiving = FileUpload(self.holdings, gateway.pipeline.answer, gateway.pipeline.plain)
@@ -159,10 +166,13 @@ class Ward(Place):
             withdrawn = [r for i in made for r in access.enrolment.invitations.withdraw(i.id, by)]
             phone = access.stepup.reset(principal, by) if access.stepup.is_set_up(principal) else ()
             return (
-                *withdrawn, *phone, *authority.roster.take(principal, by),
+                *withdrawn,
+                *phone,
+                *authority.roster.take(principal, by),
                 *rooms.organiser.calendar.end_all(principal),
-                *access.waiting.leave_all(principal), *revoked,
-            )  # fmt: skip
+                *access.waiting.leave_all(principal),
+                *revoked,
+            )
 
         def forget(principal: str) -> None:
             directory.enrol(Principal(id=principal, name="somebody"))
@@ -217,9 +227,13 @@ class Ward(Place):
         chat = Chat("memory", account if kind is ChatKind.PRIVATE else "g", kind)
         now_ns = self.clock.wall_ns()
         inbound = Inbound(
-            sender=Address("memory", account), chat=chat, message=f"m{self.serial}",
-            text=f"/{verb} {rest}", sent_ns=now_ns, received_ns=now_ns,
-        )  # fmt: skip
+            sender=Address("memory", account),
+            chat=chat,
+            message=f"m{self.serial}",
+            text=f"/{verb} {rest}",
+            sent_ns=now_ns,
+            received_ns=now_ns,
+        )
         author = self.author_of(inbound.sender)
         caller = Caller(author.principal, author.name, inbound.sender, "k", "s")
         asked = CommandContext(self.chat, inbound, caller, rest, b"", act)

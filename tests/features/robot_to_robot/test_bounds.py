@@ -10,17 +10,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rosic.contracts.among import UTTERANCE_BYTES
+from rosic.contracts.robot import UTTERANCE_BYTES
 from rosic.core.robot.dialogue_protocol import Share, TellRobot, mark_of, read_utterance
 from rosic.errors import Refusal
-from rosic.features.robot_to_robot.guard import (
+from rosic.features.robot_to_robot.help_requests import KEPT_NS, KEPT_OVER, HelpRequests
+from rosic.features.robot_to_robot.inbox import (
     CONVERSATION,
     CUT_NS,
     HOPS_AT_MOST,
     REMEMBERED,
     LoopGuard,
 )
-from rosic.features.robot_to_robot.help_requests import KEPT_NS, KEPT_OVER, HelpRequests
 
 ROBOTS = ("a", "b", "c", "d")
 SECOND_NS = 1_000_000_000
@@ -28,10 +28,13 @@ SECOND_NS = 1_000_000_000
 # Who speaks to whom, how much later than the last, and whether it says that it answers the newest.
 TURNS = st.lists(
     st.tuples(
-        st.sampled_from(ROBOTS), st.sampled_from(ROBOTS), st.floats(0, 30), st.booleans(),
+        st.sampled_from(ROBOTS),
+        st.sampled_from(ROBOTS),
+        st.floats(0, 30),
+        st.booleans(),
     ),
     max_size=400,
-)  # fmt: skip
+)
 
 
 @settings(deadline=None, max_examples=60)

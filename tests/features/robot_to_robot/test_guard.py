@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import msgspec
 
-from rosic.features.robot_to_robot.guard import CONVERSATION, CUT_NS, HOPS_AT_MOST
+from rosic.features.robot_to_robot.inbox import CONVERSATION, CUT_NS, HOPS_AT_MOST
 from tests.features.robot_to_robot.fellows import Fellows
 from tests.gateway.place import BO, VI
 

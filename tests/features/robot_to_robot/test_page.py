@@ -6,12 +6,11 @@ import re
 from pathlib import Path
 from typing import get_args
 
-from rosic.contracts.among import UTTERANCE_BYTES
-from rosic.core.policy.authority import AMONG
+from rosic.contracts.robot import UTTERANCE_BYTES
+from rosic.core.policy.scope import AMONG
 from rosic.core.robot import dialogue_protocol
 from rosic.features.robot_to_robot import (
     digest,
-    guard,
     help_service,
     inbox,
     service,
@@ -49,9 +48,9 @@ def test_it_gives_the_right_figures() -> None:
         f"at most {subscriptions.PAIR_PACE.per_s:g} a second from each robot",
         f"written down, once in {service.SAVE_EVERY_S:g} s",
         f"at most {help_service.CALLS.burst:g} times at once",
-        f"after {guard.HOPS_AT_MOST} hops",
-        f"for {guard.CUT_NS // 60_000_000_000} minutes nothing passes",
-        f"{guard.CONVERSATION.burst:g} at once and one in {1 / guard.CONVERSATION.per_s:g} s",
+        f"after {inbox.HOPS_AT_MOST} hops",
+        f"for {inbox.CUT_NS // 60_000_000_000} minutes nothing passes",
+        f"{inbox.CONVERSATION.burst:g} at once and one in {1 / inbox.CONVERSATION.per_s:g} s",
         f"at most one message in {digest.EVERY_S:g} s",
         f"for {strategies.IDLE_WITHIN_S / 60:g} min at most",
         f"after {strategies.ANSWER_WITHIN_S:g} s without one",

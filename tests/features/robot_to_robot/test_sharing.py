@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.contracts.among import UTTERANCE_BYTES
+from rosic.contracts.robot import UTTERANCE_BYTES
 from rosic.core.robot.dialogue_protocol import DATA_BYTES, ROBOT_BYTES, TOPICS_A_ROBOT
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
 from rosic.features.robot_to_robot.digest import EVERY_S
@@ -105,9 +105,17 @@ async def test_topics_and_bytes_of_one_robot_are_bounded() -> None:
 
 async def test_what_is_not_of_the_published_form_is_refused_with_what_is_wrong() -> None:
     async with Fellows().open() as here:
-        for words in (b"", b"{", b"[]", b'{"kind":"fly"}', b"\xff", b'{"kind":"share","topic":"a"}',
-                      b'{"kind":"share","topic":"A b","data":1}', b"[" * 50_000,
-                      b'{"kind":"share","topic":"a","data":1,"from":"cf1"}'):  # fmt: skip
+        for words in (
+            b"",
+            b"{",
+            b"[]",
+            b'{"kind":"fly"}',
+            b"\xff",
+            b'{"kind":"share","topic":"a"}',
+            b'{"kind":"share","topic":"A b","data":1}',
+            b"[" * 50_000,
+            b'{"kind":"share","topic":"a","data":1,"from":"cf1"}',
+        ):
             here.robot("omni").heard.clear()
             here.robot("omni").speak(words, 0)
             await here.clock.advance(0.1)
@@ -230,8 +238,9 @@ async def test_what_a_robot_shares_lies_in_its_own_container_and_goes_with_it() 
         await here.clock.advance(6)
         letters = [fact.letter for fact in await store.belongings("omni") if fact.letter]
         assert {bytes(letter.content) for letter in letters} == {
-            b'"where I was"', b"stuck at the back door",
-        }  # fmt: skip
+            b'"where I was"',
+            b"stuck at the back door",
+        }
         erasing = here.gateway.holding.erasing
         assert erasing is not None
         await erasing.erase_other("omni", "operator")

@@ -12,11 +12,11 @@ import os
 from itertools import count
 from typing import TYPE_CHECKING
 
-from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.app.people import Seed
-from rosic.authoriser.admission import CodeRedeemed
-from rosic.authoriser.invitation import InvitationRequest, InvitedRights
+from rosic.app.runtime import face_of
+from rosic.authoriser.enrolment_records import CodeRedeemed
+from rosic.authoriser.invitations import InvitationRequest, InvitedRights
 from rosic.config.profiles import known_units
 from rosic.core.identity import Address
 from rosic.core.local_time import LocalTime
@@ -56,9 +56,15 @@ def a_gateway(store: DatabaseStore) -> Gateway:
         for name in ROBOTS
     )
     parts = GatewayParts(
-        messengers=(), robot_factory=lambda _kind: MemoryRobot, store=store, latch=MemoryLatch(),
-        clock=SystemClock(), entropy=SystemEntropy(), units=known_units(), face=face_of(),
-    )  # fmt: skip
+        messengers=(),
+        robot_factory=lambda _kind: MemoryRobot,
+        store=store,
+        latch=MemoryLatch(),
+        clock=SystemClock(),
+        entropy=SystemEntropy(),
+        units=known_units(),
+        face=face_of(),
+    )
     return Gateway(GatewaySettings(profiles=profiles, people=(ADA,)), parts)
 
 
@@ -107,9 +113,11 @@ class Admin:
             await turn.write(offer.records)
         async with access.changes.turn() as turn:
             answer = enrolment.redeem(
-                offer.code.reveal(), Address("memory", f"x{number}"), private=True,
+                offer.code.reveal(),
+                Address("memory", f"x{number}"),
+                private=True,
                 name=f"Person {number}",
-            )  # fmt: skip
+            )
             assert isinstance(answer, CodeRedeemed)
             await turn.write(self._gateway.furnishing.admitting.records(answer, self._ada))
         self._say("joined", number)

@@ -104,9 +104,12 @@ def look(gateway: Gateway, acts: Counter[tuple[str, str]]) -> Found:
         }
         wrong += [f"Person {number}: {what}" for what, whole in facts.items() if not whole]
         steps = {
-            "joined": True, "booked": bool(slots) or revoked, "rotated": len(keys) == 2,
-            "locked": access.locks.locked(who), "revoked": revoked,
-        }  # fmt: skip
+            "joined": True,
+            "booked": bool(slots) or revoked,
+            "rotated": len(keys) == 2,
+            "locked": access.locks.locked(who),
+            "revoked": revoked,
+        }
         done |= {(step, number) for step, is_so in steps.items() if is_so}
     return Found(wrong, done)
 

@@ -10,8 +10,7 @@ import pytest
 from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.interfaces.cache import ensure_built, make_importable
 from rosic.robots.ros2.messages.types import TypeRegistry
-from rosic.testing.ros2.environment import why_missing
-from rosic.testing.ros2.graph import RosGraph, RosProcess
+from rosic.testing.ros2.graph import RosGraph, RosProcess, why_missing
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator

@@ -41,9 +41,16 @@ class Base:
 
     def __init__(self, node: RosObject, stopping: RosObject) -> None:
         self.says = {
-            "twist": "true", "pose": "true", "stamp": "live", "joints": "full", "stop": "true",
-            "zero": "true", "hz": "20", "by_hand": "0", "battery": "0.8",
-        }  # fmt: skip
+            "twist": "true",
+            "pose": "true",
+            "stamp": "live",
+            "joints": "full",
+            "stop": "true",
+            "zero": "true",
+            "hz": "20",
+            "by_hand": "0",
+            "battery": "0.8",
+        }
         self.velocities = self._zeros = 0
         self._node = node
         self._x_m = self._speed_m_s = 0.0

@@ -62,10 +62,14 @@ async def delivered(
             robot.gate.apply_stop(Stop("omni", robot.gate.generation + 1))
         return await robot.deliver(
             FileForRobot(
-                name=name, path=str(path), sort="yaml", size=len(CONTENT),
-                digest=hashlib.sha256(CONTENT).digest(), content=CONTENT,
+                name=name,
+                path=str(path),
+                sort="yaml",
+                size=len(CONTENT),
+                digest=hashlib.sha256(CONTENT).digest(),
+                content=CONTENT,
             )
-        )  # fmt: skip
+        )
     finally:
         await robot.close()
 

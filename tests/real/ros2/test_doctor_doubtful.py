@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import load_config
-from rosic.app.setup.findings import DiagnosticFinding, FindingVerdict
+from rosic.app.setup.diagnostics_checks import DiagnosticFinding, FindingVerdict
 from rosic.app.setup.stop_test import try_robot
 from rosic.system import SystemClock, SystemEntropy
 

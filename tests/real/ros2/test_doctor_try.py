@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import load_config
-from rosic.app.setup.findings import DiagnosticFinding, FindingVerdict
+from rosic.app.setup.diagnostics_checks import DiagnosticFinding, FindingVerdict
 from rosic.app.setup.stop_test import try_robot
 from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS
 from rosic.robots.ros2.client.runtime import RosRuntime

@@ -54,8 +54,16 @@ def test_a_member_of_a_swarm_says_where_it_is() -> None:
         "rosic_interfaces/msg/SwarmState"
     )
     assert set(slots(cls)) == {
-        "id", "pose", "velocity", "flying", "busy", "landing", "leader", "goal", "stamp",
-    }  # fmt: skip
+        "id",
+        "pose",
+        "velocity",
+        "flying",
+        "busy",
+        "landing",
+        "leader",
+        "goal",
+        "stamp",
+    }
     values = {"id": "cf1", "velocity.linear.x": 0.5, "flying": True, "stamp.sec": 5}
     assert to_message(cls, values).velocity.linear.x == 0.5
 

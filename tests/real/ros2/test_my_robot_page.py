@@ -75,9 +75,14 @@ def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
     assert name == "rosic"
     return subprocess.run(  # noqa: S603 - the page's own commands
         [*ROSIC, *arguments],
-        cwd=folder, capture_output=True, text=True, check=False, timeout=120,
-        env=dict(os.environ), stdin=subprocess.DEVNULL,
-    )  # fmt: skip
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+        env=dict(os.environ),
+        stdin=subprocess.DEVNULL,
+    )
 
 
 def edit(file: Path, lines: list[str]) -> None:

@@ -10,10 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from rosic.testing.ros2.domain import Domain
-from rosic.testing.ros2.environment import why_missing
-from rosic.testing.ros2.graph import RosGraph, RosProcess
-from rosic.testing.ros2.shared_memory import YOUNG_S, sweep
+from rosic.testing.ros2.graph import YOUNG_S, Domain, RosGraph, RosProcess, sweep, why_missing
 from tests.pace import pace
 
 PEER = Path(__file__).with_name("peer.py")

@@ -8,9 +8,9 @@ from pathlib import Path
 from rosic.config.profiles import check_profile
 from rosic.robots.ros2 import stopping
 from rosic.robots.ros2.bindings import dialogue
-from rosic.robots.ros2.client import heartbeat
+from rosic.robots.ros2.client import node
 from rosic_sim.robots.machines.omni import WATCHDOG_S
-from rosic_sim.ros2 import faults, reports, swarm_topic, waiting_clock, watch
+from rosic_sim.ros2 import faults, machine_node, reports, waiting_clock, watch
 from rosic_sim.ros2.offers import MODELS
 
 PAGES = Path(__file__).parents[3] / "docs" / "robots"
@@ -32,11 +32,9 @@ def test_the_profile_that_is_shown_is_good(tmp_path: Path) -> None:
 def test_the_page_on_ros_2_gives_the_right_figures() -> None:
     text = page("ros2.md")
     assert f"every {stopping.AGAIN_EVERY_S:g} s" in text
-    assert heartbeat.EVERY_S == 0.25
-    assert (
-        f"Four times a second ROSIC publishes the time on `<namespace>/{heartbeat.TOPIC}`" in text
-    )
-    assert f"(`{heartbeat.TYPE}`)" in text
+    assert node.EVERY_S == 0.25
+    assert f"Four times a second ROSIC publishes the time on `<namespace>/{node.TOPIC}`" in text
+    assert f"(`{node.TYPE}`)" in text
     assert f"within {dialogue.ANSWER_WITHIN_S:g} s the chat reads" in text
     assert f'"{dialogue.NOT_REACHABLE}"' in text
 
@@ -48,7 +46,7 @@ def test_the_page_on_simulated_robots_gives_the_right_figures() -> None:
     assert reports.AT_REST_EVERY_S == 0.1
     assert reports.MOVING_EVERY_S == 0.02
     assert watch.LINK_LOST_S == 1.0
-    assert f"`{swarm_topic.TOPIC}`" in text
+    assert f"`{machine_node.TOPIC}`" in text
     assert f"for more than {waiting_clock.LONGEST_GAP_S:g} s" in text
     for name in (faults.LINK, faults.BATTERY, faults.OBJECT, *faults.ARMS):
         assert f"`{name}`" in text

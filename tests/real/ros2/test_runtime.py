@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.robots.ros2.client import loop_bridge as handing
-from rosic.robots.ros2.client.loop_bridge import LoopBridge
+from rosic.robots.ros2.client import executor_thread as handing
+from rosic.robots.ros2.client.executor_thread import LoopBridge
 from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.client.services import wait_until
 from rosic.robots.ros2.errors import BadName, NotSent, RosMissing
-from rosic.testing.ros2.environment import environment_for_another_python
+from rosic.testing.ros2.graph import environment_for_another_python
 from tests.pace import pace
 
 if TYPE_CHECKING:

@@ -34,33 +34,121 @@ MOVING = (
 )
 STOPPING = ("stop", "/stop", "STOP", f"/stop@{OWN}", "stop omni", f"@{OWN} stop", "halt")
 OTHERWISE = (
-    "status", "help", "/start", "/start omni__wave", "robots", "use omni", "use nobody", "/me",
-    "/people", "/mydata", "/invite operator", "/topic omni", "!omni wave", "?omni wave", "?",
-    "resume", "\u202estop\u202c", "omni wave NaN m", "omni move 1e309 m", "\n" * 50,
-    "omni wave@other_bot", "/wave@other_bot omni", "@other_bot omni wave", "leave it",
+    "status",
+    "help",
+    "/start",
+    "/start omni__wave",
+    "robots",
+    "use omni",
+    "use nobody",
+    "/me",
+    "/people",
+    "/mydata",
+    "/invite operator",
+    "/topic omni",
+    "!omni wave",
+    "?omni wave",
+    "?",
+    "resume",
+    "\u202estop\u202c",
+    "omni wave NaN m",
+    "omni move 1e309 m",
+    "\n" * 50,
+    "omni wave@other_bot",
+    "/wave@other_bot omni",
+    "@other_bot omni wave",
+    "leave it",
     "/code 000000",
-    "\ud83d\udd90\ufe0f \U0001f916", "*omni wave*", "<b>omni wave</b>", "[omni wave](tg://user?id=1001)",
-)  # fmt: skip
+    "\ud83d\udd90\ufe0f \U0001f916",
+    "*omni wave*",
+    "<b>omni wave</b>",
+    "[omni wave](tg://user?id=1001)",
+)
 MEDIA = (
-    "animation", "audio", "document", "paid_media", "photo", "sticker", "story", "video",
-    "video_note", "voice", "checklist", "contact", "dice", "game", "poll", "venue", "location",
-    "new_chat_members", "left_chat_member", "new_chat_title", "new_chat_photo", "delete_chat_photo",
-    "group_chat_created", "message_auto_delete_timer_changed", "pinned_message", "invoice",
-    "successful_payment", "refunded_payment", "users_shared", "chat_shared", "gift", "unique_gift",
-    "connected_website", "write_access_allowed", "passport_data", "proximity_alert_triggered",
-    "boost_added", "chat_background_set", "checklist_tasks_done", "forum_topic_created",
-    "forum_topic_closed", "giveaway", "giveaway_winners", "video_chat_started", "web_app_data",
-    "suggested_post_paid", "a_field_of_next_year",
-)  # fmt: skip
+    "animation",
+    "audio",
+    "document",
+    "paid_media",
+    "photo",
+    "sticker",
+    "story",
+    "video",
+    "video_note",
+    "voice",
+    "checklist",
+    "contact",
+    "dice",
+    "game",
+    "poll",
+    "venue",
+    "location",
+    "new_chat_members",
+    "left_chat_member",
+    "new_chat_title",
+    "new_chat_photo",
+    "delete_chat_photo",
+    "group_chat_created",
+    "message_auto_delete_timer_changed",
+    "pinned_message",
+    "invoice",
+    "successful_payment",
+    "refunded_payment",
+    "users_shared",
+    "chat_shared",
+    "gift",
+    "unique_gift",
+    "connected_website",
+    "write_access_allowed",
+    "passport_data",
+    "proximity_alert_triggered",
+    "boost_added",
+    "chat_background_set",
+    "checklist_tasks_done",
+    "forum_topic_created",
+    "forum_topic_closed",
+    "giveaway",
+    "giveaway_winners",
+    "video_chat_started",
+    "web_app_data",
+    "suggested_post_paid",
+    "a_field_of_next_year",
+)
 TRIFLES = (
-    "effect_id", "author_signature", "media_group_id", "has_protected_content", "paid_star_count",
-    "show_caption_above_media", "has_media_spoiler", "sender_boost_count", "is_paid_post",
-    "link_preview_options", "reply_to_checklist_task_id", "quote", "external_reply",
-    "reply_to_story", "suggested_post_info", "direct_messages_topic", "a_trifle_of_next_year",
-)  # fmt: skip
+    "effect_id",
+    "author_signature",
+    "media_group_id",
+    "has_protected_content",
+    "paid_star_count",
+    "show_caption_above_media",
+    "has_media_spoiler",
+    "sender_boost_count",
+    "is_paid_post",
+    "link_preview_options",
+    "reply_to_checklist_task_id",
+    "quote",
+    "external_reply",
+    "reply_to_story",
+    "suggested_post_info",
+    "direct_messages_topic",
+    "a_trifle_of_next_year",
+)
 ODD: tuple[Any, ...] = (
-    None, True, 0, -1, 2**63, 1.5, "", "x", "stop omni", [], [[]], {}, {"id": "x"}, [None], "\x00",
-)  # fmt: skip
+    None,
+    True,
+    0,
+    -1,
+    2**63,
+    1.5,
+    "",
+    "x",
+    "stop omni",
+    [],
+    [[]],
+    {},
+    {"id": "x"},
+    [None],
+    "\x00",
+)
 
 
 class May(enum.Enum):
@@ -93,9 +181,10 @@ class Generator:
         self._number = 100
         self._messages = 0
         self._makers = {
-            "callback_query": self._tap, "my_chat_member": self._member,
+            "callback_query": self._tap,
+            "my_chat_member": self._member,
             "chat_member": self._member,
-        }  # fmt: skip
+        }
 
     def update(self) -> Generated:
         """Return the next one."""
@@ -140,9 +229,13 @@ class Generator:
 
     def _person(self, number: int) -> Json:
         return {
-            "id": number, "is_bot": False, "first_name": self._chance.choice(("Ada", OWN, "stop")),
-            "username": "ada", "language_code": "de", "is_premium": True,
-        }  # fmt: skip
+            "id": number,
+            "is_bot": False,
+            "first_name": self._chance.choice(("Ada", OWN, "stop")),
+            "username": "ada",
+            "language_code": "de",
+            "is_premium": True,
+        }
 
     def _bot(self, number: int = OTHER_BOT) -> Json:
         return {"id": number, "is_bot": True, "first_name": "Bot", "username": "other_bot"}
@@ -177,7 +270,7 @@ class Generator:
             "in_the_name_of": {"sender_chat": self._chat()},
             "business": {"business_connection_id": "b", "sender_business_bot": self._bot()},
             "edited": {"edit_date": message["date"] + chance.choice((0, 1, 10_000))},
-        }[kind]  # fmt: skip
+        }[kind]
 
     def _media(self, message: Json) -> None:
         for name in self._chance.sample(MEDIA, 3):
@@ -198,17 +291,24 @@ class Generator:
         for _ in range(chance.choice((0, 1, 30))):
             reply = {**reply, "message_id": 2, "reply_to_message": reply, "text": "omni wave"}
         message["reply_to_message"] = {k: v for k, v in reply.items() if v is not None}
-        message |= chance.choice((
-            {}, {"message_thread_id": 7, "is_topic_message": True}, {"message_thread_id": 7},
-        ))  # fmt: skip
+        message |= chance.choice(
+            (
+                {},
+                {"message_thread_id": 7, "is_topic_message": True},
+                {"message_thread_id": 7},
+            )
+        )
 
     def _trifles(self, message: Json) -> None:
         for name in self._chance.sample(TRIFLES, 4):
             message[name] = self._deep(2)
         message["entities"] = [
-            {"type": self._chance.choice(("bot_command", "mention", "unknown")),
-             "offset": self._chance.choice((0, -1, 10**9)), "length": 5}
-        ]  # fmt: skip
+            {
+                "type": self._chance.choice(("bot_command", "mention", "unknown")),
+                "offset": self._chance.choice((0, -1, 10**9)),
+                "length": 5,
+            }
+        ]
 
     def _deep(self, left: int) -> Any:  # noqa: ANN401
         if not left or self._chance.random() < 0.3:
@@ -219,10 +319,12 @@ class Generator:
         """Return a tap on something that was never offered: bad clients send arbitrary data."""
         chance = self._chance
         query = {
-            "id": str(self._number), "from": self._rarely(self._somebody, self._person(ADA)),
-            "chat_instance": "1", "data": chance.choice((*MOVING, *OTHERWISE, "", "!omni wave")),
+            "id": str(self._number),
+            "from": self._rarely(self._somebody, self._person(ADA)),
+            "chat_instance": "1",
+            "data": chance.choice((*MOVING, *OTHERWISE, "", "!omni wave")),
             "message": {"message_id": 1, "date": 0, "chat": self._chat()},
-        }  # fmt: skip
+        }
         for gone in ("message", "data", "from"):
             if chance.random() < 0.1:
                 del query[gone]
@@ -236,9 +338,12 @@ class Generator:
         ]
         chat, by = self._chat(), self._person(STRANGER)
         return {
-            "chat": {**chat, "title": "omni wave"}, "from": by, "date": int(self._now_s()),
-            "old_chat_member": states[0], "new_chat_member": states[1],
-        }  # fmt: skip
+            "chat": {**chat, "title": "omni wave"},
+            "from": by,
+            "date": int(self._now_s()),
+            "old_chat_member": states[0],
+            "new_chat_member": states[1],
+        }
 
     def _spoil(self, value: Json) -> None:
         """Put something of another form somewhere."""
@@ -252,21 +357,48 @@ class Generator:
 AGES = (0, 0, 1, 6, 31, 86_400, 1_000_000, -30)
 STATUSES = ("creator", "administrator", "member", "restricted", "left", "kicked", "new")
 CHATS: tuple[Json, ...] = (
-    {"id": ADA, "type": "private"}, {"id": ADA, "type": "private"}, {"id": -7, "type": "group"},
-    {"id": -1009, "type": "supergroup", "is_forum": True}, {"id": -1010, "type": "channel"},
+    {"id": ADA, "type": "private"},
+    {"id": ADA, "type": "private"},
+    {"id": -7, "type": "group"},
+    {"id": -1009, "type": "supergroup", "is_forum": True},
+    {"id": -1010, "type": "channel"},
     {"id": -8, "type": "congregation"},
-)  # fmt: skip
+)
 ORIGINS = (
-    "user", "hidden", "chat", "channel", "future", "old", "via", "automatic", "scheduled",
-    "in_the_name_of", "business", "edited",
-)  # fmt: skip
-NOT_THEIR_OWN = frozenset({
-    "forward_origin", "forward_date", "via_bot", "is_automatic_forward", "is_from_offline",
-    "sender_chat", "business_connection_id", "sender_business_bot", "edit_date",
-})  # fmt: skip
-IN_COMPANY = frozenset({
-    "reply_to_message", "is_topic_message", "migrate_to_chat_id", *MEDIA,
-})  # fmt: skip
+    "user",
+    "hidden",
+    "chat",
+    "channel",
+    "future",
+    "old",
+    "via",
+    "automatic",
+    "scheduled",
+    "in_the_name_of",
+    "business",
+    "edited",
+)
+NOT_THEIR_OWN = frozenset(
+    {
+        "forward_origin",
+        "forward_date",
+        "via_bot",
+        "is_automatic_forward",
+        "is_from_offline",
+        "sender_chat",
+        "business_connection_id",
+        "sender_business_bot",
+        "edit_date",
+    }
+)
+IN_COMPANY = frozenset(
+    {
+        "reply_to_message",
+        "is_topic_message",
+        "migrate_to_chat_id",
+        *MEDIA,
+    }
+)
 HEARD = frozenset({"message", "edited_message", "channel_post"})
 
 

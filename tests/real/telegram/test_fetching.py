@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from rosic.core.message import ChatKind, Enclosure, Spot, Standing
 from rosic.errors import ConfigurationError, MessengerFault
-from rosic.messengers.telegram.fetching import FETCH_BYTES, GONE
+from rosic.messengers.telegram.files import FETCH_BYTES, GONE
 from rosic.testing.telegram import FakeTelegram, Settings
 from tests.real.telegram.gateway import Gateway
 from tests.testing.telegram.test_files import png
@@ -91,10 +91,12 @@ async def test_a_forwarded_file_says_so(gateway: Gateway, ada: int) -> None:
 async def test_a_location_is_a_place_unless_it_moves(gateway: Gateway, ada: int) -> None:
     here = {"latitude": 47.07, "longitude": 15}
     for extra in (
-        {"location": here}, {"location": here | {"live_period": 60}},
-        {"location": here, "venue": {"title": "x"}}, {"location": {"latitude": "x"}},
+        {"location": here},
+        {"location": here | {"live_period": 60}},
+        {"location": here, "venue": {"title": "x"}},
+        {"location": {"latitude": "x"}},
         {"location": {"latitude": 91, "longitude": 0}},
-    ):  # fmt: skip
+    ):
         gateway.server.say(ada, ada, "", extra=extra)
     gateway.server.say(ada, ada, "last")
     async with gateway.running():

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from msgspec.structs import replace
 
-from rosic.authoriser.qr import qr_png
+from rosic.authoriser.invite_codes import qr_png
 from rosic.core.message import Attachment, Button
 from rosic.core.robot.view import Clip, Raster
 from rosic.errors import MessageGone, MessengerFault
@@ -36,8 +36,10 @@ async def test_a_code_is_a_picture_over_its_text_and_buttons(
     sent = await gateway.messenger.send(replace(shown, attachment=CODE))
     seen = one(server, ada)
     assert (str(seen["message_id"]), seen["text"], seen["reply_to"]) == (
-        sent, "Scan <b>me</b>.", asked,
-    )  # fmt: skip
+        sent,
+        "Scan <b>me</b>.",
+        asked,
+    )
     assert seen["callback_data"] == ["n" * 64]
     (photo,) = seen["photo"]
     assert server.file(photo["file_id"]) == CODE.content

@@ -110,10 +110,12 @@ class Run:
         for robot in robots:
             number = 10**9 + self._chance.randrange(10**12)
             message = {
-                "message_id": number, "date": int(self._place.clock.wall_ns() / 1e9) + 1,
-                "chat": {"id": ADA, "type": "private"}, "from": {"id": ADA, "first_name": "Ada"},
+                "message_id": number,
+                "date": int(self._place.clock.wall_ns() / 1e9) + 1,
+                "chat": {"id": ADA, "type": "private"},
+                "from": {"id": ADA, "first_name": "Ada"},
                 "text": f"resume {robot}",
-            }  # fmt: skip
+            }
             await self._feed({"update_id": number, "message": message})
         assert not self._latched(), "it could not be undone"
 

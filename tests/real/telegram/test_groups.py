@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.menu import Menu, MenuScope
-from rosic.core.message import Chat, ChatKind, Passage
+from rosic.core.message import Chat, ChatKind, Menu, MenuScope, Passage
 from rosic.errors import ChatGone, ChatNotBegun
 from rosic.testing.telegram import FakeTelegram, Settings
 from tests.real.telegram.gateway import Gateway, to
@@ -96,8 +95,12 @@ async def test_in_privacy_mode_an_admin_hears_more() -> None:
                 server.set_member(lab, server.world.bot.id, status, by=ada)
             await gateway.until(lambda: len(gateway.passings) == 5)
         assert [one.what for one in gateway.passings] == [
-            Passage.DEAF, Passage.ADDED, Passage.HEARING, Passage.DEAF, Passage.REMOVED,
-        ]  # fmt: skip
+            Passage.DEAF,
+            Passage.ADDED,
+            Passage.HEARING,
+            Passage.DEAF,
+            Passage.REMOVED,
+        ]
         assert [one.deaf for one in gateway.passings[1:]] == [True, False, True, True]
 
 

@@ -25,8 +25,15 @@ WICKED = (
     "ask @stranger_x, write to a.b@evil.com. Now #follow $EVIL, 10.0.0.7/a or +1-212-555-0123!"
 )
 LINKS = {
-    "url", "email", "mention", "text_link", "text_mention", "hashtag", "cashtag", "phone_number",
-}  # fmt: skip
+    "url",
+    "email",
+    "mention",
+    "text_link",
+    "text_mention",
+    "hashtag",
+    "cashtag",
+    "phone_number",
+}
 CARD = "4111 1111 1111 1111"
 
 
@@ -43,9 +50,17 @@ def check(message: JsonObject) -> None:
     assert message["text"] == WICKED, "it is read as it was said"
     assert marked(message, LINKS) == []
     assert marked(message, {"code"}) == [
-        "http://evil.example/x?y", "evil.com", "EVIL.ORG/a", "tg://resolve?domain=evil,",
-        "@stranger_x", "a.b@evil.com", "#follow", "$EVIL", "10.0.0.7/a", "+1-212-555-0123",
-    ]  # fmt: skip
+        "http://evil.example/x?y",
+        "evil.com",
+        "EVIL.ORG/a",
+        "tg://resolve?domain=evil,",
+        "@stranger_x",
+        "a.b@evil.com",
+        "#follow",
+        "$EVIL",
+        "10.0.0.7/a",
+        "+1-212-555-0123",
+    ]
 
 
 async def test_a_message_and_its_edit_lead_nowhere(
@@ -92,14 +107,28 @@ def marks(text: str) -> list[str]:
 @pytest.mark.parametrize(
     "text",
     [
-        "omni 2: x 1.50 m, 14:02:07", "2026-11-22 14:02:07", "2026-11-22T14:02:07Z",
-        "from 22.11.2026 until 23.11.2026, 9:00-17:00", "52.520008, 13.404954", "robot #3, 1#, #",
-        "it costs $5 or 5$", "10 20 30 40 50 60", "0 10 20 30 40 50", "0.1 0.2 0.3 0.4 0.5 0.6",
-        "-1.2345678 rad", "1,234,567 steps", "code 123456", "Fri 2026-11-20 to 2026-11-27",
-        "room 12-34", "5-10 m", "version 1.2.3", "C# and F#", "12 345 678",
+        "omni 2: x 1.50 m, 14:02:07",
+        "2026-11-22 14:02:07",
+        "2026-11-22T14:02:07Z",
+        "from 22.11.2026 until 23.11.2026, 9:00-17:00",
+        "52.520008, 13.404954",
+        "robot #3, 1#, #",
+        "it costs $5 or 5$",
+        "10 20 30 40 50 60",
+        "0 10 20 30 40 50",
+        "0.1 0.2 0.3 0.4 0.5 0.6",
+        "-1.2345678 rad",
+        "1,234,567 steps",
+        "code 123456",
+        "Fri 2026-11-20 to 2026-11-27",
+        "room 12-34",
+        "5-10 m",
+        "version 1.2.3",
+        "C# and F#",
+        "12 345 678",
         "1 2 3 4 5 6 7 8 9 0 1 2 3",
     ],
-)  # fmt: skip
+)
 def test_an_ordinary_sentence_stays_plain(text: str) -> None:
     assert marks(text) == []
 
@@ -107,12 +136,29 @@ def test_an_ordinary_sentence_stays_plain(text: str) -> None:
 @pytest.mark.parametrize(
     "told",
     [
-        "#help", "#ünder_1", "#1a", "$TON", "$1INCH", "+49 30 1234567", "+1 (650) 253-0000",
-        "89161234567", "(030) 123 4567", "030 1234567", "0151 23456789", "650-253-0000",
-        "650 253 0000", "555-0123", CARD, CARD.replace(" ", "-"), CARD.replace(" ", ""),
-        "3782 822463 10005", "192.168.0.1:80/x", "ftp://evil.example", "tonsite://evil.ton",
+        "#help",
+        "#ünder_1",
+        "#1a",
+        "$TON",
+        "$1INCH",
+        "+49 30 1234567",
+        "+1 (650) 253-0000",
+        "89161234567",
+        "(030) 123 4567",
+        "030 1234567",
+        "0151 23456789",
+        "650-253-0000",
+        "650 253 0000",
+        "555-0123",
+        CARD,
+        CARD.replace(" ", "-"),
+        CARD.replace(" ", ""),
+        "3782 822463 10005",
+        "192.168.0.1:80/x",
+        "ftp://evil.example",
+        "tonsite://evil.ton",
     ],
-)  # fmt: skip
+)
 def test_what_a_client_would_make_tappable_is_marked(told: str) -> None:
     assert marks(f"🤖 ({told} ), he said") == [told]
 
@@ -130,10 +176,28 @@ def test_more_marks_than_telegram_keeps_are_one() -> None:
 @pytest.mark.parametrize(
     "piece",
     [
-        "a", "a.", "@a", "a-", "http://", "a@", "1.", "é.", "#", "#1", "$A", "1", "1 ", "1-", "0",
-        "+1 ", "(1", "01 2", "1  ", "10.0.0.",
+        "a",
+        "a.",
+        "@a",
+        "a-",
+        "http://",
+        "a@",
+        "1.",
+        "é.",
+        "#",
+        "#1",
+        "$A",
+        "1",
+        "1 ",
+        "1-",
+        "0",
+        "+1 ",
+        "(1",
+        "01 2",
+        "1  ",
+        "10.0.0.",
     ],
-)  # fmt: skip
+)
 def test_the_longest_text_takes_no_time(piece: str) -> None:
     text = (piece * 4_096)[:4_096]
     begun_s = time.process_time()

@@ -159,8 +159,9 @@ def test_a_stop_of_the_leader_ends_it_and_the_follower_hovers() -> None:
     leader.halt(trio.now_s)
     trio.run(0.2)
     assert (state(follower), detail(follower)) == (
-        ActivityState.FAILED, "cf1 does not fly any more, hovering",
-    )  # fmt: skip
+        ActivityState.FAILED,
+        "cf1 does not fly any more, hovering",
+    )
     trio.run(5.0)
     assert leader.at_rest()
     assert follower.holding

@@ -38,9 +38,14 @@ async def upload(
 async def test_a_photo_goes_out_and_comes_back(server: FakeTelegram, api: Api, ada: int) -> None:
     content = png(32, 24)
     answer = await upload(
-        api, "sendPhoto", "photo", content, chat_id=str(ada), caption="<b>now</b>",
+        api,
+        "sendPhoto",
+        "photo",
+        content,
+        chat_id=str(ada),
+        caption="<b>now</b>",
         parse_mode="HTML",
-    )  # fmt: skip
+    )
     (size,) = answer["result"]["photo"]
     assert (size["width"], size["height"]) == (32, 24)
     assert answer["result"]["caption_entities"][0]["type"] == "bold"

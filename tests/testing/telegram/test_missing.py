@@ -29,18 +29,21 @@ SENTENCE = (
 
 
 @pytest.mark.parametrize(
-    ("asked", "trace"), [(("-m", "rosic.testing.telegram"), False),
-                         (("-c", "import rosic.testing.telegram"), True)],
-)  # fmt: skip
+    ("asked", "trace"),
+    [(("-m", "rosic.testing.telegram"), False), (("-c", "import rosic.testing.telegram"), True)],
+)
 def test_what_is_missing_is_said_in_one_sentence(
     asked: tuple[str, str], trace: bool, tmp_path: Path
 ) -> None:
     (tmp_path / "sitecustomize.py").write_text(BLOCK)
     done = subprocess.run(  # noqa: S603 - our own program
         [sys.executable, *asked],
-        check=False, capture_output=True, text=True, timeout=60,
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=60,
         env={**os.environ, "PYTHONPATH": str(tmp_path)},
-    )  # fmt: skip
+    )
     assert done.returncode == 1
     assert done.stderr.strip().splitlines()[-1].endswith(SENTENCE)
     assert ("Traceback" in done.stderr) is trace

@@ -11,7 +11,7 @@ from aiohttp import ClientSession
 from rosic.app.config import check_config
 from rosic.testing.telegram import Control, FakeTelegram
 from rosic.testing.telegram.control_door import VERBS
-from rosic.testing.telegram.dispatch import METHODS
+from rosic.testing.telegram.door import METHODS
 from rosic.testing.telegram.server import DEFAULT_TOKEN
 
 PAGE = (Path(__file__).parents[3] / "docs" / "fake-bot-api.md").read_text(encoding="utf-8")
@@ -84,13 +84,15 @@ def test_every_method_has_a_row_that_says_what_it_refuses_and_what_is_left_out()
 
 @pytest.mark.parametrize(
     "words",
-    sorted({
-        words
-        for row in PAGE.partition("## Every method")[2].splitlines()
-        if row.startswith("| [`")
-        for words in re.findall(r"`([^`]+)`", row.split("|")[3])
-        if "..." not in words and words not in {"retry_after", "Logged out"}
-    }),
-)  # fmt: skip
+    sorted(
+        {
+            words
+            for row in PAGE.partition("## Every method")[2].splitlines()
+            if row.startswith("| [`")
+            for words in re.findall(r"`([^`]+)`", row.split("|")[3])
+            if "..." not in words and words not in {"retry_after", "Logged out"}
+        }
+    ),
+)
 def test_the_words_of_a_refusal_are_those_of_the_server(words: str) -> None:
     assert words in SOURCES or words.removesuffix(" not found") in SOURCES

@@ -44,13 +44,20 @@ async def test_the_form_that_was_tapped_is_shown_and_the_last_one(
     await changes(api, ada, message, "Done.")
     shown = seen(server, ada, ada)
     assert shown.lines() == [
-        "[START]*", "you> /start", "bot> Which?", "  [A] [B]*", "bot> Really, really?",
-        "  [Yes]*", "bot> Done.",
-    ]  # fmt: skip
+        "[START]*",
+        "you> /start",
+        "bot> Which?",
+        "  [A] [B]*",
+        "bot> Really, really?",
+        "  [Yes]*",
+        "bot> Done.",
+    ]
     assert (shown.taps, shown.typed, shown.read) == (3, 0, 3)
     assert [(b.edited, b.past) for b in shown.bubbles[1:]] == [
-        (False, True), (True, True), (True, False),
-    ]  # fmt: skip
+        (False, True),
+        (True, True),
+        (True, False),
+    ]
     assert "bot> Really?" in seen(server, ada, ada, every_form=True).lines()
     assert "a-secret" not in str(shown)
 
@@ -66,8 +73,11 @@ async def test_a_button_that_stays_is_marked_on_the_form_that_was_there_when_it_
             wall.now_s += 1
         await changes(api, ada, message, f"Form {number}", "A", "B")
     assert seen(server, ada, ada).lines() == [
-        "bot> Form 1", "  [A] [B]*", "bot> Form 2", "  [A] [B]",
-    ]  # fmt: skip
+        "bot> Form 1",
+        "  [A] [B]*",
+        "bot> Form 2",
+        "  [A] [B]",
+    ]
 
 
 async def test_other_peoples_taps_do_not_count_and_everybody_has_a_name_in_a_group(
@@ -77,9 +87,12 @@ async def test_other_peoples_taps_do_not_count_and_everybody_has_a_name_in_a_gro
     room = server.create_chat("supergroup", "Room", members=[ada, ben], bot="administrator")
     asked = server.say(room, ben, "menu")
     sent = await api.ok(
-        "sendMessage", chat_id=room, text="Which?", reply_markup=keyboard("A"),
+        "sendMessage",
+        chat_id=room,
+        text="Which?",
+        reply_markup=keyboard("A"),
         reply_parameters={"message_id": asked},
-    )  # fmt: skip
+    )
     server.tap(ben, room, sent["message_id"], "A")
     server.say(room, ada, "hello")
     shown = seen(server, room, ada)

@@ -8,7 +8,7 @@ import msgspec
 
 from rosic.app.admin.naming import the_one, utc
 from rosic.authoriser import keys_messages, messages
-from rosic.authoriser.invitation import CODE_TTL_S, InvitationRequest, InvitedRights
+from rosic.authoriser.invitations import CODE_TTL_S, InvitationRequest, InvitedRights
 from rosic.authoriser.invite_codes import join_text, telegram_link
 from rosic.core.i18n import joined
 from rosic.core.identity import OPERATOR
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from rosic.app.admin.api import AdminContext
-    from rosic.authoriser.invitation import NewInvitation
+    from rosic.authoriser.invitations import NewInvitation
     from rosic.core.identity import AuthorisationKey, Principal
     from rosic.core.policy.limits import Convert
     from rosic.core.records import Record
@@ -81,9 +81,11 @@ class AccessAdmin:
             roles=asked.roles, robots=asked.robots, limits=asked.limits, lasts_s=asked.lasts_s
         )
         wanted = InvitationRequest(
-            given=given, code_ttl_s=asked.code_ttl_s, name=asked.name,
+            given=given,
+            code_ttl_s=asked.code_ttl_s,
+            name=asked.name,
             needs_confirmation=True if asked.confirm else None,
-        )  # fmt: skip
+        )
         enrolment = self._access.enrolment
         async with self._access.changes.turn() as turn:
             first = given.standing and given.roles == ADMIN and not asked.confirm
@@ -159,11 +161,16 @@ class AccessAdmin:
             ends_ns = ring.ends_ns(key)
             over = ends_ns is not None and ends_ns <= now_ns
             ended = "ended" if over else "good"
-            found.append({
-                "id": key.id, "person": key.principal, "name": self._books.name(key.principal),
-                "state": ended if key.revoked_ns is None else "taken back",
-                "until": utc(ends_ns), "taken_back": utc(key.revoked_ns),
-            })  # fmt: skip
+            found.append(
+                {
+                    "id": key.id,
+                    "person": key.principal,
+                    "name": self._books.name(key.principal),
+                    "state": ended if key.revoked_ns is None else "taken back",
+                    "until": utc(ends_ns),
+                    "taken_back": utc(key.revoked_ns),
+                }
+            )
         return tuple(found)
 
     def _keys_of(self, names: Sequence[str]) -> Iterable[AuthorisationKey]:
@@ -236,8 +243,10 @@ class AccessAdmin:
         written = await self._act(lambda: self._everything(person))
         if self._notices is not None:
             self._notices.revoked(person, OPERATOR)
-        return noted(revoked(person) if written else keys_messages.revoked(clean(person.name)),
-                     written=written)  # fmt: skip
+        return noted(
+            revoked(person) if written else keys_messages.revoked(clean(person.name)),
+            written=written,
+        )
 
     def _everything(self, person: Principal) -> tuple[Record, ...]:
         invitations = self._access.enrolment.invitations

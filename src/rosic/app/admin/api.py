@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+import enum
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import msgspec
 
 from rosic.core.language import clean
 from rosic.core.policy.roles import ASSURANCES, Assurance
@@ -22,10 +25,13 @@ if TYPE_CHECKING:
     from rosic.core.identity import Principal, PrincipalId
     from rosic.core.language import Vocabulary
     from rosic.core.robot.profile import Profile, RobotId
-    from rosic.features.access.notices import AccessNotices
+    from rosic.features.access.revoke_lock import AccessNotices
     from rosic.features.personal_data.context import ContainerContext
     from rosic.features.personal_data.erasure import ErasureCommands
     from rosic.organiser.organiser import Organiser
+
+
+# ---- what the operator's desk looks into: the rooms of a running gateway, or the data alone ----
 
 
 class AdminContext(NamedTuple):
@@ -83,16 +89,22 @@ def books_of(
     """Return the books of a gateway that is open."""
     rooms = gateway.rooms
     return AdminContext(
-        access=gateway.access, authority=gateway.authority, authoriser=rooms.authoriser,
-        organiser=rooms.organiser, vocabulary=rooms.vocabulary, profiles=rooms.profiles,
-        clock=gateway.access.time, zone=zone_or_universal(zone), bots=bots,
+        access=gateway.access,
+        authority=gateway.authority,
+        authoriser=rooms.authoriser,
+        organiser=rooms.organiser,
+        vocabulary=rooms.vocabulary,
+        profiles=rooms.profiles,
+        clock=gateway.access.time,
+        zone=zone_or_universal(zone),
+        bots=bots,
         notices=gateway.furnishing.notices,
-        holdings=gateway.holding.holdings, erasing=gateway.holding.erasing,
+        holdings=gateway.holding.holdings,
+        erasing=gateway.holding.erasing,
         assurances={
-            m.platform: ASSURANCES.get(m.assurance, Assurance.PROVIDER_READABLE)
-            for m in messengers
+            m.platform: ASSURANCES.get(m.assurance, Assurance.PROVIDER_READABLE) for m in messengers
         },
-    )  # fmt: skip
+    )
 
 
 def zone_or_universal(name: str) -> Zone:
@@ -101,3 +113,73 @@ def zone_or_universal(name: str) -> Zone:
         return zone_named(name)
     except OutOfBounds:
         return zone_named(UNIVERSAL)
+
+
+# ---- what a command may ask, of a running gateway or of the data ----
+
+NOTHING = msgspec.Raw(b"null")
+
+
+class Verb(enum.Enum):
+    """What may be asked."""
+
+    STATUS = "status"
+    STOP = "stop"
+    RESUME = "resume"
+    PEOPLE = "people"
+    REVOKE = "revoke"
+    INVITE = "invite"
+    KEYS = "keys"
+    ROTATE = "rotate-key"
+    TAKE_KEY = "revoke-key"
+    LOCK = "lock"
+    UNLOCK = "unlock"
+    EXPLAIN = "explain"
+    SECURITY = "security"
+    WHO = "who"
+    TAKEN = "taken"
+    BOOK = "book"
+    CLOCK = "clock"
+    CONTAINERS = "containers"
+    CONTAINER = "container"
+    CONTENT = "container-content"
+    LIMIT = "limit-container"
+    ERASE = "erase-container"
+    ADD_ROBOT = "add-robot"
+    HISTORY = "history"
+
+
+class Form(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """How an answer is to be written.
+
+    Attributes:
+        json: For programs, with ids and times of UTC.
+    """
+
+    json: bool = False
+
+
+AS_JSON = msgspec.Raw(msgspec.json.encode(Form(json=True)))
+"""The body of a request whose answers are for programs."""
+
+
+class Ask(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+    """One request; one connection carries one.
+
+    Attributes:
+        names: Robots, or a person; none means all.
+        body: What else a verb asks for, as its own struct.
+    """
+
+    verb: Verb
+    names: Annotated[tuple[str, ...], msgspec.Meta(max_length=256)] = ()
+    body: msgspec.Raw = NOTHING
+
+    @property
+    def wants_json(self) -> bool:
+        """Whether the answers are for programs."""
+        try:
+            form = msgspec.json.decode(self.body, type=Form | None)
+        except msgspec.MsgspecError:
+            return False
+        return form is not None and form.json

@@ -15,8 +15,7 @@ from rosic.features.personal_data import operator_view
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from rosic.app.admin.api import AdminContext
-    from rosic.app.admin.asked import Ask
+    from rosic.app.admin.api import AdminContext, Ask
     from rosic.features.personal_data.context import ContainerContext
 
 LISTED_AT_ONCE = 500

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
     from pathlib import Path
 
-    from rosic.app.admin.asked import Ask
+    from rosic.app.admin.api import Ask
 
 ANSWER_WITHIN_S = 60.0
 AGAIN_EVERY_S = 0.1

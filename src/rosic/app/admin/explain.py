@@ -19,11 +19,11 @@ from rosic.core.language import (
     show,
     understand,
 )
-from rosic.core.policy.authority import READ, RESUME
 from rosic.core.policy.explain import PolicyTexts, explain
 from rosic.core.policy.query import STOP, Allow
+from rosic.core.policy.scope import READ, RESUME
 from rosic.errors import NotUnderstood, Refusal
-from rosic.organiser.grounds import AuthContext
+from rosic.organiser.organiser import AuthContext
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rosic.core.language import clean
 from rosic.errors import NotUnderstood
 from rosic.features.access import messages
-from rosic.features.access.names import everybody_called
+from rosic.features.access.admin_policy import everybody_called
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -36,10 +36,14 @@ def people_listed(books: AdminContext) -> tuple[dict[str, object], ...]:
     """Return everybody, and whoever waits to come in, for programs."""
     found = sorted(books.authoriser.directory.people(), key=lambda p: (p.name.casefold(), p.id))
     waiting: Iterator[dict[str, object]] = (
-        {"name": clean(a.name), "state": "waiting", "address": str(a.address),
-         "given": a.pending.given.words}
+        {
+            "name": clean(a.name),
+            "state": "waiting",
+            "address": str(a.address),
+            "given": a.pending.given.words,
+        }
         for a in books.access.enrolment.applicants.all()
-    )  # fmt: skip
+    )
     return (*(_listed(books, person) for person in found), *waiting)
 
 
@@ -48,11 +52,16 @@ def _listed(books: AdminContext, person: Principal) -> dict[str, object]:
     key = books.access.keys.current(person.id) if good else None
     now_ns = books.clock.wall_ns()
     grants = [
-        {"roles": [held.role] if held.role else [], "scopes": held.scopes, "robots": held.robots,
-         "limits": [str(limit) for limit in held.limits], "until": utc(held.expires_ns)}
+        {
+            "roles": [held.role] if held.role else [],
+            "scopes": held.scopes,
+            "robots": held.robots,
+            "limits": [str(limit) for limit in held.limits],
+            "until": utc(held.expires_ns),
+        }
         for held in books.authority.roster.grants_of(person.id)
         if held.id and (held.expires_ns is None or held.expires_ns > now_ns)
-    ]  # fmt: skip
+    ]
     return {
         "id": person.id,
         "name": clean(person.name),

@@ -12,8 +12,8 @@ from rosic.app.access import AccessFeature, authoriser_of
 from rosic.app.added_robots import KIND as ENLISTED
 from rosic.app.added_robots import with_enlisted
 from rosic.app.admin.api import AdminContext, zone_or_universal
+from rosic.app.admin.dispatch import AdminApi
 from rosic.app.admin.naming import CONFIGURED, people_lines, people_listed
-from rosic.app.admin.operator_desk import AdminApi
 from rosic.app.data_feature import DataContext, holdings_of, preferences_of
 from rosic.app.people import remember, seed
 from rosic.app.policy import PolicyService
@@ -42,11 +42,10 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterable, Sequence
     from pathlib import Path
 
-    from rosic.app.admin.asked import Ask
+    from rosic.app.admin.api import Ask
     from rosic.app.config import Config
     from rosic.app.people import Seed
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
     from rosic.core.language import UnitTable
@@ -166,16 +165,28 @@ class OfflineAdmin:
         access.restore(memory, organiser, board)
         vocabulary = Vocabulary.build(robots, known_units())
         around = DataContext(
-            preferences, access, authoriser, organiser, profiles, vocabulary, clock,
-            _nobody_hears, CommandHistory(),
-        )  # fmt: skip
+            preferences,
+            access,
+            authoriser,
+            organiser,
+            profiles,
+            vocabulary,
+            clock,
+            _nobody_hears,
+            CommandHistory(),
+        )
         return AdminContext(
-            access=access, authority=authority, authoriser=authoriser, organiser=organiser,
-            vocabulary=vocabulary, profiles=profiles, clock=time,
+            access=access,
+            authority=authority,
+            authoriser=authoriser,
+            organiser=organiser,
+            vocabulary=vocabulary,
+            profiles=profiles,
+            clock=time,
             zone=zone_or_universal(UNIVERSAL if config is None else config.zone),
             assurances=LOCAL,
             holdings=self._holdings(around, store, memory),
-        )  # fmt: skip
+        )
 
     @staticmethod
     def _robots(config: Config, memory: Memory) -> tuple[Profile, ...]:

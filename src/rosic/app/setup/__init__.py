@@ -3,6 +3,6 @@
 from __future__ import annotations
 
 from rosic.app.setup.diagnostics import examine
-from rosic.app.setup.findings import DiagnosticFinding, FindingVerdict
+from rosic.app.setup.diagnostics_checks import DiagnosticFinding, FindingVerdict
 
 __all__ = ["DiagnosticFinding", "FindingVerdict", "examine"]

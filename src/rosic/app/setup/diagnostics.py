@@ -4,34 +4,103 @@ from __future__ import annotations
 
 import logging
 import re
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.api import Ask, Verb
 from rosic.app.admin.control_client import NotRunning, ask_gateway
-from rosic.app.setup.diagnostics_checks import examine_clock, examine_disk
-from rosic.app.setup.diagnostics_record import examine_record
-from rosic.app.setup.diagnostics_secrecy import examine_memory, examine_openness
-from rosic.app.setup.findings import DiagnosticFinding, FindingVerdict
+from rosic.app.private_memory import keep_memory_private
+from rosic.app.record_monitor import lost
+from rosic.app.setup.diagnostics_checks import (
+    DiagnosticFinding,
+    FindingVerdict,
+    examine_clock,
+    examine_disk,
+    examine_messengers,
+    examine_ros,
+)
 from rosic.app.setup.stop_test import try_robot
-from rosic.app.setup.surroundings import examine_messengers, examine_ros
+from rosic.config.file_permissions import open_to_others
 from rosic.config.plugins import shared_spaces
 from rosic.errors import RosicError
+from rosic.stores.record_mark import RecordMark, was_begun
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Iterator
 
     from rosic.app.admin.control_socket import Answer
     from rosic.app.config import Config
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
+
+log = logging.getLogger("rosic.doctor")
+
+ABOUT = "data"
+_LOST = str(lost(""))
+
+
+async def examine_record(data: Path) -> DiagnosticFinding:
+    """Ask the gateway that runs on a data folder, or look at the folder."""
+    try:
+        asked = ask_gateway(data, Ask(Verb.STATUS), log.warning)
+        said = [answer.text async for answer in asked]
+    except NotRunning:
+        return _of_nobody(data)
+    except RosicError as silent:
+        return DiagnosticFinding(ABOUT, FindingVerdict.LOOK, str(silent))
+    else:
+        found = next((line for text in said for line in text.splitlines() if _LOST in line), "")
+        if found:
+            return DiagnosticFinding(ABOUT, FindingVerdict.LOOK, found)
+        return DiagnosticFinding(
+            ABOUT, FindingVerdict.GOOD, "in use by a gateway, and all of its files are there"
+        )
+
+
+def _of_nobody(data: Path) -> DiagnosticFinding:
+    if not was_begun(data):
+        return DiagnosticFinding(ABOUT, FindingVerdict.GOOD, "none yet: the first start makes it")
+    try:
+        RecordMark(data, begin_anew=False).look()
+    except (RosicError, OSError) as wrong:
+        return DiagnosticFinding(ABOUT, FindingVerdict.LOOK, str(wrong))
+    return DiagnosticFinding(ABOUT, FindingVerdict.GOOD, "there, beside what goes with it")
+
+
+# ---- what others on this machine could read or change ----
+
+
+def examine_memory() -> DiagnosticFinding:
+    """Do here what a start does, and read it back: tokens and keys are in its memory."""
+    if keep_memory_private():
+        return DiagnosticFinding(
+            "memory", FindingVerdict.GOOD, "a gateway leaves no core dump, and no debugger in"
+        )
+    if sys.platform != "linux":
+        text = "core dumps can be kept out on Linux alone; they would hold tokens and keys"
+        return DiagnosticFinding("memory", FindingVerdict.NOT_MEASURED, text)
+    return DiagnosticFinding(
+        "memory", FindingVerdict.LOOK, "core dumps are not kept out; they hold tokens and keys"
+    )
+
+
+def examine_openness(config: Config) -> Iterator[DiagnosticFinding]:
+    """Look who may write the configuration, the profiles and the data."""
+    found = tuple(open_to_others((*config.files, config.data)))
+    for one in found:
+        yield DiagnosticFinding("files", FindingVerdict.LOOK, str(one.error))
+    if not found:
+        yield DiagnosticFinding(
+            "files", FindingVerdict.GOOD, "nobody else may write what it is started with"
+        )
+
+
+# ---- everything that is looked at, in the order in which it is told ----
 
 ROS_LINK = "ros2"
 SENT = "STOP sent to "
 AT_REST = re.compile(r"\ASTOP: .* \(\d+\.\d\d s\)\.\Z", re.DOTALL)
 """One robot, confirmed, of whose own stop nothing has to be said."""
-
-log = logging.getLogger("rosic.doctor")
 
 
 async def examine(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import enum
 import os
 import shutil
 import tempfile
@@ -9,17 +11,49 @@ import time
 from contextlib import closing
 from pathlib import Path
 from statistics import quantiles
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.app.setup.findings import DiagnosticFinding, FindingVerdict
-from rosic.errors import RosicError
+from rosic.app.builder import ConfigurationCheck, messenger_of
+from rosic.errors import ConfigurationError, RosicError
+from rosic.robots.ros2.client.rclpy_import import load_ros
 from rosic.stores import sqlite
-from rosic.stores.settings import StoreSettings
+from rosic.stores.data_dir import StoreSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import AsyncIterator, Iterator
 
+    from rosic.app.config import Config
     from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+
+
+# ---- what a look at something brought ----
+
+
+class FindingVerdict(enum.Enum):
+    """What follows from a finding; the text people read is the value."""
+
+    GOOD = "good"
+    LOOK = "look at this"
+    NOT_MEASURED = "not measured"
+
+
+class DiagnosticFinding(NamedTuple):
+    """One finding.
+
+    Attributes:
+        about: One or two words: ``disk``, ``omni``.
+        text: Figures, and what to do about them where something should be done.
+    """
+
+    about: str
+    verdict: FindingVerdict
+    text: str
+
+    def __str__(self) -> str:
+        mark = "" if self.verdict is FindingVerdict.GOOD else f"{self.verdict.value}: "
+        return f"{self.about:<10} {mark}{self.text}"
+
 
 WRITES = 200
 WRITES_WITHIN_S = 3.0
@@ -43,9 +77,10 @@ def examine_disk(folder: Path) -> Iterator[DiagnosticFinding]:
         free = shutil.disk_usage(there).free
     except OSError as error:
         yield DiagnosticFinding(
-            "disk", FindingVerdict.LOOK, f"{there} cannot be written ({error.strerror}). "
-            "Give it to the user who runs ROSIC."
-        )  # fmt: skip
+            "disk",
+            FindingVerdict.LOOK,
+            f"{there} cannot be written ({error.strerror}). Give it to the user who runs ROSIC.",
+        )
         return
     little = free < LITTLE_BYTES
     verdict = FindingVerdict.LOOK if little else FindingVerdict.GOOD
@@ -128,3 +163,52 @@ def _backwards(clock: Clock) -> int:
         count += now_ns < last_ns
         last_ns = now_ns
     return count
+
+
+# ---- what is around: ROS 2, and the messengers of the configuration ----
+
+CHECK_WITHIN_S = 15.0
+LOCAL = "local"
+
+
+def examine_ros(*, needed: bool) -> DiagnosticFinding:
+    """Look for ROS 2.
+
+    Args:
+        needed: A robot of the configuration is reached over it.
+    """
+    try:
+        load_ros()
+    except ConfigurationError as missing:
+        verdict = FindingVerdict.LOOK if needed else FindingVerdict.NOT_MEASURED
+        without = "" if needed else " No robot here needs it."
+        return DiagnosticFinding("ROS 2", verdict, f"{missing}{without}")
+    distribution = os.environ.get("ROS_DISTRO", "")
+    domain = os.environ.get("ROS_DOMAIN_ID", "0")
+    named = f", {distribution}" if distribution else ""
+    return DiagnosticFinding("ROS 2", FindingVerdict.GOOD, f"found{named}, domain {domain}")
+
+
+def _unchecked(messenger: Messenger) -> DiagnosticFinding:
+    if messenger.assurance == LOCAL:
+        return DiagnosticFinding(
+            messenger.name, FindingVerdict.GOOD, "local: there is no account to check"
+        )
+    text = "this kind of messenger cannot check its account without listening"
+    return DiagnosticFinding(messenger.name, FindingVerdict.NOT_MEASURED, text)
+
+
+async def examine_messengers(config: Config, clock: Clock) -> AsyncIterator[DiagnosticFinding]:
+    """Let every messenger check its account."""
+    for table in config.messengers:
+        try:
+            messenger = messenger_of(table, clock)
+            if not isinstance(messenger, ConfigurationCheck):
+                yield _unchecked(messenger)
+                continue
+            async with asyncio.timeout(CHECK_WITHIN_S):
+                yield DiagnosticFinding(table.name, FindingVerdict.GOOD, await messenger.check())
+        except TimeoutError:
+            yield DiagnosticFinding(table.name, FindingVerdict.LOOK, "no answer within 15 s")
+        except RosicError as error:
+            yield DiagnosticFinding(table.name, FindingVerdict.LOOK, str(error))

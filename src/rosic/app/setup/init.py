@@ -280,9 +280,10 @@ def _write(path: Path, text: str, made: list[Path]) -> None:
             file.write(f"{text.rstrip()}\n")
     except FileExistsError:
         raise ConfigurationError(
-            "The file exists already; it was left alone.", where=str(path),
+            "The file exists already; it was left alone.",
+            where=str(path),
             hint="Nothing was written.",
-        ) from None  # fmt: skip
+        ) from None
     except (OSError, ValueError) as error:
         why = error.strerror if isinstance(error, OSError) else "its name or its text"
         raise ConfigurationError(

@@ -145,9 +145,11 @@ def _notes(seen: SeenRobot) -> Iterable[str]:
         yield others.NAVIGATE_NOTE.format(where=where, pose=pose, area=others.AREA_M)
     for limbs in seen.limbs.values():
         yield others.FOLLOW_NOTE.format(
-            where="how it stands now", topic=limbs.topic,
-            reach=others.REACH_RAD, speed=others.SPEED_RAD_S,
-        )  # fmt: skip
+            where="how it stands now",
+            topic=limbs.topic,
+            reach=others.REACH_RAD,
+            speed=others.SPEED_RAD_S,
+        )
         break
     if others.GRIP in kinds:
         yield others.GRIP_NOTE
@@ -206,8 +208,12 @@ def _telemetry(seen: SeenRobot) -> dict[str, Any]:
     telemetry: dict[str, Any] = {}
     for name in _of(seen.said, BATTERY):
         telemetry["battery"] = {
-            "topic": name, "type": BATTERY, "field": "percentage", "unit": "%", "alert_below": 20,
-        }  # fmt: skip
+            "topic": name,
+            "type": BATTERY,
+            "field": "percentage",
+            "unit": "%",
+            "alert_below": 20,
+        }
         if name in seen.reported.per_cent:
             telemetry["battery"]["full"] = 100
         break
@@ -268,15 +274,21 @@ def _drive(topic: str, kind: str) -> dict[str, Any]:
         "parameters": {
             "linear": {"title": "Forward", "unit": "m/s", "min": -0.2, "max": 0.2, "default": 0},
             "angular": {
-                "title": "Turning left", "unit": "deg/s", "min": -30, "max": 30, "default": 0,
+                "title": "Turning left",
+                "unit": "deg/s",
+                "min": -30,
+                "max": 30,
+                "default": 0,
             },
             "duration": {"title": "For how long", "unit": "s", "min": 0.1, "max": 2},
         },
         "topic": {
-            "name": topic, "type": kind, "stream_hz": 10,
+            "name": topic,
+            "type": kind,
+            "stream_hz": 10,
             "message": {f"{inside}linear.x": "$linear", f"{inside}angular.z": "$angular"},
         },
-    }  # fmt: skip
+    }
 
 
 def _action(name: str, kind: str, fields: Mapping[str, str] | None) -> dict[str, Any]:

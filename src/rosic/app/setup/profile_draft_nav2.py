@@ -90,12 +90,14 @@ def navigating(name: str, stand: NavigatorDraft | None) -> dict[str, Any]:
             "words": ["go", "go to"],
             "parameters": {
                 "place": {
-                    "title": "Place", "choices": {"here": []}, "means": {"here": stands},
+                    "title": "Place",
+                    "choices": {"here": []},
+                    "means": {"here": stands},
                 },
             },
             "action": action | {"goal": frame | place} | rest,
         },
-    }  # fmt: skip
+    }
 
 
 def following(name: str, limbs: ArmDraft) -> dict[str, Any]:
@@ -112,7 +114,9 @@ def following(name: str, limbs: ArmDraft) -> dict[str, Any]:
             "words": ["go", "go to"],
             "parameters": {
                 "pose": {
-                    "title": "Pose", "choices": {"here": []}, "means": {"here": {"joints": here}},
+                    "title": "Pose",
+                    "choices": {"here": []},
+                    "means": {"here": {"joints": here}},
                 },
             },
             "action": action | {"trajectory": {"to": "$pose.joints", "speed": 0.5}},
@@ -127,7 +131,7 @@ def following(name: str, limbs: ArmDraft) -> dict[str, Any]:
             },
             "action": action | {"trajectory": {"to": "$angle", "joint": "$joint", "speed": 0.5}},
         },
-    }  # fmt: skip
+    }
 
 
 def limits(limbs: ArmDraft) -> dict[str, dict[str, float]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 from rosic.app.builder import latch_of
 from rosic.app.robot_startup import stops_of
-from rosic.app.setup.findings import DiagnosticFinding, FindingVerdict
+from rosic.app.setup.diagnostics_checks import DiagnosticFinding, FindingVerdict
 from rosic.config.plugins import robot_factory
 from rosic.config.profile_rest import enough_s
 from rosic.config.profiles import known_units
@@ -16,7 +16,7 @@ from rosic.core.identity import COMMAND_ID_BYTES, OPERATOR, command_id
 from rosic.core.language import Vocabulary
 from rosic.core.order import Ending, Order, Outcome, Permit, Rest, Stage, Stop
 from rosic.core.order_gate import OrderGate
-from rosic.core.policy.authority import RESUME
+from rosic.core.policy.scope import RESUME
 from rosic.core.records import Claimed, Concluded, Resumed, Stopped, Told
 from rosic.errors import RosicError
 from rosic.stores.database import DatabaseStore
@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
     from rosic.app.config import Config
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.robot import Robot, Tell
     from rosic.contracts.store import StopLatch, Store
     from rosic.core.robot.profile import Profile
@@ -251,10 +250,12 @@ class StopTest:
         self._confirmed = rest.confirmed
         self._store.note(
             Stopped(
-                robot=self._profile.id, generation=generation, principal=OPERATOR,
+                robot=self._profile.id,
+                generation=generation,
+                principal=OPERATOR,
                 at_ns=self._clock.wall_ns(),
             )
-        )  # fmt: skip
+        )
         await self._robot.resume(generation)
         return rest
 
@@ -304,23 +305,43 @@ class StopTest:
         assert self._skill is not None  # noqa: S101 - callers looked
         gate, clock = self._robot.gate, self._clock
         permit = Permit(
-            OPERATOR, "", self._profile.id, self._skill.id, gate.fence + 1, True,
-            gate.generation, 0,
-        )  # fmt: skip
+            OPERATOR,
+            "",
+            self._profile.id,
+            self._skill.id,
+            gate.fence + 1,
+            True,
+            gate.generation,
+            0,
+        )
         now_ns, lives_ns = clock.wall_ns(), int(LIVES_S * 1e9)
         order = Order(
-            self._entropy.token(COMMAND_ID_BYTES), self._profile.id, self._skill,
-            slow_arguments(self._profile, self._skill), gate.n + 1,
-            clock.monotonic_ns() + lives_ns, now_ns + lives_ns, permit,
-        )  # fmt: skip
+            self._entropy.token(COMMAND_ID_BYTES),
+            self._profile.id,
+            self._skill,
+            slow_arguments(self._profile, self._skill),
+            gate.n + 1,
+            clock.monotonic_ns() + lives_ns,
+            now_ns + lives_ns,
+            permit,
+        )
         await self._store.write(
             Claimed(
-                cid=order.cid, principal=OPERATOR, key="", robot=order.robot,
-                skill=self._skill.id, n=order.n, fence=permit.fence, new_fence=True,
-                stop_generation=permit.stop_generation, epoch=0, digest=b"",
-                accepted_ns=now_ns, expires_ns=order.expires_ns,
+                cid=order.cid,
+                principal=OPERATOR,
+                key="",
+                robot=order.robot,
+                skill=self._skill.id,
+                n=order.n,
+                fence=permit.fence,
+                new_fence=True,
+                stop_generation=permit.stop_generation,
+                epoch=0,
+                digest=b"",
+                accepted_ns=now_ns,
+                expires_ns=order.expires_ns,
             )
-        )  # fmt: skip
+        )
         return order
 
     async def _conclude(self, order: Order, outcome: Outcome) -> None:

@@ -103,11 +103,9 @@ def compile_rule(profile: Profile, alert: AlertConfig, units: UnitTable) -> Aler
         robot=profile.id,
         alert=alert,
         condition=condition,
-        pace=AlertTimes(
-            int(_time("for", alert.lasting, units, 0.0) * 1e9), int(escalate_s * 1e9)
-        ),
+        pace=AlertTimes(int(_time("for", alert.lasting, units, 0.0) * 1e9), int(escalate_s * 1e9)),
         run_every_ns=int(_time("run_every", alert.run_every, units, RUNS_EVERY_S) * 1e9),
-    )  # fmt: skip
+    )
 
 
 def rules_of(profile: Profile, units: UnitTable) -> list[AlertRule]:

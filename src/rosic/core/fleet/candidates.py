@@ -92,9 +92,13 @@ def waiting_credit(task: Task, now_ns: int) -> float:
 
 
 def by_priority(
-    fleet: FleetState, glances: Mapping[RobotId, RobotGlance], now_ns: int, *,
-    leave: Container[TaskId] = (), at_most: int = 10_000,
-) -> list[list[Task]]:  # fmt: skip
+    fleet: FleetState,
+    glances: Mapping[RobotId, RobotGlance],
+    now_ns: int,
+    *,
+    leave: Container[TaskId] = (),
+    at_most: int = 10_000,
+) -> list[list[Task]]:
     """Return the tasks that may begin now, the most urgent together, the oldest first.
 
     One that no robot can begin now is left out, so that it keeps none waiting that could begin.

@@ -117,9 +117,11 @@ class InvalidMission(ValueError):
 
 
 def lay_out(
-    mission: Mission, missions: Mapping[str, Mission], units: UnitTable,
+    mission: Mission,
+    missions: Mapping[str, Mission],
+    units: UnitTable,
     given: Mapping[str, float] | None = None,
-) -> list[Leaf]:  # fmt: skip
+) -> list[Leaf]:
     """Return the tasks of a mission, each after those it waits for.
 
     Args:
@@ -158,18 +160,24 @@ class _Layout:
         self._included_ever = 0
 
     def row(
-        self, parts: tuple[MissionPart, ...], after: tuple[int, ...], place: tuple[str | int, ...],
+        self,
+        parts: tuple[MissionPart, ...],
+        after: tuple[int, ...],
+        place: tuple[str | int, ...],
         within: Within,
-    ) -> tuple[int, ...]:  # fmt: skip
+    ) -> tuple[int, ...]:
         """Lay parts out one after another; return what has to be done for all to be done."""
         for index, part in enumerate(parts):
             after = self.part(part, after, (*place, index), within)
         return after
 
     def part(
-        self, part: MissionPart, after: tuple[int, ...], place: tuple[str | int, ...],
+        self,
+        part: MissionPart,
+        after: tuple[int, ...],
+        place: tuple[str | int, ...],
         within: Within,
-    ) -> tuple[int, ...]:  # fmt: skip
+    ) -> tuple[int, ...]:
         """Lay one part out."""
         if part.steps:
             return self._task(part, after, place, within)
@@ -197,9 +205,12 @@ class _Layout:
         return (len(self.leaves) - 1,)
 
     def _included(
-        self, part: MissionPart, after: tuple[int, ...], place: tuple[str | int, ...],
+        self,
+        part: MissionPart,
+        after: tuple[int, ...],
+        place: tuple[str | int, ...],
         within: Within,
-    ) -> tuple[int, ...]:  # fmt: skip
+    ) -> tuple[int, ...]:
         missions, other = within.missions, self._missions.get(part.mission)
         if part.mission in missions:
             way = " -> ".join((*missions[missions.index(part.mission) :], part.mission))

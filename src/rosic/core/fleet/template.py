@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import msgspec
 
 from rosic.core.i18n import said
-from rosic.core.language.numbers import NONE
-from rosic.core.language.numerals import read_numeral
+from rosic.core.language.numbers import NONE, read_numeral
 from rosic.errors import NotUnderstood, OutOfBounds
 
 if TYPE_CHECKING:
@@ -103,8 +102,9 @@ def no_such(name: str, quantities: Mapping[str, Quantity]) -> str:
     """Return that a name means nothing that is left open."""
     if not quantities:
         return said("Nothing is left open there, so there is no {name}.", name=name)
-    return said("There is no {name} to be said. There is: {names}.", name=name,
-                names=", ".join(quantities))  # fmt: skip
+    return said(
+        "There is no {name} to be said. There is: {names}.", name=name, names=", ".join(quantities)
+    )
 
 
 def read_value(name: str, quantity: Quantity, text: str, units: UnitTable) -> float:
@@ -142,8 +142,11 @@ def bounds(name: str, quantity: Quantity) -> str:
         return said("{name}: {least} to {most}", name=name, least=least, most=most)
     return said(
         "{name}: {least} to {most}, {default} if nothing is said",
-        name=name, least=least, most=most, default=shown(quantity, quantity.default),
-    )  # fmt: skip
+        name=name,
+        least=least,
+        most=most,
+        default=shown(quantity, quantity.default),
+    )
 
 
 def _value(name: str, quantity: Quantity, words: list[str], units: UnitTable) -> tuple[float, int]:
@@ -177,9 +180,11 @@ def _bounded(name: str, quantity: Quantity, value: float) -> float:
         raise OutOfBounds(
             said(
                 "{name} goes from {least} to {most}. Nothing was done.",
-                name=name, least=shown(quantity, quantity.min), most=shown(quantity, quantity.max),
+                name=name,
+                least=shown(quantity, quantity.min),
+                most=shown(quantity, quantity.max),
             )
-        )  # fmt: skip
+        )
     return min(max(value, quantity.min), quantity.max)
 
 
@@ -187,5 +192,6 @@ def _no_value(name: str, quantity: Quantity) -> str:
     example = quantity.min if quantity.default is None else quantity.default
     return said(
         "Say {name}, for example {name}={example}. Nothing was done.",
-        name=name, example=shown(quantity, example),
-    )  # fmt: skip
+        name=name,
+        example=shown(quantity, example),
+    )

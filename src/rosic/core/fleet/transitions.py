@@ -97,9 +97,15 @@ def _chosen(fleet: FleetState, task: Task, event: e.Chosen, now_ns: int) -> e.Tr
 def _begin(task: Task, robot: str, now_ns: int) -> e.Transition:
     """Give a task to a robot, or go on with its next step there."""
     after = replace(
-        task, state=TaskState.ASSIGNED, robot=robot, attempt=task.attempt + 1,
-        asked=task.done, why=TaskReason.NONE, leaving=False, since_ns=now_ns,
-    )  # fmt: skip
+        task,
+        state=TaskState.ASSIGNED,
+        robot=robot,
+        attempt=task.attempt + 1,
+        asked=task.done,
+        why=TaskReason.NONE,
+        leaving=False,
+        since_ns=now_ns,
+    )
     doing = e.Begin(task.id, robot, after.attempt, task.done)
     return e.Transition(tasks=(after,), doings=(doing,))
 
@@ -218,9 +224,14 @@ def _released(_fleet: FleetState, task: Task, event: e.Released, now_ns: int) ->
         return e.NOTHING
     skip = event.skip and task.state is TaskState.UNKNOWN
     after = replace(
-        task, state=TaskState.QUEUED, why=TaskReason.NONE, tried=(), moves=0, since_ns=now_ns,
+        task,
+        state=TaskState.QUEUED,
+        why=TaskReason.NONE,
+        tried=(),
+        moves=0,
+        since_ns=now_ns,
         done=task.done + skip,
-    )  # fmt: skip
+    )
     if after.done == task.steps:
         after = replace(after, state=TaskState.DONE)
     return e.Transition(tasks=(after,), doings=(e.TaskChanged(task, after),))

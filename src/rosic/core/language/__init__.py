@@ -27,8 +27,7 @@ from rosic.core.language.compiled import SAY, skills_of
 from rosic.core.language.formatting import show
 from rosic.core.language.line_parser import MOST_WORDS
 from rosic.core.language.numbers import Unit, UnitTable
-from rosic.core.language.parser import LONGEST_TEXT, MOST_LINES, places, understand
-from rosic.core.language.reader import LanguageReader
+from rosic.core.language.parser import LONGEST_TEXT, MOST_LINES, LanguageReader, places, understand
 from rosic.core.language.sanitise import clean, clean_name, inert_text
 from rosic.core.language.secrecy import kept_of, without_codes
 from rosic.core.language.stop_detection import hears_stop

@@ -10,8 +10,7 @@ import msgspec
 
 from rosic.core.language.common_names import shown_name, typed_names
 from rosic.core.language.keywords import FILLERS, NOT_FINITE
-from rosic.core.language.numbers import NONE, Unit, UnitTable
-from rosic.core.language.numerals import read_numeral
+from rosic.core.language.numbers import NONE, Unit, UnitTable, read_numeral
 from rosic.core.language.sanitise import clean_name, normalised, quote
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.robot.profile import Profile, RobotId

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.language.ast import (
     CommandLine,
@@ -19,7 +19,6 @@ from rosic.core.language.ast import (
     Use,
 )
 from rosic.core.language.compiled import CompiledRobot, CompiledSkill, merge
-from rosic.core.language.help_words import EXPLAINED, HELP_WORDS, help_named
 from rosic.core.language.keywords import (
     ALIASES,
     ALIASES_OF_TWO,
@@ -27,7 +26,9 @@ from rosic.core.language.keywords import (
     ERRANDS,
     EVERYTHING,
     EVERYTHING_ELSEWHERE,
+    HELP_PAGES,
     NOTHING,
+    PAGE_ALIASES,
 )
 from rosic.core.language.placing import fits
 from rosic.core.language.stop_detection import hears_stop
@@ -41,6 +42,79 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.core.robot.profile import RobotId
+
+
+# ---- what help there is about one word: a page, or what a command says of itself ----
+
+# Said alone, these change nothing: they say how they are said, or show what there is. So that is
+# the help about them.
+EXPLAINED: Final = frozenset(
+    {
+        "ask",
+        "assist",
+        "book",
+        "broadcast",
+        "grant",
+        "invite",
+        "me",
+        "mission",
+        "missions",
+        "mute",
+        "people",
+        "quiet",
+        "role",
+        "settings",
+        "share",
+        "shelf",
+        "strategy",
+        "task",
+        "tasks",
+        "together",
+        "wish",
+    }
+)
+# The page on which the others stand.
+PAGE_OF: Final = {
+    "again": "move",
+    "cancel": "move",
+    "undo": "move",
+    "continue": "move",
+    "resume": "move",
+    "card": "see",
+    "chart": "see",
+    "clip": "see",
+    "history": "see",
+    "map": "see",
+    "picture": "see",
+    "status": "see",
+    "trajectory": "see",
+    "files": "share",
+    "handover": "share",
+    "lock": "share",
+    "mydata": "share",
+    "plan": "share",
+    "revoke": "share",
+    "security": "share",
+    "slots": "share",
+    "wait": "share",
+    "fleet": "fleet",
+    "alerts": "alarms",
+}
+HELP_WORDS: Final = frozenset({"?", "help", "hilfe"})
+
+
+def help_named(word: str) -> CommandLine | Help | None:
+    """Return what is said about a word in small letters; None where it is no page, no command."""
+    page = PAGE_ALIASES.get(word, word)
+    if page in HELP_PAGES:
+        return Help(page)
+    command = ALIASES.get(word, word)
+    if command in EXPLAINED:
+        return CommandLine(command, "")
+    return Help(PAGE_OF[command]) if command in PAGE_OF else None
+
+
+# ---- one line, read with a vocabulary, for one person ----
 
 MOST_WORDS = 32
 LONGEST_PAYLOAD = 64

@@ -17,26 +17,32 @@ if TYPE_CHECKING:
 
 _DECIMAL: Final = re.compile(r"(?<=\d),(?=\d)")
 
-OPTIONS: Final[Mapping[str, str]] = MappingProxyType({
-    "als": "as",
-    "aus": "off",
-    "bestätigen": "confirm",
-    "darf": "may",
-    "für": "for",
-    "jetzt": "now",
-    "mich": "me",
-    "mit": "with",
-    "sofort": "now",
-    "und": "and",
-    "von": "from",
-    "zurück": "back",
-    "überall": "everywhere",
-})  # fmt: skip
+OPTIONS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "als": "as",
+        "aus": "off",
+        "bestätigen": "confirm",
+        "darf": "may",
+        "für": "for",
+        "jetzt": "now",
+        "mich": "me",
+        "mit": "with",
+        "sofort": "now",
+        "und": "and",
+        "von": "from",
+        "zurück": "back",
+        "überall": "everywhere",
+    }
+)
 
 
 _OF_MISSIONS: Final = {
-    "starten": "start", "pausieren": "pause", "beenden": "cancel", "weiter": "go", "aus": "off",
-}  # fmt: skip
+    "starten": "start",
+    "pausieren": "pause",
+    "beenden": "cancel",
+    "weiter": "go",
+    "aus": "off",
+}
 
 
 def mission_verb(word: str) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.i18n import joined, said
 from rosic.core.language.common_names import shown_name
-from rosic.core.language.numerals import read_numeral
+from rosic.core.language.numbers import read_numeral
 from rosic.core.language.sanitise import quote
 from rosic.core.units import bound_in_words, measured
 from rosic.errors import NotUnderstood, OutOfBounds
@@ -37,9 +37,12 @@ def checked(strategy: Strategy, given: Mapping[str, float | str], units: UnitTab
         if name not in strategy.parameters:
             known = joined(", ", map(shown_name, strategy.parameters)) or "-"
             raise NotUnderstood(
-                said("There is no parameter {name} there. There are: {known}.",
-                     name=quote(name), known=known)
-            )  # fmt: skip
+                said(
+                    "There is no parameter {name} there. There are: {known}.",
+                    name=quote(name),
+                    known=known,
+                )
+            )
     values: Values = {}
     for name, parameter in strategy.parameters.items():
         value = given.get(name, parameter.default)
@@ -64,8 +67,11 @@ def _one(name: str, parameter: Parameter, value: float | str, units: UnitTable) 
     number = float(value) if isinstance(value, float | int) else _number(value, parameter, units)
     low, high = parameter.min, parameter.max
     if number is None or (parameter.integer and not number.is_integer()):
-        raise NotUnderstood(said("{name}: {value} is no such number.",
-                                 name=shown_name(name), value=quote(str(value))))  # fmt: skip
+        raise NotUnderstood(
+            said(
+                "{name}: {value} is no such number.", name=shown_name(name), value=quote(str(value))
+            )
+        )
     if low is None or high is None or not low <= number <= high:
         raise OutOfBounds(
             said(

@@ -12,9 +12,8 @@ import msgspec
 
 from rosic.core.i18n import said
 from rosic.core.language.ast import Misunderstood
-from rosic.core.language.clock_words import Unclear
 from rosic.core.language.clock_words_elsewhere import shown_when
-from rosic.core.language.time_tokens import TimeTokens
+from rosic.core.language.time_tokens import TimeTokens, Unclear
 from rosic.core.local_time import (
     LAST_YEAR,
     MINUTE_NS,
@@ -156,9 +155,10 @@ class _Reckoning:
                 said("On one day, or on each of these?"), "every mon and tue 9:00 1h 5 times"
             )
         return next(
-            day for day in range(today + over, today + over + _A_WEEK)
+            day
+            for day in range(today + over, today + over + _A_WEEK)
             if weekday_of(day) in given.weekdays
-        )  # fmt: skip
+        )
 
     def _checked_day(self) -> int:
         """Return a day said in two ways, as in ``Tue 24 Nov``: they have to agree."""

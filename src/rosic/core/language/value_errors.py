@@ -10,7 +10,6 @@ from rosic.core.i18n import joined, said, titled
 from rosic.core.language.common_names import known_name
 from rosic.core.language.formatting import show_bound, show_number, shown_bound, usual_values
 from rosic.core.language.placing import fits
-from rosic.core.language.quantity_names import article, kind_of, kinds
 from rosic.core.language.sanitise import quote
 from rosic.core.language.suggestions import AND, did_you_mean, listed, one_each
 from rosic.core.language.values import Doubt, ValueReader
@@ -25,6 +24,56 @@ if TYPE_CHECKING:
     from rosic.core.language.vocabulary import Vocabulary
     from rosic.core.robot.profile import RobotId
     from rosic.core.robot.skill import Argument
+
+
+# ---- what numbers measure, as people read it ----
+
+_DIMENSIONS = {
+    "length": said("a length"),
+    "angle": said("an angle"),
+    "time": said("a time"),
+    "speed": said("a speed"),
+    "turning speed": said("a turning speed"),
+    "acceleration": said("an acceleration"),
+    "turning acceleration": said("a turning acceleration"),
+    "force": said("a force"),
+    "torque": said("a torque"),
+    "mass": said("a mass"),
+    "share": said("a share"),
+    "frequency": said("a frequency"),
+    "voltage": said("a voltage"),
+    "current": said("a current"),
+    "power": said("a power"),
+    "energy": said("an energy"),
+    "pressure": said("a pressure"),
+    "volume": said("a volume"),
+    "area": said("an area"),
+    "temperature": said("a temperature"),
+}
+
+
+def article(noun: str) -> str:
+    """Put the article before a noun."""
+    return said("an {noun}", noun=noun) if noun[:1] in "aeiou" else said("a {noun}", noun=noun)
+
+
+def kind_of(dimension: str) -> str:
+    """Return what a unit measures, as a thing: ``a length``."""
+    return _DIMENSIONS.get(dimension) or article(dimension)
+
+
+def kinds(parameters: tuple[CompiledParameter, ...]) -> tuple[str, ...]:
+    """Return what numbers measure, each once: ``a length (m)``."""
+    kinds = dict.fromkeys(
+        said("{dimension} ({symbol})", dimension=kind_of(p.unit.dimension), symbol=p.unit.symbol)
+        if p.unit.dimension
+        else said("a plain number")
+        for p in parameters
+    )
+    return tuple(kinds)
+
+
+# ---- why a value cannot be used, in one sentence, and what to say instead ----
 
 MOST_OFFERS = 4
 # Parameters that say how much of the skill itself: "one move may be at most 5 m".

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language.keywords import FILLERS, NOT_FINITE, NUMBERS, SOFT_FILLERS
-from rosic.core.language.numerals import read_numeral
+from rosic.core.language.numbers import read_numeral
 from rosic.core.order import Spoken
 
 if TYPE_CHECKING:

@@ -18,8 +18,7 @@ from rosic.core.language.compiled import (
     spellings,
 )
 from rosic.core.language.keywords import EVERYTHING, FILLERS, NOT_FINITE, NOTHING, NUMBERS, VERBS
-from rosic.core.language.numbers import UnitTable
-from rosic.core.language.numerals import read_numeral
+from rosic.core.language.numbers import UnitTable, read_numeral
 from rosic.core.language.sanitise import clean_name, quote
 from rosic.core.language.stop_detection import is_stop_word
 from rosic.core.robot.profile import Profile, RobotId

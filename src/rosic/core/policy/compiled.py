@@ -12,8 +12,6 @@ from weakref import WeakValueDictionary
 
 import msgspec
 
-from rosic.core.policy.alike import kinds_of
-from rosic.core.policy.authority import Scope
 from rosic.core.policy.limits import Limit, LimitRule, Unfit, fit_limits, parse_limit
 from rosic.core.policy.roles import (
     ASSURANCES,
@@ -24,15 +22,39 @@ from rosic.core.policy.roles import (
     chains,
     priority_of,
 )
-from rosic.core.policy.scope import FLEET, GRANT, Fleet, words_given, words_meant
+from rosic.core.policy.scope import FLEET, GRANT, Fleet, Scope, words_given, words_meant
 from rosic.core.rate_limit import RateLimit, parse_rate
 from rosic.core.robot.profile import RobotId
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from rosic.core.policy.limits import Convert
     from rosic.core.policy.roles import SkillPrecondition
+    from rosic.core.robot.skill import Skill
+
+
+def kinds_of(fleet: Fleet, care: Mapping[RobotId, Mapping[str, object]]) -> dict[RobotId, int]:
+    """Number the robots so that those with the same skills and the same care have one number.
+
+    By which topic, service or action a skill is carried out is nothing to rights.
+    """
+    met: dict[str, int] = {}
+    kinds = {FLEET: -1}
+    for robot, skills in fleet.skills.items():
+        plain = {name: _unbound(skill) for name, skill in skills.items()}
+        mine = repr((plain, care.get(robot, {})))
+        kinds[robot] = met.setdefault(mine, len(met))
+    return kinds
+
+
+def _unbound(skill: Skill) -> Skill:
+    return msgspec.structs.replace(
+        skill, topic=None, service=None, action=None, set_parameters=None
+    )
+
+
+# ---- roles and grants, spread out over the robots and skills there are ----
 
 NEVER_NS = 2**63 - 1
 
@@ -146,9 +168,21 @@ class Tables:
     """Spreads grants out, each kind of grant once. What it remembers changes no answer."""
 
     __slots__ = (
-        "_giving", "_holdings", "_kinds", "_links", "_named", "_rows", "_shared", "_together",
-        "care", "convert", "fleet", "preempt", "rates", "rulebook",
-    )  # fmt: skip
+        "_giving",
+        "_holdings",
+        "_kinds",
+        "_links",
+        "_named",
+        "_rows",
+        "_shared",
+        "_together",
+        "care",
+        "convert",
+        "fleet",
+        "preempt",
+        "rates",
+        "rulebook",
+    )
 
     def __init__(self, rulebook: RoleRules, fleet: Fleet, convert: Convert) -> None:
         self.rulebook = rulebook
@@ -291,9 +325,13 @@ class Tables:
                     fitted = self._fitted((*link.limits, *limits), robot, word)
                     if fitted is not None:
                         way = RightReason(
-                            link.via, f"{scope.robot}:{scope.skill}", fitted, edition.priority,
-                            link.assurance, link.rates,
-                        )  # fmt: skip
+                            link.via,
+                            f"{scope.robot}:{scope.skill}",
+                            fitted,
+                            edition.priority,
+                            link.assurance,
+                            link.rates,
+                        )
                         _add(ways.setdefault(word, []), way)
         care = self.care.get(robot, {})
         return {

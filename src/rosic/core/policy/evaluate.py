@@ -29,7 +29,6 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.policy.authority import READ
 from rosic.core.policy.limits import broken_limit
 from rosic.core.policy.query import (
     STOP,
@@ -42,7 +41,7 @@ from rosic.core.policy.query import (
     Query,
 )
 from rosic.core.policy.roles import StepRequired
-from rosic.core.policy.scope import FLEET
+from rosic.core.policy.scope import FLEET, READ
 
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
@@ -184,9 +183,14 @@ def _take(
         code: PolicyCode, rule: PolicyRule, holder: PrincipalId | None, when_ns: int | None
     ) -> Deny:
         return Deny(
-            ask=ask, code=code, rules=_UP_TO[rule], holder=holder, when_ns=when_ns, way=way,
+            ask=ask,
+            code=code,
+            rules=_UP_TO[rule],
+            holder=holder,
+            when_ns=when_ns,
+            way=way,
             grant=grant,
-        )  # fmt: skip
+        )
 
     if state.stopped:
         return no(PolicyCode.ROBOT_STOPPED, PolicyRule.STOPPED, None, None)

@@ -15,7 +15,7 @@ import msgspec
 from rosic.core.i18n import figure, joined, said
 from rosic.core.language.common_names import known_name
 from rosic.core.language.numbers import NONE
-from rosic.core.policy.authority import Scope
+from rosic.core.policy.scope import Scope
 from rosic.core.units import bound_in_words, measured, shown_unit
 
 if TYPE_CHECKING:

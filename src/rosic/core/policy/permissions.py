@@ -10,21 +10,19 @@ from __future__ import annotations
 from itertools import chain, islice
 from typing import TYPE_CHECKING
 
-from rosic.core.policy.authority import RESUME
 from rosic.core.policy.compiled import NEVER_NS, NO_CAUTION, Tables
 from rosic.core.policy.roles import priority_of
-from rosic.core.policy.scope import GRANT
+from rosic.core.policy.scope import GRANT, RESUME
 from rosic.core.policy.validation import given_by, grant_mistakes, rulebook_mistakes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from rosic.core.identity import PrincipalId
-    from rosic.core.policy.authority import Scope
     from rosic.core.policy.compiled import Held, Precondition, Right, RightReason
     from rosic.core.policy.limits import Convert
     from rosic.core.policy.roles import Grant, RoleRules
-    from rosic.core.policy.scope import Fleet
+    from rosic.core.policy.scope import Fleet, Scope
     from rosic.core.policy.validation import Mistake
     from rosic.core.rate_limit import RateLimit
     from rosic.core.robot.profile import RobotId

@@ -9,11 +9,11 @@ from typing import TypeAlias
 import msgspec
 
 from rosic.core.identity import KeyId, PrincipalId
-from rosic.core.policy.authority import Scope
 from rosic.core.policy.compiled import RightReason
 from rosic.core.policy.limits import Limit
 from rosic.core.policy.permissions import Permissions
 from rosic.core.policy.roles import Assurance, Grant, StepRequired
+from rosic.core.policy.scope import Scope
 from rosic.core.robot.profile import RobotId
 from rosic.core.robot.skill import Argument
 from rosic.core.slot import BookedSlot, SlotRule

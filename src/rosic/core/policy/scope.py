@@ -8,12 +8,54 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.policy.authority import AMONG, FILES, READ, RESUME, Scope
+from rosic.core.i18n import said
 from rosic.core.robot.profile import RobotId
 from rosic.core.robot.skill import Skill, SkillClass
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+
+# ---- scopes: what one word of a right names ----
+
+READ = "read"
+RESUME = "resume"
+FILES = "files"
+"""The right to put files into a robot's inbox, and to fetch those it gives."""
+SHARE = "share"
+"""The right to share data in a robot's name: its own, and nobody else's."""
+ASK = "ask"
+"""Of itself: to ask for help. Of another: to speak to it."""
+HELP = "help"
+"""The right to accept a robot's request for help."""
+STRATEGY = "strategy"
+"""The right to change a robot's strategy."""
+AMONG = (SHARE, ASK, HELP, STRATEGY)
+"""What robots may be to each other (Algorithm 5); people who help or adjust hold the same."""
+
+SCOPE = re.compile(r"[a-z0-9_*?-]+:[a-z0-9_*?-]+\Z")
+
+
+class Scope(msgspec.Struct, frozen=True):
+    """``robot:skill`` with wildcards: ``kuka1:grasp``, ``crazyflie-*:*``, ``*:read``."""
+
+    robot: str
+    skill: str
+
+    @classmethod
+    def parse(cls, text: str) -> Scope:
+        """Read a scope.
+
+        Raises:
+            ValueError: Not of the form ``robot:skill``.
+        """
+        if not SCOPE.match(text):
+            raise ValueError(
+                said("{text!r} is not a scope: write robot:skill, for example omni:move", text=text)
+            )
+        robot, _, skill = text.partition(":")
+        return cls(robot, skill)
+
 
 GRANT = "grant"
 """The right to give rights on a robot. No wildcard stands for it; ``fleet:grant`` is all of it."""

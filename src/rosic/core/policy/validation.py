@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from rosic.core.i18n import capital, joined, said
 from rosic.core.language.suggestions import did_you_mean
-from rosic.core.policy.authority import Scope
 from rosic.core.policy.limits import LimitRule, Unfit, fit_limits, parse_limit
 from rosic.core.policy.roles import ASSURANCES, DEEPEST, chains, loops
-from rosic.core.policy.scope import FLEET, words_given, words_meant
+from rosic.core.policy.scope import FLEET, Scope, words_given, words_meant
 from rosic.core.rate_limit import parse_rate
 
 if TYPE_CHECKING:

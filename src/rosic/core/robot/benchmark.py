@@ -132,9 +132,12 @@ class BenchmarkMeasurement(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def judge(
-    benchmark: Benchmark, arguments: Mapping[str, Argument], measured: BenchmarkMeasurement,
-    wanted: Mapping[str, float], unit: str,
-) -> tuple[Deviation, ...]:  # fmt: skip
+    benchmark: Benchmark,
+    arguments: Mapping[str, Argument],
+    measured: BenchmarkMeasurement,
+    wanted: Mapping[str, float],
+    unit: str,
+) -> tuple[Deviation, ...]:
     """Return everything that was not as expected; what was not measured is not judged.
 
     Args:

@@ -195,7 +195,7 @@ def too_long(at_most: int) -> str:
     return said(
         "That is too large: at most {kib} KiB are taken at once. Nothing of it was kept.",
         kib=at_most // 1024,
-    )  # fmt: skip
+    )
 
 
 class Shared(msgspec.Struct, frozen=True):

@@ -26,7 +26,7 @@ from rosic.organiser.calendar_messages import length, moment
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from rosic.authoriser.invitation import InvitedRights
+    from rosic.authoriser.invitations import InvitedRights
     from rosic.core.identity import PrincipalId
     from rosic.features.access.access_request_parser import RequestPlaces
     from rosic.features.access.admin_policy import AdminPolicy
@@ -97,9 +97,13 @@ class AccessRequestCommands:
             await turn.write(records)
         names = self._names(others)
         told = self._registry.reach.tell(
-            others, self._question(petition), (self._buttons(petition),), urgent=True,
-            lifetime_s=WAITS_S, still=True,
-        )  # fmt: skip
+            others,
+            self._question(petition),
+            (self._buttons(petition),),
+            urgent=True,
+            lifetime_s=WAITS_S,
+            still=True,
+        )
         if not told:
             return Reply(words.reach_nobody(names))
         return Reply(words.have_asked(names, self._asked_for(petition), WAITS_S))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from rosic.authoriser.invitation import InvitedRights
+from rosic.authoriser.invitations import InvitedRights
 from rosic.core.i18n import joined
 from rosic.core.identity import PrincipalId
 from rosic.core.language import Vocabulary, clean
@@ -16,9 +16,9 @@ from rosic.core.language.keywords import ALIASES
 from rosic.core.language.sanitise import fold_word
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.messages import named_of, spoken
-from rosic.core.policy.authority import RESUME
 from rosic.core.policy.limits import limit_in_words
 from rosic.core.policy.roles import chains
+from rosic.core.policy.scope import RESUME
 from rosic.core.robot.profile import RobotId
 from rosic.core.role_names import role_shown
 from rosic.errors import NotUnderstood

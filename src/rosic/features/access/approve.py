@@ -16,7 +16,7 @@ from rosic.gateway.builtin_commands import Reply
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from rosic.authoriser.admission import Applicant, CodeRedeemed, Declined
+    from rosic.authoriser.enrolment_records import Applicant, CodeRedeemed, Declined
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Record
     from rosic.features.access.admin_policy import AdminPolicy
@@ -82,9 +82,10 @@ class ApprovalCommands:
         async with self._registry.changes.turn() as turn:
             self._powers.check(by, INVITE)
             redeemed = self._enrolment.confirm(
-                applicant.pending.id, by,
+                applicant.pending.id,
+                by,
                 may_admit=self._powers.may_admit(by, applicant.pending.given),
-            )  # fmt: skip
+            )
             await turn.write(self.records(redeemed, by))
         self._welcome(redeemed)
         name, what = applicant.name, applicant.pending.given.words
@@ -101,9 +102,10 @@ class ApprovalCommands:
         async with self._registry.changes.turn() as turn:
             self._powers.check(by, INVITE)
             declined = self._enrolment.decline(
-                applicant.pending.id, by,
+                applicant.pending.id,
+                by,
                 may_admit=self._powers.may_admit(by, applicant.pending.given),
-            )  # fmt: skip
+            )
             await turn.write(declined.records)
         await self._turned_away(declined)
         told = words.was_not_let_in(self._registry.name(by), applicant.name)

@@ -12,7 +12,7 @@ from rosic.features.access import messages, request_messages
 from rosic.features.access.access_request import AccessRequestCommands
 from rosic.features.access.approve import ApprovalCommands
 from rosic.features.access.grant import GrantCommands
-from rosic.features.access.inviting import InviteCommands
+from rosic.features.access.invite import InviteCommands
 from rosic.features.access.profile_commands import AccountCommands
 from rosic.features.access.reminding import MOST
 from rosic.features.access.revoke_lock import RevokeLockCommands

@@ -11,8 +11,14 @@ from rosic.core.message import Button
 from rosic.core.policy.roles import Grant
 from rosic.errors import Expired, NotPermitted, NotUnderstood
 from rosic.features.access import messages, request_messages
+from rosic.features.access.admin_policy import (
+    MOST_OFFERED,
+    PersonNames,
+    asked_again,
+    by_id_button,
+    sure,
+)
 from rosic.features.access.invite import read_grant
-from rosic.features.access.names import MOST_OFFERED, PersonNames, asked_again, by_id_button, sure
 from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.office import check_private
 from rosic.gateway.replies import LEAVE
@@ -21,8 +27,8 @@ from rosic.organiser.calendar_messages import moment
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from rosic.authoriser.invitation import InvitedRights
-    from rosic.contracts.entropy import Entropy
+    from rosic.authoriser.invitations import InvitedRights
+    from rosic.contracts.clock import Entropy
     from rosic.core.identity import Principal, PrincipalId
     from rosic.core.records import Record
     from rosic.features.access.admin_policy import AdminPolicy
@@ -73,11 +79,14 @@ class GrantCommands:
         ids = iter(lambda: f"g{self._entropy.token(_ID_BYTES).hex()}", "")
         grants = tuple(
             Grant(
-                id=next(ids), role=role, robots=given.robots, limits=given.limits,
+                id=next(ids),
+                role=role,
+                robots=given.robots,
+                limits=given.limits,
                 expires_ns=until_ns,
             )
             for role in given.roles
-        )  # fmt: skip
+        )
         if given.scopes:
             bare = Grant(
                 id=next(ids), scopes=given.scopes, limits=given.limits, expires_ns=until_ns

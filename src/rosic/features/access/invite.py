@@ -5,30 +5,41 @@ Total and linear: each word is looked at by a fixed number of rules.
 
 from __future__ import annotations
 
+import asyncio
 import re
+from functools import partial
 from typing import TYPE_CHECKING
 
-from rosic.authoriser.invitation import CODE_TTL_S, InvitationRequest, InvitedRights
+from rosic.authoriser.invitations import CODE_TTL_S, InvitationRequest, InvitedRights
+from rosic.authoriser.invite_codes import drawn, join_text, qr_code, qr_text
 from rosic.core.i18n import joined
 from rosic.core.language import clean, clean_name
-from rosic.core.language.clock_words import Unclear
 from rosic.core.language.option_words import decimals_typed, option_typed
 from rosic.core.language.sanitise import fold_word
 from rosic.core.language.suggestions import did_you_mean
-from rosic.core.language.time_tokens import TimeTokens
-from rosic.core.policy.authority import READ
+from rosic.core.language.time_tokens import TimeTokens, Unclear
+from rosic.core.message import Attachment
 from rosic.core.policy.roles import Grant
-from rosic.core.policy.scope import FLEET
+from rosic.core.policy.scope import FLEET, READ
 from rosic.core.robot.skill import SkillClass
 from rosic.core.role_names import role_typed
 from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.features.access import messages, request_messages, roles_messages
+from rosic.features.access.admin_policy import INVITE, PEOPLE
 from rosic.features.access.limit_line import limit_typed
-from rosic.features.access.role_line import MAY, can_be_a_role
-from rosic.gateway.office import check_length
+from rosic.features.access.roles import MAY, can_be_a_role
+from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import check_length, check_private
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.contracts.messenger import Messenger
     from rosic.core.policy.permissions import Permissions
+    from rosic.core.secret import Secret
+    from rosic.features.access.admin_policy import AdminPolicy
+    from rosic.features.access.context import AccessContext
+    from rosic.gateway.office import CommandContext
 
 LONGEST_LINE = 300
 LENGTH_WORDS = 4
@@ -192,9 +203,11 @@ class _Reading:
         )
         self._check(given)
         return InvitationRequest(
-            given=given, code_ttl_s=self._lengths.get(_CODE, CODE_TTL_S), name=self._name,
+            given=given,
+            code_ttl_s=self._lengths.get(_CODE, CODE_TTL_S),
+            name=self._name,
             needs_confirmation=self._confirm,
-        )  # fmt: skip
+        )
 
     def _check(self, given: InvitedRights) -> None:
         """See that this can be given, in the words in which the command line says so.
@@ -273,3 +286,106 @@ def length_said(low: list[str]) -> tuple[float, int]:
         if said.length_s is not None and not said.weekdays and all(o is None for o in other):
             return said.length_s, used
     return 0.0, 0
+
+
+# ---- ``/invite operator kuka1 for 2h``: a link and a code, for one person, once ----
+
+INVITATION = "invitation"
+"""What a message holds that goes once nobody can be let in by it."""
+TERMINAL = "terminal"
+"""The one platform whose letters all have the same width."""
+
+
+def _no_link(_messenger: Messenger, _code: Secret) -> str:
+    return ""
+
+
+async def qr_picture(messenger: Messenger, name: str, text: str) -> Attachment | None:
+    """Return a picture to be scanned; nothing where no file can be sent. It shows a secret."""
+    await asyncio.sleep(0)  # what came before, the code and the picture are a step each
+    code = qr_code(text)
+    await asyncio.sleep(0)
+    picture = drawn(code)
+    if len(picture) > messenger.file_bytes:
+        return None
+    return Attachment(name, "image/png", picture)
+
+
+class InviteCommands:
+    """Makes invitations and takes them back.
+
+    Args:
+        registry: Who knows people.
+        powers: Who may.
+        link: Returns the link that hands a code in on the messenger where it was asked for; empty
+            where there is none. It shows a secret.
+    """
+
+    def __init__(
+        self,
+        registry: AccessContext,
+        powers: AdminPolicy,
+        *,
+        link: Callable[[Messenger, Secret], str] = _no_link,
+    ) -> None:
+        self._registry = registry
+        self._powers = powers
+        self._link = link
+
+    async def invite(self, asked: CommandContext) -> Reply:
+        """Make an invitation, take one back, or open joining again.
+
+        Raises:
+            Refusal: Others read along, not theirs to give, or not understood.
+        """
+        by, rest = asked.caller.principal, asked.rest.strip()
+        check_private(asked)
+        self._powers.check(by, INVITE)
+        if not rest:
+            rights = self._registry.rights()
+            return Reply(messages.how_to_invite(tuple(rights.rulebook.roles), rights.fleet.skills))
+        first, _, other = rest.partition(" ")
+        if first == messages.BACK:
+            return await self._take_back(asked, other.strip())
+        if rest == messages.REOPEN:
+            return await self._reopen(asked)
+        return await self._invite(asked, rest)
+
+    async def _invite(self, asked: CommandContext, rest: str) -> Reply:
+        by = asked.caller.principal
+        wanted = read_invitation(rest, self._registry.rights())
+        async with self._registry.changes.turn() as turn:
+            self._powers.check(by, INVITE)
+            self._powers.check_give(by, wanted.given, within_s=wanted.code_ttl_s)
+            offer = self._registry.enrolment.invitations.invite(wanted, by)
+            await turn.write(offer.records)
+        link = self._link(asked.messenger, offer.code)
+        text = join_text(offer.code)
+        lines = [offer.sentence, messages.how_to_join(link, text)]
+        picture = None
+        if asked.messenger.platform == TERMINAL:
+            lines.append(qr_text(link or text))
+        else:
+            picture = await qr_picture(asked.messenger, "invitation.png", link or text)
+        made = offer.invitation
+        keep = partial(
+            self._registry.retracting.keep, f"{INVITATION} {made.id}", by, made.expires_ns
+        )
+        row = (messages.take_back_button(made.id, wanted.code_ttl_s),)
+        return Reply(joined("\n", lines), (row,), picture, landed=keep)
+
+    async def _take_back(self, asked: CommandContext, invitation: str) -> Reply:
+        by, made = asked.caller.principal, self._registry.enrolment.invitations
+        async with self._registry.changes.turn() as turn:
+            self._powers.check(by, INVITE)
+            records = made.withdraw(invitation, by)
+            written = await turn.act(records)
+        return Reply(messages.noted(messages.TAKEN_BACK, written=written), anew=True)
+
+    async def _reopen(self, asked: CommandContext) -> Reply:
+        """Let everybody have all their tries again after too many wrong codes."""
+        by = asked.caller.principal
+        async with self._registry.changes.turn() as turn:
+            self._powers.check(by, PEOPLE)
+            await turn.write(self._registry.enrolment.reopen(by))
+        return Reply(messages.REOPENED)

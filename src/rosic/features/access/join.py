@@ -7,7 +7,7 @@ import re
 from typing import TYPE_CHECKING
 
 from rosic.authoriser import messages
-from rosic.authoriser.admission import ApplicantWaits, CodeRedeemed, TurnedAway
+from rosic.authoriser.enrolment_records import ApplicantWaits, CodeRedeemed, TurnedAway
 from rosic.authoriser.invite_codes import code_said
 from rosic.core.i18n import joined
 from rosic.core.message import ChatKind, Standing
@@ -16,15 +16,15 @@ from rosic.core.secret import Secret
 from rosic.errors import Expired, RecordUnavailable, Refusal
 from rosic.features.access import messages as words
 from rosic.features.access.admin_policy import PEOPLE
-from rosic.features.access.inviting import INVITATION
+from rosic.features.access.invite import INVITATION
 from rosic.features.access.newcomer_chat import OfferedInvitation
 from rosic.gateway.builtin_commands import Reply
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rosic.authoriser.admission import EnrolmentAlarm
     from rosic.authoriser.enrolment import Enrolment
+    from rosic.authoriser.enrolment_records import EnrolmentAlarm
     from rosic.contracts.messenger import Messenger
     from rosic.core.message import Inbound
     from rosic.features.access.admin_policy import AdminPolicy
@@ -118,9 +118,13 @@ class JoinHandler:
         offered = OfferedInvitation(Secret(code), found.id, found.issuer, what, good_for_ns)
         if not text.lstrip().startswith("/"):  # a link's START shows nobody what it brings
             self._registry.retracting.keep(
-                f"{INVITATION} {found.id}", "", found.expires_ns,
-                messenger, inbound.chat, inbound.message,
-            )  # fmt: skip
+                f"{INVITATION} {found.id}",
+                "",
+                found.expires_ns,
+                messenger,
+                inbound.chat,
+                inbound.message,
+            )
         shown = words.invited(what, messenger.platform, messenger.assurance)
         return Reply(shown, self._doorstep.offer(inbound, offered))
 

@@ -15,8 +15,7 @@ from rosic.gateway.delivery.sender import OutgoingMessage
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Address, PrincipalId
     from rosic.core.message import Inbound

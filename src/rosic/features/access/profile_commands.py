@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import joined
 from rosic.core.language import clean_name
 from rosic.core.messages import named
-from rosic.core.policy.authority import RESUME
-from rosic.core.policy.scope import FLEET
+from rosic.core.policy.scope import FLEET, RESUME
 from rosic.features.access import access_messages, messages
 from rosic.features.access.admin_policy import PEOPLE
 from rosic.features.access.approve import buttons_for

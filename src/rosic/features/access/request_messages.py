@@ -76,8 +76,10 @@ def have_asked(names: Sequence[str], what: str, waits_s: int) -> str:
     """Return what whoever asks reads."""
     return said(
         "I have asked {names}: {what}. You hear from me within {wait}.",
-        names=_either(names), what=what, wait=length(waits_s),
-    )  # fmt: skip
+        names=_either(names),
+        what=what,
+        wait=length(waits_s),
+    )
 
 
 def reach_nobody(names: Sequence[str]) -> str:
@@ -166,8 +168,10 @@ def you_may_not(by: str, what: str, again_s: int) -> str:
     """Return what whoever asked reads."""
     return said(
         "{by} does not allow it: {what}. You can ask again in {wait}.",
-        by=by, what=what, wait=length(again_s),
-    )  # fmt: skip
+        by=by,
+        what=what,
+        wait=length(again_s),
+    )
 
 
 def nobody_answered(what: str, names: Sequence[str]) -> str:
@@ -253,8 +257,9 @@ def how_to_grant(role: str, robot: str) -> str:
         "Whom, what, where and for how long? Write for example: /grant NAME {role}{robot} for 2h\n"
         "Without a robot it is good everywhere, without a time until it is taken back. A single "
         "right is written ROBOT:SKILL.",
-        role=role_shown(role), robot=f" {robot}" if robot else "",
-    )  # fmt: skip
+        role=role_shown(role),
+        robot=f" {robot}" if robot else "",
+    )
 
 
 def no_time() -> str:

@@ -9,12 +9,13 @@ import asyncio
 from typing import TYPE_CHECKING, TypeGuard
 
 from rosic.authoriser import keys_messages
+from rosic.core.i18n import said
+from rosic.core.identity import OPERATOR
 from rosic.core.message import Button
 from rosic.core.records import Fact
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access import access_messages, messages
-from rosic.features.access.admin_policy import LOCK, PEOPLE
-from rosic.features.access.names import BY_ID, PersonNames, asked_again, sure
+from rosic.features.access.admin_policy import BY_ID, LOCK, PEOPLE, PersonNames, asked_again, sure
 from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.office import check_private
 from rosic.gateway.replies import LEAVE
@@ -22,13 +23,15 @@ from rosic.gateway.replies import LEAVE
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from rosic.authoriser.admission import Applicant
+    from rosic.authoriser.enrolment_records import Applicant
     from rosic.core.identity import Principal, PrincipalId
     from rosic.core.records import Record
     from rosic.features.access.admin_policy import AdminPolicy
     from rosic.features.access.context import AccessContext
-    from rosic.features.access.notices import AccessNotices
     from rosic.gateway.office import CommandContext
+
+
+# ---- ``/revoke``, ``/lock`` and ``/unlock``: whose access ends, for good or for now ----
 
 MYSELF = frozenset({"me", "myself", "mich"})
 
@@ -213,3 +216,48 @@ def _locked(person: Principal, by: PrincipalId, *, written: bool) -> Reply:
 
 def _all(found: Iterable[Iterable[Record]]) -> tuple[Record, ...]:
     return tuple(record for records in found for record in records)
+
+
+class AccessNotices:
+    """Tells them, in private, wherever they can be reached."""
+
+    def __init__(self, registry: AccessContext, powers: AdminPolicy) -> None:
+        self._registry = registry
+        self._powers = powers
+
+    def revoked(self, person: Principal, by: PrincipalId) -> None:
+        """Somebody's access has ended for good."""
+        self._person(person, keys_messages.ENDED)
+        self._admins(by, person, PEOPLE, access_messages.was_revoked(self._name(by), person.name))
+
+    def key_taken(self, person: Principal, by: PrincipalId) -> None:
+        """A key of somebody was taken back; perhaps it was their last one."""
+        if not self._registry.authoriser.directory.has_good_key(person.id):
+            self.revoked(person, by)
+            return
+        self._person(person, keys_messages.KEY_TAKEN)
+        self._admins(by, person, PEOPLE, access_messages.was_key_taken(self._name(by), person.name))
+
+    def locked(self, person: Principal, by: PrincipalId) -> None:
+        """Somebody is locked. Nothing is told to who did it in a chat: they read the answer."""
+        if by == OPERATOR:
+            self._person(person, keys_messages.LOCKED)
+        self._admins(by, person, LOCK, access_messages.was_locked(self._name(by), person.name))
+
+    def unlocked(self, person: Principal, by: PrincipalId) -> None:
+        """Somebody has their access back."""
+        name = self._name(by)
+        self._person(person, access_messages.you_are_unlocked(name))
+        self._admins(by, person, LOCK, access_messages.was_unlocked(name, person.name))
+
+    def _name(self, by: PrincipalId) -> str:
+        """Return who it was, as a sentence begins with it."""
+        return said("The operator") if by == OPERATOR else self._registry.name(by)
+
+    def _person(self, person: Principal, text: str) -> None:
+        self._registry.reach.tell((person.id,), text)
+
+    def _admins(self, by: PrincipalId, person: Principal, verb: str, text: str) -> None:
+        """Tell everybody else who looks after people: whoever it is about has heard of it."""
+        others = [who for who in self._powers.holders(verb, besides=by) if who != person.id]
+        self._registry.reach.tell(others, text, urgent=True)

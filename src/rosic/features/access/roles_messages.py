@@ -117,8 +117,11 @@ def question(name: str, role: Role, before: Role | None, people: Sequence[str]) 
         return said("Make the role {role}: {what}? {whom}", role=name, what=gives(role), whom=whom)
     return said(
         "Change the role {role} from {before} to {what}? {whom}",
-        role=name, before=gives(before), what=gives(role), whom=whom,
-    )  # fmt: skip
+        role=name,
+        before=gives(before),
+        what=gives(role),
+        whom=whom,
+    )
 
 
 def to_make(line: str) -> str:
@@ -150,21 +153,24 @@ def still_held(name: str, people: Sequence[str]) -> str:
     """Return who keeps a role from being taken back."""
     return said(
         "The role {role} is still held by {names}. Take it from them first. Nothing was done.",
-        role=name, names=listed(people),
-    )  # fmt: skip
+        role=name,
+        names=listed(people),
+    )
 
 
 def still_invited(name: str, people: Sequence[str]) -> str:
     """Return whose open invitations keep a role from being taken back."""
     return said(
         "The role {role} is named in an open invitation of {names}. Nothing was done.",
-        role=name, names=listed(people),
-    )  # fmt: skip
+        role=name,
+        names=listed(people),
+    )
 
 
 def still_included(name: str, roles: Sequence[str]) -> str:
     """Return which roles keep a role from being taken back."""
     return said(
         "The role {role} is included in {roles}. Nothing was done.",
-        role=role_shown(name), roles=roles_listed(roles),
-    )  # fmt: skip
+        role=role_shown(name),
+        roles=roles_listed(roles),
+    )

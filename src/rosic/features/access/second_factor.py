@@ -6,14 +6,13 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.authoriser import keys_messages
-from rosic.authoriser.qr import qr_text
+from rosic.authoriser.invite_codes import qr_text
 from rosic.authoriser.two_factor import SETUP_NS
 from rosic.core.i18n import joined
 from rosic.errors import RecordUnavailable
 from rosic.features.access import access_messages
-from rosic.features.access.admin_policy import PEOPLE
-from rosic.features.access.inviting import TERMINAL, qr_picture
-from rosic.features.access.names import PersonNames
+from rosic.features.access.admin_policy import PEOPLE, PersonNames
+from rosic.features.access.invite import TERMINAL, qr_picture
 from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.office import check_private
 
@@ -60,8 +59,10 @@ class SecondFactorCommands:
         until_ns = self._registry.clock.wall_ns() + SETUP_NS
         keep = partial(
             self._registry.retracting.keep,
-            f"{AUTHENTICATOR} {caller.principal}", caller.principal, until_ns,
-        )  # fmt: skip
+            f"{AUTHENTICATOR} {caller.principal}",
+            caller.principal,
+            until_ns,
+        )
         return Reply(joined("\n", lines), attachment=picture, landed=keep)
 
     async def code(self, asked: CommandContext) -> Reply:

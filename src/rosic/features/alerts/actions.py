@@ -15,10 +15,10 @@ from rosic.core.order import Request
 from rosic.core.records import Decided
 from rosic.errors import NotPermitted, RobotBusy, TakeOver, TooManyRequests
 from rosic.features.alerts import messages as words
-from rosic.features.alerts.book import AlertRun
+from rosic.features.alerts.active_alerts import AlertRun
 from rosic.gateway.order_status import OrderMessage
 from rosic.organiser.calendar_messages import length
-from rosic.organiser.grounds import NOTHING, AuthContext
+from rosic.organiser.organiser import NOTHING, AuthContext
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rosic.core.order import Permit
     from rosic.core.order_status import Face
     from rosic.core.robot.profile import RobotId
-    from rosic.features.alerts.book import AlertLog
+    from rosic.features.alerts.active_alerts import AlertLog
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.delivery.sender import ChatSender
@@ -217,9 +217,16 @@ class AlertActions:
         now_ns, wall_ns = self._clock.monotonic_ns(), self._clock.wall_ns()
         lives_ns = skill.order_lifetime_ns
         return Request(
-            cid, rule.robot, skill, line.spoken, line.text, wall_ns, 0, now_ns + lives_ns,
+            cid,
+            rule.robot,
+            skill,
+            line.spoken,
+            line.text,
+            wall_ns,
+            0,
+            now_ns + lives_ns,
             wall_ns + lives_ns,
-        )  # fmt: skip
+        )
 
     async def _take_over(self, rule: AlertRule, caller: Caller, needed: TakeOver) -> None:
         shown = self._rooms.profiles[rule.robot].shown

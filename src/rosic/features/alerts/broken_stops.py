@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import RobotId
-    from rosic.features.alerts.circles import Recipients
+    from rosic.features.alerts.recipients import Recipients
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+import asyncio
+import logging
+from typing import TYPE_CHECKING, Final, NamedTuple
 
+from rosic.contracts.messenger import reactions_of
 from rosic.core.i18n import joined
 from rosic.core.language import clean
 from rosic.core.message import Button
 from rosic.core.messages import no_robot
 from rosic.core.records import Decided
-from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
+from rosic.errors import MessengerFault, NotPermitted, NotUnderstood, OutOfBounds
 from rosic.features.access.invite import length_said
 from rosic.features.alerts import gathered_messages
 from rosic.features.alerts import messages as words
-from rosic.features.alerts.book import Silence
+from rosic.features.alerts.active_alerts import Silence
 from rosic.features.alerts.evaluator import LISTED_AT_MOST
 from rosic.features.alerts.notifications import MANY
 from rosic.gateway.builtin_commands import Reply
@@ -22,13 +25,19 @@ from rosic.gateway.office import check_length
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator, Sequence
 
+    from rosic.authoriser.directory import Directory
+    from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
+    from rosic.core.message import Reaction
     from rosic.core.robot.profile import RobotId
-    from rosic.features.alerts.evaluator import AlertEvaluator
-    from rosic.features.alerts.following import ActiveRule
+    from rosic.features.alerts.evaluator import ActiveRule, AlertEvaluator
     from rosic.gateway.components import Components
+    from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.office import CommandContext, CommandRegistry
     from rosic.gateway.transactions import Transactions
+
+
+# ---- ``/alerts``, ``/seen``, ``/mute`` and ``/unmute``: what people say about alarms ----
 
 USUAL_S = 3_600.0
 SHORTEST_S = 60.0
@@ -257,3 +266,73 @@ def _tail(said: list[str]) -> tuple[str, float | None]:
             named = said[: at - 1] if at and said[at - 1] == "for" else said[:at]
             return "_".join(named), seconds
     return "_".join(said), None
+
+
+# ---- a thumb beside an alarm: whoever puts it there has seen it, within their own rights ----
+
+SEEN: Final = frozenset({"👍", "👌", "👀", "🫡", "🆒"})
+"""Any other says something else, or nothing: a thumb down is no acknowledgement."""
+NOTED: Final = "👌"
+_COLOURED: Final = "\ufe0f"
+
+log = logging.getLogger("rosic.alerts")
+
+
+class AlertReactions:
+    """Follows reactions. They are asked of nobody, so what means nothing is met with silence."""
+
+    def __init__(self, alerting: AlertEvaluator, directory: Directory, reach: Notifier) -> None:
+        self._alerting = alerting
+        self._directory = directory
+        self._reach = reach
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def reacted(self, messenger: Messenger, reaction: Reaction) -> None:
+        """Take an emoji beside an alarm that is open for what it says. Returns at once."""
+        if SEEN.isdisjoint(emoji.replace(_COLOURED, "") for emoji in reaction.emoji):
+            return
+        found = self._directory.at(reaction.who) if reaction.who is not None else None
+        placed, circles = self._alerting.telling.placed, self._alerting.circles
+        told = placed.of(messenger, reaction.chat, reaction.message)
+        if found is None or not told:
+            return
+        who = found[0].id
+        meant = [f for f in self._alerting.meant(told) if circles.may_hear(who, f.rule.robot)]
+        if not meant:
+            return
+        # Answered once, whatever else is put there: nobody is to be talked at for their thumbs.
+        self._alerting.write(placed.answered(messenger, reaction.chat, reaction.message))
+        theirs = [f for f in meant if circles.may_acknowledge(who, f.rule.robot)]
+        fresh = [f for f in theirs if self._alerting.seen(f, who)]
+        if not theirs:
+            self._reach.tell((who,), words.may_not(self._alerting.shown(meant[0].rule)))
+        elif fresh:
+            self._confirm(messenger, reaction, who, fresh)
+        else:
+            self._reach.tell((who,), self._alerting.seen_before(theirs[0]))
+
+    def _confirm(
+        self, messenger: Messenger, reaction: Reaction, who: PrincipalId, fresh: list[ActiveRule]
+    ) -> None:
+        text = self._alerting.noted(fresh)
+        task = asyncio.create_task(self._nod(messenger, reaction, who, text))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _nod(
+        self, messenger: Messenger, reaction: Reaction, who: PrincipalId, otherwise: str
+    ) -> None:
+        """Answer with a sign as quick as theirs; in words where that cannot be."""
+        react = reactions_of(messenger)
+        try:
+            if react is not None:
+                await react(reaction.chat, reaction.message, NOTED)
+                return
+        except MessengerFault as fault:
+            log.info("said in words, as a reaction was not taken: %s", fault)
+        self._reach.tell((who,), otherwise)
+
+    async def close(self) -> None:
+        """Follow nothing any more."""
+        for task in self._tasks:
+            task.cancel()

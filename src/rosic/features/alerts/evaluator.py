@@ -9,18 +9,16 @@ from typing import TYPE_CHECKING
 import msgspec
 from msgspec.structs import replace
 
-from rosic.core.alerts.state import AlertEvent
+from rosic.core.alerts.state import AlertEvent, AlertWatch
 from rosic.core.records import Decided
 from rosic.errors import Refusal, RosicError
 from rosic.features.alerts import gathered_messages
 from rosic.features.alerts import messages as words
-from rosic.features.alerts.active_alerts import ActiveAlert, unpacked
-from rosic.features.alerts.book import Alarm
-from rosic.features.alerts.following import ActiveRule
+from rosic.features.alerts.active_alerts import ActiveAlert, Alarm, unpacked
 from rosic.features.alerts.notifications import AlertNotifications
 from rosic.features.alerts.recipients import AlertNews, NewsKind
 from rosic.gateway.scheduling import go_round
-from rosic.gateway.writing import WriteBehind
+from rosic.gateway.transactions import WriteBehind
 from rosic.organiser.calendar_messages import length
 
 if TYPE_CHECKING:
@@ -34,11 +32,46 @@ if TYPE_CHECKING:
     from rosic.core.records import Record
     from rosic.core.robot.profile import Presence, RobotId
     from rosic.features.alerts.actions import AlertActions
-    from rosic.features.alerts.book import AlertLog
-    from rosic.features.alerts.circles import Recipients
+    from rosic.features.alerts.active_alerts import AlertLog
+    from rosic.features.alerts.recipients import Recipients
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notification, Notifier
     from rosic.gateway.transactions import Transactions
+
+
+# ---- one rule as it is followed, and what it says of now ----
+
+
+class ActiveRule:
+    """A rule, where it is, and the alarm it has raised.
+
+    Attributes:
+        alarm: What is open now; None: nobody was told of anything.
+    """
+
+    __slots__ = ("alarm", "rule", "watch")
+
+    def __init__(self, rule: AlertRule) -> None:
+        self.rule = rule
+        self.watch = AlertWatch(rule.pace)
+        self.alarm: Alarm | None = None
+
+    def now(self, presence: Presence) -> str:
+        """Return what is measured, as people read it."""
+        return words.value(self.rule.condition, self.rule.condition.value(presence))
+
+    @property
+    def unseen(self) -> bool:
+        """Whether it is open, and nobody has said that they saw it."""
+        return self.watch.announced and self.alarm is not None and not self.alarm.by
+
+    def called(self, named: str) -> bool:
+        """Whether somebody means it: by its name, its beginning, or what it measures."""
+        rule = self.rule
+        return rule.alert.name.startswith(named) or rule.condition.name == named
+
+
+# ---- looks at what robots report, a second at a time, and tells whom a rule means ----
 
 # Robots report some times a second; a rule counts in seconds.
 EVERY_S = 0.5

@@ -29,9 +29,10 @@ def worst_first(rules: Iterable[AlertRule]) -> list[AlertRule]:
 def alarms(rules: Sequence[AlertRule], shown: Callable[[AlertRule], str]) -> str:
     """Return many alarms in one message."""
     head = said_n(
-        "Alarms of one robot, the worst first:", "Alarms of {n} robots, the worst first:",
+        "Alarms of one robot, the worst first:",
+        "Alarms of {n} robots, the worst first:",
         _robots(rules),
-    )  # fmt: skip
+    )
     return joined("\n", [head, *lines(rules, shown)])
 
 
@@ -44,9 +45,11 @@ def over(rules: Sequence[AlertRule], shown: Callable[[AlertRule], str]) -> str:
 def seen(name: str, rules: Sequence[AlertRule], shown: Callable[[AlertRule], str]) -> str:
     """Return what the others read when somebody has seen many."""
     head = said_n(
-        "{name} has seen alarms of one robot:", "{name} has seen alarms of {n} robots:",
-        _robots(rules), name=name,
-    )  # fmt: skip
+        "{name} has seen alarms of one robot:",
+        "{name} has seen alarms of {n} robots:",
+        _robots(rules),
+        name=name,
+    )
     return joined("\n", [head, *lines(rules, shown)])
 
 
@@ -54,8 +57,9 @@ def you_saw(rules: Sequence[AlertRule], shown: Callable[[AlertRule], str]) -> st
     """Return what whoever has seen many reads."""
     head = said_n(
         "Noted, for one robot. I tell you when it is over:",
-        "Noted, for {n} robots. I tell you when it is over:", _robots(rules),
-    )  # fmt: skip
+        "Noted, for {n} robots. I tell you when it is over:",
+        _robots(rules),
+    )
     return joined("\n", [head, *lines(rules, shown)])
 
 
@@ -70,9 +74,12 @@ def notes(news: Sequence[AlertNews], shown: Callable[[AlertRule], str]) -> str:
 
 
 def lines(
-    rules: Iterable[AlertRule], shown: Callable[[AlertRule], str], *, named: int = NAMED,
+    rules: Iterable[AlertRule],
+    shown: Callable[[AlertRule], str],
+    *,
+    named: int = NAMED,
     most: int = LINES_AT_MOST,
-) -> list[str]:  # fmt: skip
+) -> list[str]:
     """Return one line for each thing that is wrong, with whom it is wrong with; the worst first."""
     groups: dict[tuple[Severity, str], list[str]] = {}
     for rule in worst_first(rules):

@@ -115,8 +115,11 @@ def muted_line(rule: AlertRule, shown: str, name: str, until: str) -> str:
     """Return one muted rule in the list."""
     return said(
         "{robot}: {rule} is muted until {time}, by {name}.",
-        robot=shown, rule=rule.alert.name, time=until, name=name,
-    )  # fmt: skip
+        robot=shown,
+        rule=rule.alert.name,
+        time=until,
+        name=name,
+    )
 
 
 def muted(shown: str, rules: Sequence[AlertRule], until: str) -> str:
@@ -124,8 +127,10 @@ def muted(shown: str, rules: Sequence[AlertRule], until: str) -> str:
     names = ", ".join(rule.alert.name for rule in rules)
     return said(
         "{robot}: {rules} muted until {time}. Nobody is told of it, and it runs nothing.",
-        robot=shown, rules=names, time=until,
-    )  # fmt: skip
+        robot=shown,
+        rules=names,
+        time=until,
+    )
 
 
 def was_muted(shown: str, rules: Sequence[AlertRule], name: str, until: str) -> str:
@@ -133,8 +138,11 @@ def was_muted(shown: str, rules: Sequence[AlertRule], name: str, until: str) -> 
     names = ", ".join(rule.alert.name for rule in rules)
     return said(
         "{robot}: {name} has muted {rules} until {time}.",
-        robot=shown, name=name, rules=names, time=until,
-    )  # fmt: skip
+        robot=shown,
+        name=name,
+        rules=names,
+        time=until,
+    )
 
 
 def unmuted(shown: str, rules: Sequence[AlertRule]) -> str:
@@ -195,8 +203,11 @@ def not_run(rule: AlertRule, shown: str, why: str) -> str:
     """Return that a rule's order came to nothing."""
     return said(
         "{robot} was not asked to {run} by the rule {rule}: {why}",
-        robot=shown, run=clean(rule.alert.run), rule=rule.alert.name, why=why,
-    )  # fmt: skip
+        robot=shown,
+        run=clean(rule.alert.run),
+        rule=rule.alert.name,
+        why=why,
+    )
 
 
 def acted(rule: AlertRule, shown: str) -> str:
@@ -206,8 +217,9 @@ def acted(rule: AlertRule, shown: str) -> str:
     if rule.act == REALLOCATE:
         return said(
             "The rule {rule} gave the task of {robot} to another.",
-            robot=shown, rule=rule.alert.name,
-        )  # fmt: skip
+            robot=shown,
+            rule=rule.alert.name,
+        )
     return said("{robot} was stopped by the rule {rule}.", robot=shown, rule=rule.alert.name)
 
 
@@ -260,5 +272,7 @@ def took_over(shown: str, name: str, rule: AlertRule) -> str:
     """Return what whoever has the robot reads before a rule takes it over."""
     return said(
         "{robot} is taken over now, by {name}'s rule {rule}.",
-        robot=shown, name=name, rule=rule.alert.name,
-    )  # fmt: skip
+        robot=shown,
+        name=name,
+        rule=rule.alert.name,
+    )

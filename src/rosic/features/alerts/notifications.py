@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat
     from rosic.core.records import Record
     from rosic.features.alerts.active_alerts import ActiveAlert
-    from rosic.features.alerts.circles import Recipients
+    from rosic.features.alerts.recipients import Recipients
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
 
@@ -109,9 +109,12 @@ class AlertNotifications:
         return (*self.buttons(rule), status) if acts else (status,)
 
     def _notice(
-        self, text: str, rules: Iterable[AlertRule], told: tuple[ActiveAlert, ...],
+        self,
+        text: str,
+        rules: Iterable[AlertRule],
+        told: tuple[ActiveAlert, ...],
         buttons: tuple[Button, ...],
-    ) -> Notification:  # fmt: skip
+    ) -> Notification:
         return Notification(
             text=text,
             buttons=(buttons,),

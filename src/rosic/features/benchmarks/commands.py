@@ -7,12 +7,21 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import joined, said
 from rosic.core.language import inert_text
 from rosic.core.robot.benchmark import BenchmarkKind
+from rosic.gateway.builtin_commands import Reply
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from rosic.core.order_status import Face
     from rosic.core.robot.benchmark import Deviation
-    from rosic.features.benchmarks.evaluation import BenchmarkVerdict
+    from rosic.core.robot.profile import RobotId
+    from rosic.features.benchmarks.evaluation import BenchmarkEvaluation, BenchmarkVerdict
+    from rosic.features.booking.robot_argument import RobotArgument
+    from rosic.gateway.components import Components
+    from rosic.gateway.office import CommandContext
+
+
+# ---- what people read about benchmarks, and about how a robot is set ----
 
 VALUE_AT_MOST = 60
 
@@ -40,12 +49,16 @@ def deviation(one: Deviation) -> str:
     if one.kind is BenchmarkKind.ENERGY:
         return said(
             "{used} {unit} of the battery instead of {most} {unit}",
-            used=f"{one.found:.1f}", most=f"{one.bound:.1f}", unit=one.unit,
-        )  # fmt: skip
+            used=f"{one.found:.1f}",
+            most=f"{one.bound:.1f}",
+            unit=one.unit,
+        )
     return said(
         "{name} off by {error}, at most {most}",
-        name=one.name.replace("_", " "), error=f"{one.found:.3g}", most=f"{one.bound:.3g}",
-    )  # fmt: skip
+        name=one.name.replace("_", " "),
+        error=f"{one.found:.3g}",
+        most=f"{one.bound:.3g}",
+    )
 
 
 def head(shown: str) -> str:
@@ -61,8 +74,10 @@ def verdict(one: BenchmarkVerdict) -> str:
     else:
         line = said(
             "{skill}: took {s} s, expected {expected} s",
-            skill=one.skill, s=took, expected=f"{one.expected_s:.1f}",
-        )  # fmt: skip
+            skill=one.skill,
+            s=took,
+            expected=f"{one.expected_s:.1f}",
+        )
     found = [deviation(each) for each in one.deviations]
     return joined(" · ", [line, *(found or [said("as expected")])])
 
@@ -86,3 +101,46 @@ def setting(name: str, value: object, by: str, when: str) -> str:
     """Return one parameter."""
     shown = f"{value:g}" if isinstance(value, float) else inert_text(str(value))[:VALUE_AT_MOST]
     return said("{name} = {value}, by {who} {time}", name=name, value=shown, who=by, time=when)
+
+
+# ---- ``/benchmark``: how a robot does against what is expected of it, and how it is set ----
+
+
+class BenchmarkCommands:
+    """Answers for robots that the asker may see."""
+
+    def __init__(
+        self, judging: BenchmarkEvaluation, rooms: Components, naming: RobotArgument, face: Face
+    ) -> None:
+        self._judging = judging
+        self._rooms = rooms
+        self._naming = naming
+        self._face = face
+
+    async def benchmark(self, asked: CommandContext) -> Reply:
+        """Say how a robot does.
+
+        Raises:
+            Refusal: There is no such robot, as far as this person may know.
+        """
+        robot, _ = self._naming.robot(asked, "/benchmark", asked.rest)
+        profile = self._rooms.profiles[robot]
+        verdicts = self._judging.verdicts.get(robot, {})
+        lines: list[str] = []
+        for skill in profile.skills.values():
+            if skill.benchmark is not None:
+                done = verdicts.get(skill.id)
+                title = skill.shown
+                lines.append(not_yet(title) if done is None else verdict(done))
+        text = joined("\n", [head(profile.shown), *lines]) if lines else ""
+        parts = [text or none(profile.shown), self._settings(robot)]
+        return Reply(joined("\n", [part for part in parts if part]))
+
+    def _settings(self, robot: RobotId) -> str:
+        organiser = self._rooms.organiser
+        kept = self._judging.settings.of.get(robot, {})
+        lines = [
+            setting(name, one.value, organiser.name_of(one.by), self._face(one.at_ns))
+            for name, one in kept.items()
+        ]
+        return settings(lines) if lines else ""

@@ -15,12 +15,12 @@ from rosic.core.robot.profile import Slots
 from rosic.core.slot import SLOT, BookedSlot, Pattern, read_fact
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 from rosic.features.booking import messages as words
-from rosic.features.booking.deciding import decided
+from rosic.features.booking.context import decided
 from rosic.features.booking.robot_argument import RobotArgument
 from rosic.gateway.builtin_commands import Reply
 from rosic.organiser.calendar_conflicts import SlotTaken
 from rosic.organiser.calendar_messages import moment
-from rosic.organiser.occasions import occasion, occasions
+from rosic.organiser.recurrence import occasion, occasions
 
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId

@@ -13,7 +13,7 @@ from rosic.core.language.sanitise import echo
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood
 from rosic.features.booking import messages as words
-from rosic.features.booking.deciding import decided
+from rosic.features.booking.context import decided
 from rosic.features.booking.messages import CANCEL
 from rosic.features.booking.robot_argument import RobotArgument
 from rosic.gateway.builtin_commands import Reply

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from typing import TypeAlias
+from hashlib import blake2b
+from typing import TYPE_CHECKING, TypeAlias
 
 import msgspec
 
@@ -12,6 +13,7 @@ from rosic.core.identity import PrincipalId
 from rosic.core.language import Vocabulary
 from rosic.core.lease import Lease
 from rosic.core.message import Chat
+from rosic.core.records import Decided, Fact
 from rosic.core.robot.profile import RobotId
 from rosic.core.slot import BookedSlot
 from rosic.errors import Refusal
@@ -21,6 +23,12 @@ from rosic.organiser.calendar import Calendar
 from rosic.organiser.planning.wishes import Wishes
 from rosic.organiser.timezones import Zone
 from rosic.organiser.wait_queue import WaitingList
+
+if TYPE_CHECKING:
+    from rosic.core.records import Record
+
+
+# ---- what the clerks and the keeper of times work with, as the composition root made it ----
 
 Handover: TypeAlias = Callable[[RobotId, str], Awaitable[bool]]
 
@@ -88,3 +96,18 @@ class BookingContext(msgspec.Struct, frozen=True, kw_only=True):
         """Return somebody's slots that are not over, in order."""
         now_ns = self.clock.wall_ns()
         return tuple(slot for slot in self.calendar.of(principal) if slot.end_ns > now_ns)
+
+
+# ---- how a change of times is written down: who decided it, and what was decided ----
+
+_DIGEST_BYTES = 16
+
+
+def decided(act: str, by: PrincipalId, at_ns: int, facts: tuple[Fact, ...]) -> tuple[Record, ...]:
+    """Return facts with who decided them before them; the first fact is what it is about."""
+    digest = blake2b(digest_size=_DIGEST_BYTES)
+    for fact in facts:
+        digest.update(ascii((fact.kind, fact.key)).encode())
+        digest.update(fact.body)
+    about = facts[0].key
+    return (Decided(act=act, by=by, about=about, at_ns=at_ns, digest=digest.digest()), *facts)

@@ -12,8 +12,8 @@ from rosic.core.message import Button
 from rosic.core.slot import SlotId
 from rosic.features.booking import keeper_messages
 from rosic.features.booking import messages as words
-from rosic.features.booking.deciding import decided
-from rosic.features.booking.vacancy import SECOND_NS
+from rosic.features.booking.context import decided
+from rosic.features.booking.slots import SECOND_NS
 from rosic.organiser.calendar_messages import moment
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.core.slot import BookedSlot
     from rosic.features.booking.context import BookingContext
-    from rosic.features.booking.vacancy import Availability
+    from rosic.features.booking.slots import Availability
 
 POLL_NS = 5 * SECOND_NS
 

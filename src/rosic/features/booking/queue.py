@@ -10,11 +10,11 @@ from rosic.core.language.keywords import NOTHING
 from rosic.core.message import Button
 from rosic.errors import NotPermitted, NotUnderstood, RobotTaken
 from rosic.features.booking import messages as words
-from rosic.features.booking.deciding import decided
+from rosic.features.booking.context import decided
 from rosic.features.booking.robot_argument import RobotArgument
 from rosic.gateway.builtin_commands import Reply
 from rosic.organiser.calendar_messages import moment
-from rosic.organiser.waiting_messages import your_place
+from rosic.organiser.wait_queue import your_place
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import said
 from rosic.core.message import Button
 from rosic.features.booking import messages as words
-from rosic.features.booking.vacancy import SECOND_NS
-from rosic.organiser.waiting_messages import turn_over, your_turn
+from rosic.features.booking.slots import SECOND_NS
+from rosic.organiser.wait_queue import turn_over, your_turn
 
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import RobotId
     from rosic.features.booking.context import BookingContext
-    from rosic.features.booking.vacancy import Availability
+    from rosic.features.booking.slots import Availability
     from rosic.organiser.wait_queue import TurnOffer
 
 POLL_NS = 5 * SECOND_NS

@@ -18,10 +18,10 @@ from rosic.features.booking import messages, scheduler_messages
 from rosic.features.booking.robot_argument import RobotArgument
 from rosic.gateway.builtin_commands import Reply
 from rosic.organiser.calendar_conflicts import SlotTaken
-from rosic.organiser.occasions import occasion
 from rosic.organiser.planning.problem import PRIORITIES
 from rosic.organiser.planning.wish_file import length_of
 from rosic.organiser.planning.wishes import place_of
+from rosic.organiser.recurrence import occasion
 
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId

@@ -17,8 +17,8 @@ from rosic.gateway.builtin_commands import Reply
 if TYPE_CHECKING:
     from rosic.core.language import Vocabulary
     from rosic.core.robot.profile import RobotId
+    from rosic.features.dashboard.dashboard import RobotSnapshots
     from rosic.features.dashboard.dashboards import Dashboards
-    from rosic.features.dashboard.glimpses import RobotSnapshots
     from rosic.features.dashboard.rendering import DashboardQueries
     from rosic.gateway.office import CommandContext
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat, Outbound
     from rosic.core.records import Fact
     from rosic.core.robot.profile import RobotId
-    from rosic.features.dashboard.glimpses import RobotSnapshots
+    from rosic.features.dashboard.dashboard import RobotSnapshots
     from rosic.features.dashboard.rendering import DashboardQueries
     from rosic.gateway.transactions import Transactions
 
@@ -135,9 +135,14 @@ class Dashboards:
         return tuple(c for c in self._cards.values() if c.chat.kind is ChatKind.CHANNEL)
 
     def begin(
-        self, messenger: Messenger, chat: Chat, owner: PrincipalId, robots: tuple[RobotId, ...],
-        *, pinned: bool,
-    ) -> None:  # fmt: skip
+        self,
+        messenger: Messenger,
+        chat: Chat,
+        owner: PrincipalId,
+        robots: tuple[RobotId, ...],
+        *,
+        pinned: bool,
+    ) -> None:
         """Begin a card in a new message; an older one of this chat ends.
 
         Args:

@@ -131,8 +131,10 @@ def pictured(shown: str, time_of_day: str, until: str) -> str:
     if until:
         return said(
             "picture of {robot}: {time}, renewed until {until}",
-            robot=shown, time=time_of_day, until=until,
-        )  # fmt: skip
+            robot=shown,
+            time=time_of_day,
+            until=until,
+        )
     return said("picture of {robot}: {time}", robot=shown, time=time_of_day)
 
 

@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rosic.contracts.clock import Clock
-    from rosic.features.dashboard.dashboard import Dashboard
-    from rosic.features.dashboard.glimpses import RobotSnapshots
+    from rosic.features.dashboard.dashboard import Dashboard, RobotSnapshots
 
 ROBOTS_AT_MOST: Final = 12
 """More do not fit into one message of every messenger."""
@@ -90,9 +89,12 @@ class DashboardRendering:
         return {robot: self._glimpses.number(robot) for robot in robots[:ROBOTS_AT_MOST]}
 
     def text(
-        self, chat: Chat, owner: PrincipalId, robots: tuple[RobotId, ...],
+        self,
+        chat: Chat,
+        owner: PrincipalId,
+        robots: tuple[RobotId, ...],
         most: int = ROBOTS_AT_MOST,
-    ) -> str:  # fmt: skip
+    ) -> str:
         """Return how these robots are, at most so many of them."""
         lines: list[str] = []
         if chat.kind is ChatKind.CHANNEL:
@@ -132,8 +134,11 @@ class DashboardRendering:
         if (picture := card.picture) is not None:
             left_ns = self.picturing.renewed_for_ns(card)
             until = self._sides.face(now_ns + left_ns) if left_ns else ""
-            lines.append(words.pictured(self._sides.shown(picture.robot),
-                                        self._sides.face(picture.at_ns), until))  # fmt: skip
+            lines.append(
+                words.pictured(
+                    self._sides.shown(picture.robot), self._sides.face(picture.at_ns), until
+                )
+            )
         sights = self.picturing.row(card, robots)
         stop = (_stop_button(robots if card.robots else ()),)
         outbound = Outbound(

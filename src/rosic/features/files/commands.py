@@ -43,9 +43,11 @@ class FileCommands:
         self._aside: BackgroundTransfer | None = None
         self._plain: Plain = _as_it_is
         self.further: dict[str, Part] = {
-            "get": self._get, "holen": self._get,
-            "delete": self._delete, "löschen": self._delete,
-        }  # fmt: skip
+            "get": self._get,
+            "holen": self._get,
+            "delete": self._delete,
+            "löschen": self._delete,
+        }
 
     def take_time(self, aside: BackgroundTransfer, plain: Plain) -> None:
         """Let large files go beside the chat."""

@@ -15,7 +15,7 @@ from rosic.container.file_types import SORTS, file_name
 from rosic.container.messages import age
 from rosic.core.i18n import joined
 from rosic.core.message import Attachment, Button, Pieces
-from rosic.core.policy.authority import FILES
+from rosic.core.policy.scope import FILES
 from rosic.core.records import Decided
 from rosic.core.robot.file_transfer import FileForRobot
 from rosic.errors import (

@@ -30,7 +30,7 @@ from rosic.errors import (
 )
 from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.button_rows import rows
-from rosic.gateway.requesting import message_parts
+from rosic.gateway.requests import message_parts
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable

@@ -7,11 +7,12 @@ give a robot up: what would want that is refused, and said.
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.container.records import ReplyTo
 from rosic.core.deadman import INTERRUPTED, STOOD_STILL
 from rosic.core.fleet.events import End
+from rosic.core.fleet.task import TaskReason
 from rosic.core.i18n import in_language, joined
 from rosic.core.identity import command_id
 from rosic.core.order import Ending, Outcome, Request
@@ -29,27 +30,32 @@ from rosic.errors import (
 )
 from rosic.features.alerts.actions import RuleRequester
 from rosic.features.fleet import messages as words
-from rosic.features.fleet.reading import step_for
+from rosic.features.fleet.task_parser import step_for
 from rosic.gateway.limit_clamping import LimitClamping
 from rosic.gateway.order_status import OrderMessage, stop_button
-from rosic.gateway.requesting import RequestFactory
-from rosic.organiser.grounds import NOTHING
+from rosic.gateway.requests import RequestFactory
+from rosic.gateway.resting import comes_to_rest
+from rosic.organiser.organiser import NOTHING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
-    from rosic.core.fleet.events import Begin
+    from rosic.core.fleet.events import Begin, Recall
     from rosic.core.fleet.task import Task
     from rosic.core.identity import Caller, CommandId, PrincipalId
     from rosic.core.language import Do
     from rosic.core.message import Chat
     from rosic.core.order import Order, Permit
     from rosic.core.order_status import Face, StatusTexts
+    from rosic.core.robot.profile import RobotId
     from rosic.features.alerts.actions import AlertActionServices
     from rosic.features.fleet.dispatch_state import TaskText
     from rosic.gateway.components import Components
+
+
+# ---- one attempt at a step of a task: an order like any other, as the task's author ----
 
 NEVER = (NotPermitted, OutOfBounds, NotUnderstood, FirstNeeded)
 """What a robot will refuse the next time as well."""
@@ -174,9 +180,16 @@ class TaskAttempts:
         now_ns, wall_ns = self._clock.monotonic_ns(), self._clock.wall_ns()
         lives_ns = skill.order_lifetime_ns
         return Request(
-            cid, doing.robot, skill, line.spoken, said.lines[doing.step], wall_ns, 0,
-            now_ns + lives_ns, wall_ns + lives_ns,
-        )  # fmt: skip
+            cid,
+            doing.robot,
+            skill,
+            line.spoken,
+            said.lines[doing.step],
+            wall_ns,
+            0,
+            now_ns + lives_ns,
+            wall_ns + lives_ns,
+        )
 
     def _where(self, task: Task, said: TaskText) -> tuple[Messenger, Chat]:
         """Return where the order is shown: where the task was given, or else in private."""
@@ -279,3 +292,51 @@ def _took(permits: tuple[Permit, ...]) -> bool:
 
 def _unheard(_outcome: Outcome) -> None:
     return None
+
+
+CUT_OFF: Final = frozenset({TaskReason.LOST})
+"""Nobody can see whether it rests: it is stopped, and stays so until a person has looked."""
+
+
+class TaskRecall:
+    """Ends what a robot does for a task, and nothing else that it does."""
+
+    def __init__(self, rooms: Components, hands: AlertActionServices, clock: Clock) -> None:
+        self._rooms = rooms
+        self._hands = hands
+        self._clock = clock
+
+    async def recall(self, doing: Recall, author: PrincipalId, cid: CommandId) -> bool:
+        """Return once the robot rests, or once nothing counts that it does for the task.
+
+        Args:
+            doing: Which robot, and why.
+            author: In whose name it was asked.
+            cid: Of the order.
+
+        Returns:
+            Whether it was seen at rest, or its side cannot say. If not it was stopped: everything
+            that it was asked before is void, however late it hears of it.
+        """
+        robot, linker = doing.robot, self._rooms.linker
+        if doing.why in CUT_OFF or linker.presence(robot).online is False:
+            self._cut_off(robot, author)
+            return False
+        await self._hands.lives.cut_order(robot, cid, words.reason(doing.task, doing.why))
+        rested = await comes_to_rest(linker, self._clock, robot)
+        if not rested:
+            self._cut_off(robot, author)
+        else:
+            self._give_back(robot, author)
+        return rested
+
+    def _cut_off(self, robot: RobotId, author: PrincipalId) -> None:
+        """Stop it, and take it from whoever has it: late answers and late orders are void."""
+        self._hands.stop_lane.stop_robots((robot,), "")
+        if self._rooms.organiser.holder(robot) == author:
+            self._rooms.organiser.release(robot)
+
+    def _give_back(self, robot: RobotId, author: PrincipalId) -> None:
+        organiser = self._rooms.organiser
+        if organiser.holder(robot) == author and not organiser.lease(robot).active:
+            organiser.release(robot)

@@ -41,9 +41,13 @@ class RuleTasks:
         fleet = self._dispatching.fleet
         key = fleet.holds.get(robot)
         task = None if key is None else fleet.tasks[key]
-        if task is None or not self._others(task, robot) or not await self._dispatching.feed(
-            e.Deviated(task.id, task.attempt, TaskReason.LATE), happened=True
-        ):  # fmt: skip
+        if (
+            task is None
+            or not self._others(task, robot)
+            or not await self._dispatching.feed(
+                e.Deviated(task.id, task.attempt, TaskReason.LATE), happened=True
+            )
+        ):
             raise RobotBusy(words.no_tasks(self._rooms.profiles[robot].shown))
 
     def _others(self, task: Task, robot: RobotId) -> bool:

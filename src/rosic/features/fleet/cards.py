@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final
 from rosic.core.i18n import joined
 from rosic.core.message import ChatKind
 from rosic.features.dashboard import messages as words
+from rosic.features.dashboard.dashboard import RobotSnapshots
 from rosic.features.dashboard.dashboards import Dashboards
-from rosic.features.dashboard.glimpses import RobotSnapshots
 from rosic.features.dashboard.rendering import ROBOTS_AT_MOST, DashboardRendering
 
 if TYPE_CHECKING:

@@ -17,9 +17,8 @@ from rosic.core.fleet.transitions import react
 from rosic.core.order import Ending
 from rosic.errors import RecordUnavailable, Refusal, RosicError, Unrecognised
 from rosic.features.fleet.attempt import TaskRequester, attempt_id, end_after, end_of
-from rosic.features.fleet.dispatch_state import TaskTexts
+from rosic.features.fleet.dispatch_state import RetryBackoff, TaskTexts
 from rosic.features.fleet.origins import IdempotencyKeys
-from rosic.features.fleet.patience import RetryBackoff
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Coroutine, Iterable
@@ -30,9 +29,8 @@ if TYPE_CHECKING:
     from rosic.core.order import Order, Outcome
     from rosic.core.records import Decided, Record
     from rosic.core.robot.profile import RobotId
-    from rosic.features.fleet.attempt import TaskAttempt, TaskAttempts
+    from rosic.features.fleet.attempt import TaskAttempt, TaskAttempts, TaskRecall
     from rosic.features.fleet.dispatch_state import TaskText
-    from rosic.features.fleet.recalling import TaskRecall
     from rosic.gateway.components import Components
     from rosic.gateway.transactions import Transactions
 
@@ -61,9 +59,14 @@ class TaskDispatcher:
     """
 
     def __init__(
-        self, rooms: Components, changes: Transactions, clock: Clock, attempting: TaskAttempts,
-        recalling: TaskRecall, behind: Callable[[], bool],
-    ) -> None:  # fmt: skip
+        self,
+        rooms: Components,
+        changes: Transactions,
+        clock: Clock,
+        attempting: TaskAttempts,
+        recalling: TaskRecall,
+        behind: Callable[[], bool],
+    ) -> None:
         self.fleet = FleetState()
         self.letters = TaskTexts()
         self.origins = IdempotencyKeys()

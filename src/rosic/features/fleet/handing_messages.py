@@ -24,8 +24,10 @@ DECLINE: Final = said("Not me")
 
 def nobody(name: str) -> str:
     """Return that a name does not say who it is."""
-    return said("I do not know for certain who {name} is. Write the name as it stands in /people.",
-                name=echo(name))  # fmt: skip
+    return said(
+        "I do not know for certain who {name} is. Write the name as it stands in /people.",
+        name=echo(name),
+    )
 
 
 def in_vain(name: str, tasks: Sequence[str]) -> str:
@@ -34,8 +36,9 @@ def in_vain(name: str, tasks: Sequence[str]) -> str:
         return said("{name} may not move these robots. An admin can give the right.", name=name)
     return said(
         "{name} may move no robot for {tasks}. An admin can give the right.",
-        name=name, tasks=_numbered(tasks),
-    )  # fmt: skip
+        name=name,
+        tasks=_numbered(tasks),
+    )
 
 
 def _numbered(tasks: Sequence[str]) -> str:
@@ -62,8 +65,9 @@ def offered(name: str, tasks: int, robots: int) -> str:
     """Return the question whether somebody takes over."""
     return said(
         "{name} hands over to you: {what}. From then on your rights count for them.",
-        name=name, what=_all_of_it(tasks, robots),
-    )  # fmt: skip
+        name=name,
+        what=_all_of_it(tasks, robots),
+    )
 
 
 def choices(number: str) -> tuple[tuple[Button, ...], ...]:

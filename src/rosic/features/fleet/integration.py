@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.fleet.task import HELD, TaskReason, TaskState
-from rosic.core.i18n import joined
+from rosic.core.fleet import events as e
+from rosic.core.fleet.task import HELD, FleetMembership, TaskReason, TaskState
+from rosic.core.i18n import joined, said
 from rosic.core.messages import label
-from rosic.features.fleet import late_messages as late
 from rosic.features.fleet import messages as words
 from rosic.features.fleet.task_parser import given_again
 from rosic.organiser.calendar_messages import length
@@ -17,9 +17,13 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import RobotId
     from rosic.features.fleet.dispatcher import TaskDispatcher
+    from rosic.features.fleet.monitor import FleetMonitor
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.end_buttons import EndButtons, Row
+
+
+# ---- tells whoever gave a task what becomes of it ----
 
 
 class TaskNotifications:
@@ -86,11 +90,11 @@ class TaskNotifications:
     def _late(self, task: Task, what: str, *, whole: bool) -> str:
         """Return that a task, or all of its mission, is not done by when it was to be."""
         if not whole:
-            return late.task(task.id, what, length(task.due.lasts_ns // 10**9), task.due.cancels)
+            return words.task(task.id, what, length(task.due.lasts_ns // 10**9), task.due.cancels)
         tasks = self._dispatching.fleet.mission(task.mission)
         done = sum(one.state is TaskState.DONE for one in tasks)
         at = self._rooms.organiser.moment("", task.due.at_ns)
-        return late.mission(task.mission, at, (done, len(tasks)), task.due.cancels_all)
+        return words.mission(task.mission, at, (done, len(tasks)), task.due.cancels_all)
 
     def _of_held(self, before: Task, after: Task, what: str) -> str:
         shown = self.shown(after.robot)
@@ -103,3 +107,72 @@ class TaskNotifications:
     def _moved(self, task: Task) -> bool:
         """Whether it is new with this robot, after another."""
         return task.moves > 0 and task.asked == task.done and bool(task.tried or task.moves)
+
+
+# ---- robots that help each other: whoever helps takes over, and has no time for other tasks ----
+
+
+class AssistCommands:
+    """Adjusts the tasks of a robot that helps and of the one that is helped.
+
+    A task leaves either as it leaves a robot that somebody takes over: that one comes to rest
+    first, and what is done stays done. What the helped one did, or has just failed at, goes to the
+    one that helps if that one can do it; everything else to others, or back when the help is over.
+    """
+
+    def __init__(
+        self, rooms: Components, dispatching: TaskDispatcher, watching: FleetMonitor
+    ) -> None:
+        self._rooms = rooms
+        self._dispatching = dispatching
+        self._watching = watching
+
+    async def helped(self, helper: RobotId, asker: RobotId) -> str:
+        """Take their tasks from both; see `rosic.contracts.robot.Tasks`.
+
+        Raises:
+            RecordUnavailable: One could not be written down; it stays where it is.
+        """
+        hers = self._task_of(asker)
+        changed = [await self._leave(robot, helper) for robot in (asker, helper) if robot]
+        if hers is None and (failed := self._failed_at(asker, helper)) is not None:
+            self._watching.prefer[failed.id] = helper
+            changed.append(self._goes(failed, asker, helper))
+        return joined("\n", filter(None, changed))
+
+    def _task_of(self, robot: RobotId) -> Task | None:
+        fleet = self._dispatching.fleet
+        return fleet.tasks.get(fleet.holds.get(robot, ""))
+
+    def _failed_at(self, asker: RobotId, helper: RobotId) -> Task | None:
+        """Return the task that waits because the one who asks has just failed at it."""
+        fleet = self._dispatching.fleet
+        waiting = (fleet.tasks[key] for key in fleet.waiting)
+        lately = (task for task in waiting if task.tried[-1:] == (asker,))
+        return next((task for task in lately if self._takes_part(helper, task)), None)
+
+    def _takes_part(self, helper: RobotId, task: Task) -> bool:
+        active = self._dispatching.fleet.standing(helper) is FleetMembership.ACTIVE
+        return active and helper in task.left
+
+    async def _leave(self, robot: RobotId, helper: RobotId) -> str:
+        task = self._task_of(robot)
+        if task is None:
+            return ""
+        takes_over = robot != helper and self._takes_part(helper, task)
+        if takes_over:
+            self._watching.prefer[task.id] = helper
+        if task.leaving:
+            return self._goes(task, robot, helper) if takes_over else ""
+        if not await self._dispatching.feed(e.Deviated(task.id, task.attempt, TaskReason.TAKEN)):
+            return ""
+        if takes_over:
+            return self._goes(task, robot, helper)
+        shown = self._rooms.profiles[robot].shown
+        return said("Task {task} leaves {robot} and waits for a robot.", task=task.id, robot=shown)
+
+    def _goes(self, task: Task, robot: RobotId, helper: RobotId) -> str:
+        shown, by = self._rooms.profiles[robot].shown, self._rooms.profiles[helper].shown
+        return said(
+            "Task {task} goes from {robot} to {helper}.", task=task.id, robot=shown, helper=by
+        )

@@ -14,8 +14,11 @@ from rosic.organiser.calendar_messages import length
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from rosic.core.fleet.task import Task
+    from rosic.core.fleet.task import Task, TaskId
     from rosic.core.robot.skill import Skill
+
+
+# ---- what people read about tasks ----
 
 BETWEEN: Final = " · "
 GO_ON: Final = said("Go on")
@@ -137,9 +140,10 @@ def wants_a_person(shown: str, skill: Skill) -> NotPermitted:
     return NotPermitted(
         said(
             "{robot} does this only when somebody confirms it: {skill}. Say it as a command.",
-            robot=shown, skill=_called(skill),
+            robot=shown,
+            skill=_called(skill),
         )
-    )  # fmt: skip
+    )
 
 
 def _called(skill: Skill) -> str:
@@ -183,8 +187,11 @@ def order_title(text: str, task: Task) -> str:
         return said("{order} · task {task}", order=text, task=task.id)
     return said(
         "{order} · task {task}, step {step} of {steps}",
-        order=text, task=task.id, step=task.done + 1, steps=task.steps,
-    )  # fmt: skip
+        order=text,
+        task=task.id,
+        step=task.done + 1,
+        steps=task.steps,
+    )
 
 
 def reason(task: str, why: TaskReason) -> str:
@@ -308,8 +315,9 @@ def not_yours(task: Task, name: str) -> str:
     """Return that somebody else looks after a task."""
     return said(
         "Task {task} is {name}'s. They can do that, or whoever may assign tasks here.",
-        task=task.id, name=name,
-    )  # fmt: skip
+        task=task.id,
+        name=name,
+    )
 
 
 def does_not_fit(task: Task) -> str:
@@ -329,8 +337,9 @@ def being_held(task: Task, shown: str) -> str:
     """Return that a task is about to be paused or cancelled."""
     return said(
         "Task {task}: {robot} is brought to rest; I tell you when it is.",
-        task=task.id, robot=shown,
-    )  # fmt: skip
+        task=task.id,
+        robot=shown,
+    )
 
 
 def now_is(task: Task, why: str = "") -> str:
@@ -374,3 +383,42 @@ def and_more(count: int) -> str:
 def waits_for(tasks: Sequence[str]) -> str:
     """Return which tasks come first."""
     return said("after {tasks}", tasks=", ".join(tasks))
+
+
+# ---- what people read when something of a mission is not done by when it was to be ----
+
+
+def task(number: TaskId, what: str, lasts: str, cancels: bool) -> str:
+    """Return that one task is late."""
+    late = said(
+        "Task {task} ({what}) is late: it was to be done within {time}.",
+        task=number,
+        what=what,
+        time=lasts,
+    )
+    return _and_then(late, cancels)
+
+
+def mission(run: str, moment: str, done: tuple[int, int], cancels: bool) -> str:
+    """Return that a mission is late.
+
+    Args:
+        run: Its name and number.
+        moment: By when it was to be done.
+        done: How many of how many tasks are.
+        cancels: The rest is cancelled.
+    """
+    late = said(
+        "{mission} is late: it was to be done by {time}. {done} of {tasks} tasks are done.",
+        mission=run,
+        time=moment,
+        done=done[0],
+        tasks=done[1],
+    )
+    return _and_then(late, cancels)
+
+
+def _and_then(late: str, cancels: bool) -> str:
+    goes_on = said("It goes on.")
+    rest = said("The rest of it is cancelled; what moves comes to rest first.")
+    return joined(" ", (late, rest if cancels else goes_on))

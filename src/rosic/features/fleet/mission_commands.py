@@ -33,8 +33,8 @@ from rosic.features.fleet import mission_messages as words
 from rosic.features.fleet.dispatch_state import TaskText
 from rosic.features.fleet.mission_schedule import KIND as TIMES
 from rosic.features.fleet.mission_schedule import PLANS_AT_MOST, MissionChat, MissionPlan
-from rosic.features.fleet.reading import able
 from rosic.features.fleet.task_commands import ANY, ASSIGN, check_room
+from rosic.features.fleet.task_parser import able
 from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.requests import check_errand_fresh
 

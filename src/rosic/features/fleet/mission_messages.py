@@ -40,17 +40,21 @@ def nobody_can(number: int, name: str, why: str) -> str:
     """Return that a mission cannot be begun."""
     return said(
         "Nobody of {name} can do task {number} of it. Nothing was begun. {why}",
-        name=name, number=number, why=why,
-    )  # fmt: skip
+        name=name,
+        number=number,
+        why=why,
+    )
 
 
 def started(shown: str, run: str, tasks: int) -> str:
     """Return that a mission is begun."""
     return joined(
         BETWEEN,
-        [said("{mission} is begun as {run}", mission=shown, run=run),
-         said_n("one task", "{n} tasks", tasks)],
-    )  # fmt: skip
+        [
+            said("{mission} is begun as {run}", mission=shown, run=run),
+            said_n("one task", "{n} tasks", tasks),
+        ],
+    )
 
 
 def run(name: str, done: int, tasks: int, resting: int) -> str:
@@ -104,10 +108,15 @@ def run_buttons(name: str) -> tuple[tuple[Button, ...], ...]:
 def planned(key: str, name: str, moment: str, *, again: bool) -> str:
     """Return when a mission begins by itself."""
     if again:
-        return said("{number}: {mission} begins by itself, next {time}", number=key, mission=name,
-                    time=moment)  # fmt: skip
-    return said("{number}: {mission} begins by itself, {time}", number=key, mission=name,
-                time=moment)  # fmt: skip
+        return said(
+            "{number}: {mission} begins by itself, next {time}",
+            number=key,
+            mission=name,
+            time=moment,
+        )
+    return said(
+        "{number}: {mission} begins by itself, {time}", number=key, mission=name, time=moment
+    )
 
 
 def could_not_begin_now(why: str) -> str:
@@ -132,8 +141,10 @@ def no_time(key: str) -> str:
 
 def not_your_time(name: str) -> str:
     """Return that somebody else has planned it."""
-    return said("{name} has planned that, and can take it back, or whoever may assign tasks here.",
-                name=name)  # fmt: skip
+    return said(
+        "{name} has planned that, and can take it back, or whoever may assign tasks here.",
+        name=name,
+    )
 
 
 def taken_back(name: str) -> str:

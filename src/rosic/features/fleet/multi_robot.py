@@ -6,6 +6,7 @@ itself, and one message shows of each whether it has received it, and what it do
 
 from __future__ import annotations
 
+import asyncio
 from functools import partial
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -15,6 +16,7 @@ from rosic.core.identity import robot_command_id
 from rosic.core.language import Do
 from rosic.core.language.suggestions import AND, listed
 from rosic.core.messages import no_robot_or_group
+from rosic.core.order import NEVER_BEGUN, Ending
 from rosic.core.order_status import ENGLISH, wording_in
 from rosic.core.policy.roles import StepRequired
 from rosic.core.synchronised_start import begin_together
@@ -23,27 +25,70 @@ from rosic.features.fleet import company_messages as words
 from rosic.features.fleet.alternatives import TaskAlternatives, refused
 from rosic.features.fleet.attempt import AwaitedLife
 from rosic.features.fleet.messages import wants_a_person
-from rosic.features.fleet.pact import AllOrNothingStart
 from rosic.features.fleet.readiness import why_not_ready
-from rosic.features.fleet.reading import step_for
+from rosic.features.fleet.task_parser import step_for
 from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.message_context import MessageContext
+from rosic.gateway.order_execution import SHUT_DOWN
 from rosic.gateway.order_status import OrderMessage, stop_button
 from rosic.gateway.replies import reply_id
-from rosic.gateway.requesting import RequestFactory
+from rosic.gateway.requests import RequestFactory
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from rosic.contracts.clock import Clock
-    from rosic.core.order import Order, Permit, Request
+    from rosic.core.order import Order, Outcome, Permit, Request
     from rosic.core.robot.profile import RobotId
     from rosic.core.robot.skill import Argument
     from rosic.features.alerts.actions import AlertActionServices
     from rosic.features.fleet.dispatcher import TaskDispatcher
     from rosic.gateway.components import Components
     from rosic.gateway.office import CommandContext, CommandRegistry
+    from rosic.gateway.order_execution import OrderExecutor
     from rosic.gateway.reception import PipelineHooks
+
+AT_THE_END: Final = frozenset({SHUT_DOWN, NEVER_BEGUN})
+ACTED: Final = frozenset({Ending.DONE, Ending.SENT})
+
+
+class AllOrNothingStart:
+    """The orders of one common start, of all or of none, until they have ended.
+
+    That all are ready is seen before any is asked. One may still turn its order down, hear of it
+    too late, or be stopped before the moment has come: then the others are ended like any order
+    that is cut off. Whoever waits for the moment never moves; whoever has begun comes to rest.
+    """
+
+    def __init__(
+        self, rooms: Components, lives: OrderExecutor, clock: Clock, orders: Sequence[Order]
+    ) -> None:
+        self._rooms = rooms
+        self._lives = lives
+        self._clock = clock
+        self._open: dict[RobotId, Order] = {order.robot: order for order in orders}
+        self._cutting: list[asyncio.Task[None]] = []
+
+    def ended(self, order: Order, outcome: Outcome) -> None:
+        """Hear how one has ended, once that is on disk."""
+        del self._open[order.robot]
+        if not self._cutting and self._never_began(order, outcome):
+            reason = words.did_not_begin(self._rooms.profiles[order.robot].shown)
+            self._cutting = [
+                asyncio.create_task(self._lives.cut_order(robot, other.cid, reason))
+                for robot, other in self._open.items()
+                if not self._rooms.board[robot].latched  # a stop sees to it, and says so better
+            ]
+
+    def _never_began(self, order: Order, outcome: Outcome) -> bool:
+        """Tell whether it has not moved; once it has, how it ends is its own affair."""
+        if outcome.note in AT_THE_END:
+            return False  # ROSIC ends them all, and each says so itself
+        if outcome.ending is Ending.REFUSED:
+            return True
+        early = self._clock.monotonic_ns() < (order.start_ns or 0)
+        return early and outcome.ending not in ACTED
+
 
 ROBOTS_AT_MOST: Final = 200
 JOINED: Final = "+"

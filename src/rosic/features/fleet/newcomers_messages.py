@@ -46,8 +46,9 @@ def no_role(role: str, known: Iterable[str]) -> str:
     """Return that there is no such role."""
     return said(
         "There is no role {role} here. There are: {known}. Nothing was changed.",
-        role=role, known=", ".join(known),
-    )  # fmt: skip
+        role=role,
+        known=", ".join(known),
+    )
 
 
 def is_somebody(robot: str) -> str:
@@ -55,15 +56,16 @@ def is_somebody(robot: str) -> str:
     return said(
         "Somebody here is called {id} already, and keeps their key and role. Nothing was changed.",
         id=robot,
-    )  # fmt: skip
+    )
 
 
 def would_add(profile: Profile) -> str:
     """Return what is asked before a robot is added."""
     return said(
         "Add {robot}, as {id}? Whoever may use every robot here may use it at once.",
-        robot=profile.shown, id=profile.id,
-    )  # fmt: skip
+        robot=profile.shown,
+        id=profile.id,
+    )
 
 
 def would_speak(name: str, role: str) -> str:
@@ -73,7 +75,7 @@ def would_speak(name: str, role: str) -> str:
     return said(
         "It speaks with no other robot. To let it, say {command}; /role names the roles.",
         command=add_command(name, "ROLE"),
-    )  # fmt: skip
+    )
 
 
 def add_command(name: str, role: str) -> str:
@@ -102,7 +104,7 @@ def same_id(robot: str) -> str:
     return said(
         "A robot is called {id} here already. Give this one another id. Nothing was changed.",
         id=robot,
-    )  # fmt: skip
+    )
 
 
 def retired_id(robot: str) -> str:
@@ -110,23 +112,25 @@ def retired_id(robot: str) -> str:
     return said(
         "{id} is here already, and takes no part now: /robot add {id} takes it in again.",
         id=robot,
-    )  # fmt: skip
+    )
 
 
 def same_title(title: str, robot: str) -> str:
     """Return that a title is taken."""
     return said(
         "{robot} is called {title} already. Give this one another title. Nothing was changed.",
-        title=title, robot=robot,
-    )  # fmt: skip
+        title=title,
+        robot=robot,
+    )
 
 
 def same_namespace(namespace: str, robot: str) -> str:
     """Return that another robot is reached there."""
     return said(
         "{robot} is reached under {namespace} already. Nothing was changed.",
-        namespace=namespace, robot=robot,
-    )  # fmt: skip
+        namespace=namespace,
+        robot=robot,
+    )
 
 
 def unspeakable(why: str) -> str:
@@ -139,8 +143,9 @@ def names_somebody(rule: str, author: str) -> str:
     return said(
         "The rule {rule} runs as {person}. Only a robot of the configuration file may name a "
         "person. Nothing was changed.",
-        rule=rule, person=author,
-    )  # fmt: skip
+        rule=rule,
+        person=author,
+    )
 
 
 def names_folders(robot: str) -> str:
@@ -149,7 +154,7 @@ def names_folders(robot: str) -> str:
         "{robot} names folders of this computer. Only its operator can add it, at the computer "
         "itself. Nothing was changed.",
         robot=robot,
-    )  # fmt: skip
+    )
 
 
 def not_opened(robot: str, why: str) -> str:

@@ -24,34 +24,50 @@ TOO_LATE = said("The time is over by which that was to be begun. Nothing was cha
 
 def cancelled(tasks: Sequence[str]) -> str:
     """Return that somebody's tasks were cancelled."""
-    return said_n("Task {tasks} is cancelled.", "{n} tasks are cancelled: {tasks}.",
-                  len(tasks), tasks=_some(tasks))  # fmt: skip
+    return said_n(
+        "Task {tasks} is cancelled.",
+        "{n} tasks are cancelled: {tasks}.",
+        len(tasks),
+        tasks=_some(tasks),
+    )
 
 
 def paused(tasks: Sequence[str]) -> str:
     """Return that somebody's tasks are paused, or about to be."""
-    return said_n("Task {tasks} is paused; its robot is brought to rest.",
-                  "{n} tasks are paused, and their robots are brought to rest: {tasks}.",
-                  len(tasks), tasks=_some(tasks))  # fmt: skip
+    return said_n(
+        "Task {tasks} is paused; its robot is brought to rest.",
+        "{n} tasks are paused, and their robots are brought to rest: {tasks}.",
+        len(tasks),
+        tasks=_some(tasks),
+    )
 
 
 def went_on(tasks: Sequence[str]) -> str:
     """Return that somebody's tasks go on."""
-    return said_n("Task {tasks} goes on.", "{n} tasks go on: {tasks}.",
-                  len(tasks), tasks=_some(tasks))  # fmt: skip
+    return said_n(
+        "Task {tasks} goes on.", "{n} tasks go on: {tasks}.", len(tasks), tasks=_some(tasks)
+    )
 
 
 def stay_paused(tasks: Sequence[str]) -> str:
     """Return that somebody's tasks did not go on by a word that may have been meant for others."""
-    return said_n("Task {tasks} stays paused until you continue it.",
-                  "{n} tasks stay paused until you continue them: {tasks}.",
-                  len(tasks), tasks=_some(tasks))  # fmt: skip
+    return said_n(
+        "Task {tasks} stays paused until you continue it.",
+        "{n} tasks stay paused until you continue them: {tasks}.",
+        len(tasks),
+        tasks=_some(tasks),
+    )
 
 
 def resume_label(shown: str, tasks: Sequence[str]) -> str:
     """Return the label of the button that resumes a robot which then moves by itself."""
-    return said_n("Resume {shown}: task {tasks} goes on", "Resume {shown}: {n} tasks go on",
-                  len(tasks), shown=shown, tasks=_some(tasks))  # fmt: skip
+    return said_n(
+        "Resume {shown}: task {tasks} goes on",
+        "Resume {shown}: {n} tasks go on",
+        len(tasks),
+        shown=shown,
+        tasks=_some(tasks),
+    )
 
 
 def cannot_pause(shown: str) -> str:

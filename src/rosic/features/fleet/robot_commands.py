@@ -9,8 +9,7 @@ from rosic.core.fleet import events as e
 from rosic.core.fleet.task import FleetMembership
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.messages import no_robot
-from rosic.core.policy.authority import RESUME
-from rosic.core.policy.scope import FLEET
+from rosic.core.policy.scope import FLEET, RESUME
 from rosic.core.records import Decided
 from rosic.errors import NotPermitted, NotUnderstood, RobotStopped
 from rosic.features.fleet import messages
@@ -130,9 +129,12 @@ class RobotCommands:
         self, asked: CommandContext, robot: RobotId, standing: FleetMembership
     ) -> None:
         decided = Decided(
-            act=f"robot-{standing.value}", by=asked.caller.principal, about=robot,
-            at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,
-        )  # fmt: skip
+            act=f"robot-{standing.value}",
+            by=asked.caller.principal,
+            about=robot,
+            at_ns=self._rooms.organiser.wall_ns(),
+            digest=asked.cid,
+        )
         out = standing is not FleetMembership.ACTIVE  # and that, too, waits for no disk
         await self._dispatching.feed(e.Stood(robot, standing), decided, happened=out)
 

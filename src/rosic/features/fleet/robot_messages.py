@@ -79,8 +79,9 @@ def barred(shown: str, standing: FleetMembership) -> str:
     """Return why a robot cannot be resumed."""
     return said(
         "{robot} is {why}, so it stays stopped. Whoever may assign tasks can change that.",
-        robot=shown, why=_NOT_IN[standing],
-    )  # fmt: skip
+        robot=shown,
+        why=_NOT_IN[standing],
+    )
 
 
 # ---- the whole fleet ----
@@ -112,8 +113,9 @@ def use(share: float, idle_s: int) -> str:
     """Return how much the fleet is used, by tasks and by what people order themselves."""
     return said(
         "At work {share:.0f} % of the time; idle for {time} on the average.",
-        share=share * 100, time=length(idle_s),
-    )  # fmt: skip
+        share=share * 100,
+        time=length(idle_s),
+    )
 
 
 def one(shown: str, states: Sequence[str]) -> str:
@@ -158,8 +160,11 @@ def moves() -> str:
 
 def battery(share: float, *, low: bool) -> str:
     """Return how full a battery is."""
-    return said("battery {value}, low", value=f"{share:.0f} %") if low else said(
-        "battery {value}", value=f"{share:.0f} %")  # fmt: skip
+    return (
+        said("battery {value}, low", value=f"{share:.0f} %")
+        if low
+        else said("battery {value}", value=f"{share:.0f} %")
+    )
 
 
 def link_of(milliseconds: float) -> str:
@@ -179,8 +184,11 @@ def bottleneck(name: str, waiting: int, free: int, able: int) -> str:
         return said("{name}: {waits}, and no robot of it is ready.", name=name, waits=waits)
     return said(
         "{name}: {waits}; {free} of {able} robots are free.",
-        name=name, waits=waits, free=free, able=able,
-    )  # fmt: skip
+        name=name,
+        waits=waits,
+        free=free,
+        able=able,
+    )
 
 
 def for_any() -> str:

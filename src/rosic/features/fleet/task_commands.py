@@ -17,8 +17,7 @@ from rosic.features.fleet import messages as words
 from rosic.features.fleet.alternatives import refused
 from rosic.features.fleet.dispatch_state import TaskText
 from rosic.features.fleet.readiness import why_waits
-from rosic.features.fleet.reading import able
-from rosic.features.fleet.task_parser import ANYBODY, read_wish
+from rosic.features.fleet.task_parser import ANYBODY, able, read_wish
 from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.requests import check_errand_fresh
 
@@ -57,11 +56,19 @@ class TaskCommands:
         self._rooms = rooms
         self.dispatching = dispatching
         self._telling = telling
-        self._acts = {"pause": self._pause, "cancel": self._cancel, "go": self._go,
-                      "resume": self._go, "retry": self._go, "done": self._was_done,
-                      # In German.
-                      "pausieren": self._pause, "abbrechen": self._cancel,
-                      "weiter": self._go, "erledigt": self._was_done}  # fmt: skip
+        self._acts = {
+            "pause": self._pause,
+            "cancel": self._cancel,
+            "go": self._go,
+            "resume": self._go,
+            "retry": self._go,
+            "done": self._was_done,
+            # In German.
+            "pausieren": self._pause,
+            "abbrechen": self._cancel,
+            "weiter": self._go,
+            "erledigt": self._was_done,
+        }
 
     def employ(self, office: CommandRegistry) -> None:
         """Take these errands."""
@@ -223,9 +230,12 @@ class TaskCommands:
         self.check_theirs(asked, task)
         await self.dispatching.first_time(asked.cid)
         decided = Decided(
-            act=f"task-{act}", by=asked.caller.principal, about=task.id,
-            at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,
-        )  # fmt: skip
+            act=f"task-{act}",
+            by=asked.caller.principal,
+            about=task.id,
+            at_ns=self._rooms.organiser.wall_ns(),
+            digest=asked.cid,
+        )
         if not await self.dispatching.feed(event, decided):
             raise NotUnderstood(words.does_not_fit(self.dispatching.fleet.tasks[task.id]))
         now = self.dispatching.fleet.tasks[task.id]

@@ -94,9 +94,11 @@ class ChannelDisplays:
             robots = sorted(organiser.visible(who))
             if robots and self._may(who):
                 notice = Notification(
-                    text=put_into(title), buttons=self._choices(key, robots),
-                    lifetime_s=GOOD_FOR_S, still=True,
-                )  # fmt: skip
+                    text=put_into(title),
+                    buttons=self._choices(key, robots),
+                    lifetime_s=GOOD_FOR_S,
+                    still=True,
+                )
                 self._reach.give((who,), notice)
 
     def _choices(self, key: str, robots: list[RobotId]) -> tuple[tuple[Button, ...], ...]:
@@ -136,9 +138,12 @@ class ChannelDisplays:
             return Reply(said("{channel} shows no robot any more.", channel=_named(title)))
         robots = self._robots(who, what)
         decided = Decided(
-            act=VERB, by=who, about=key, at_ns=self._rooms.organiser.wall_ns(),
+            act=VERB,
+            by=who,
+            about=key,
+            at_ns=self._rooms.organiser.wall_ns(),
             digest=" ".join(robots).encode(),
-        )  # fmt: skip
+        )
         async with self._changes.turn() as turn:
             await turn.write((decided,))
         self._live.begin(messenger, chat, who, robots, pinned=False)
@@ -173,8 +178,9 @@ class ChannelDisplays:
         return said(
             "{channel} shows {robots}, to everybody who reads it. Nothing that is written there"
             " commands anything.",
-            channel=_named(title), robots=names,
-        )  # fmt: skip
+            channel=_named(title),
+            robots=names,
+        )
 
     def _closing(self, key: str) -> Button:
         return Button(said("Close it"), f"/{VERB} {key} {CLOSE}")

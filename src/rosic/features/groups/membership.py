@@ -19,11 +19,11 @@ from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.records import Fact
 from rosic.errors import Refusal
 from rosic.features.dashboard.dashboards import Dashboards
-from rosic.gateway.audience import RobotFollowers
 from rosic.gateway.components import Components
 from rosic.gateway.delivery.notifier import Notifier
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 from rosic.gateway.delivery.translation import translated
+from rosic.gateway.reply_context import RobotFollowers
 from rosic.gateway.transactions import Transactions
 
 if TYPE_CHECKING:
@@ -120,8 +120,9 @@ class GroupMembership:
         if passing.what is Passage.ADDED:
             first = said("{who} put me into {group}.", who=self._who(passing), group=group)
         else:
-            first = said("{who} changed what I hear in {group}.", who=self._who(passing),
-                         group=group)  # fmt: skip
+            first = said(
+                "{who} changed what I hear in {group}.", who=self._who(passing), group=group
+            )
         rest = deaf_there() if passing.deaf else said("I read everything there.")
         around.reach.tell(around.admins(), joined(" ", (first, rest)))
 

@@ -99,12 +99,15 @@ class TopicBindings:
             await turn.write(
                 (
                     Decided(
-                        act=KIND, by=who, about=key, at_ns=organiser.wall_ns(),
+                        act=KIND,
+                        by=who,
+                        about=key,
+                        at_ns=organiser.wall_ns(),
                         digest=name.encode(),
                     ),
                     Fact(kind=KIND, key=key, body=name.encode()),
                 )
-            )  # fmt: skip
+            )
         return Reply(_about(name))
 
 

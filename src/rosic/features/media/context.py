@@ -12,7 +12,7 @@ from rosic.core.language import Vocabulary
 from rosic.core.message import Chat
 from rosic.core.robot.profile import Profile, RobotId
 from rosic.features.media.render_queue import RenderQueue
-from rosic.features.media.sampler import TelemetrySampler
+from rosic.features.media.telemetry_buffer import TelemetrySampler
 from rosic.linker.linker import Linker
 
 

@@ -2,32 +2,175 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 from typing import TYPE_CHECKING
 
 from rosic.container import (
     archive_records,
+    export,
     files,
     history,
+    messages,
     preferences,
     shared_data,
     shared_data_access,
 )
+from rosic.container.files import PART
+from rosic.core.message import Button
+from rosic.errors import ConfigurationError, NotUnderstood, RecordUnavailable, StoreFault
 from rosic.features.files.commands import FileCommands
 from rosic.features.personal_data import erasure as erasing_of
-from rosic.features.personal_data.archive_commands import ArchiveCommands
-from rosic.features.personal_data.keeping import SharedDataCommands
-from rosic.features.personal_data.my_data import MyDataCommands
+from rosic.features.personal_data import messages as words
+from rosic.features.personal_data.archive_commands import ArchiveCommands, handed_over
 from rosic.features.personal_data.order_history import OrderHistory
 from rosic.features.personal_data.settings import SettingsCommands
 from rosic.features.personal_data.shared_data import ShareCommands
+from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import check_private
+from rosic.gateway.replies import LEAVE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from rosic.container.shared_data import SharedValue
+    from rosic.core.identity import PrincipalId
     from rosic.core.records import Fact
     from rosic.features.personal_data.context import ContainerContext
     from rosic.features.personal_data.erasure import ErasureCommands
-    from rosic.gateway.office import CommandRegistry
+    from rosic.gateway.office import CommandContext, CommandRegistry
+
+
+# ---- ``/data``: small values kept with a robot, or with oneself (storeData, getSharedData) ----
+
+MOST_LINES = 40
+
+
+class SharedDataCommands:
+    """The clerk of shared data. Of one's own container is spoken in private alone."""
+
+    def __init__(self, holdings: ContainerContext) -> None:
+        self._holdings = holdings
+        self._shelf = holdings.shelf
+
+    async def data(self, asked: CommandContext) -> Reply:
+        """Show what a container keeps, store a value, or remove one.
+
+        Raises:
+            Refusal: Why not; nothing was changed.
+        """
+        said, principal = asked.rest.strip(), asked.caller.principal
+        owner, rest = self._owner(principal, said)
+        if owner == principal:
+            check_private(asked)
+        if "=" not in rest:
+            return Reply(self._show(principal, owner, rest))
+        name, _, value = (part.strip() for part in rest.partition("="))
+        async with self._holdings.changes.turn() as turn:
+            if value:
+                await turn.write(self._shelf.store(principal, owner, name, value))
+                return Reply(words.DATA_STORED)
+            await turn.write(self._shelf.remove(principal, owner, name))
+        return Reply(words.DATA_REMOVED)
+
+    def _owner(self, principal: PrincipalId, said: str) -> tuple[str, str]:
+        """Return whose container is meant, and what else was said."""
+        first, _, rest = said.partition(" ")
+        if first in self._holdings.visible(principal):
+            return first, rest.strip()
+        if said and "=" not in said and not self._mine(principal, said):
+            raise NotUnderstood(words.HOW_TO_KEEP, offers=("/data",))
+        return principal, said
+
+    def _mine(self, principal: PrincipalId, name: str) -> bool:
+        return bool(self._shelf.history(principal, principal, name))
+
+    def _show(self, principal: PrincipalId, owner: str, name: str) -> str:
+        shown = words.YOU if owner == principal else self._holdings.shown(owner)
+        found = (
+            self._shelf.history(principal, owner, name)
+            if name
+            else self._shelf.names(principal, owner)
+        )
+        if not found:
+            return messages.nothing_kept(shown, name)
+        return messages.kept_lines(shown, [*map(self._line, found[-MOST_LINES:])])
+
+    def _line(self, kept: SharedValue) -> str:
+        age_s = (self._holdings.clock.wall_ns() - kept.at_ns) / 1e9
+        sender, ago = self._holdings.name(kept.sender), messages.age(age_s)
+        return messages.kept_line(kept.name, kept.value, sender, ago)
+
+
+# ---- ``/mydata`` and ``/forget me``: what is kept about somebody, and ending it ----
+
+EXPORT = "export"
+ME = frozenset({"me", "myself", "mich", "my data", "mydata"})
+SURE = b"forget me"
+FILE = "my-data"
+
+
+class MyDataCommands:
+    """The clerk of everybody's own container; answers nobody about another's (I11)."""
+
+    def __init__(self, holdings: ContainerContext, erasing: ErasureCommands) -> None:
+        self._holdings = holdings
+        self._erasing = erasing
+
+    async def my_data(self, asked: CommandContext) -> Reply:
+        """Say what is kept, or show it.
+
+        Raises:
+            Refusal: Others read along, or it cannot be read now.
+        """
+        check_private(asked)
+        verb, *forms = asked.rest.casefold().split() or [""]
+        form = forms[0] if forms else "jsonl"
+        if verb not in {"", EXPORT} or len(forms) > 1 or form not in export.ENDINGS:
+            raise NotUnderstood(words.HOW_TO_FORGET, offers=("/mydata", f"/mydata {EXPORT}"))
+        if verb == EXPORT:
+            return await self._export(asked, form)
+        found = await self._belongings(asked.caller.principal)
+        row = (Button(words.EXPORT, f"/mydata {EXPORT}"), Button(words.FORGET, "/forget me"))
+        count, size = self._holdings.files.used(asked.caller.principal)
+        inside = (export.ContainerSummary(PART, count, size),) if count else ()
+        return Reply(words.my_data((*export.summary(found), *inside)), (row,))
+
+    async def _export(self, asked: CommandContext, form: str) -> Reply:
+        command = f"{words.TO_EXPORT} {asked.caller.principal}"
+        if form == "xlsx" and not asked.messenger.file_bytes:
+            return Reply(words.spreadsheet_later(command))
+        found = await self._belongings(asked.caller.principal)
+        try:
+            things = map(export.thing_of, found)
+            made = await asyncio.to_thread(export.container_as, form, things)
+        except ConfigurationError as missing:
+            raise NotUnderstood(str(missing)) from missing
+        return handed_over(asked, f"{FILE}.{export.ENDINGS[form]}", made, command)
+
+    async def _belongings(self, principal: PrincipalId) -> tuple[Fact, ...]:
+        try:
+            return await self._holdings.vault.belongings(principal)
+        except StoreFault as fault:
+            raise RecordUnavailable(words.NOT_READABLE) from fault
+
+    async def forget(self, asked: CommandContext) -> Reply:
+        """Ask once, then erase whoever asks.
+
+        Raises:
+            Refusal: Others read along, somebody else is meant, the last admin, or it cannot be
+                written.
+        """
+        check_private(asked)
+        said, principal = " ".join(asked.rest.casefold().split()), asked.caller.principal
+        if said in ME and asked.act == SURE:
+            erased = await self._erasing.erase(principal, principal)
+            return Reply(words.FORGOTTEN if erased.at_rest else words.FORGOTTEN_MOVING)
+        if said not in ME:
+            raise NotUnderstood(words.ONLY_ME if said else words.HOW_TO_FORGET)
+        self._erasing.check(principal, principal)
+        yes = Button(words.YES_FORGET, "/forget me", act=SURE)
+        return Reply(words.SURE, ((yes,), (Button(words.LEAVE_IT, LEAVE),)))
 
 
 def employ_clerks(
@@ -80,3 +223,31 @@ def take_over(
         for fact in facts.get(kind, ()):
             apply(fact)
         holdings.changes.keep(kind, apply)
+
+
+# ---- once a day: what is kept longer than was said goes, and who was erased is erased wholly ----
+
+log = logging.getLogger("rosic.containers")
+
+
+async def tidy(holdings: ContainerContext, erasing: ErasureCommands) -> int:
+    """Forget entries of archives that are too old, and finish erasing. Return how many entries.
+
+    Goes in small steps, so that other changes pass between them.
+
+    Raises:
+        RecordUnavailable: Not all were forgotten; the rest is tried the next time.
+    """
+    await erasing.finish()
+    try:
+        await erasing.strays()
+    except StoreFault:
+        log.exception("not everything of people who were not let in could be erased")
+    total = 0
+    while True:
+        async with holdings.changes.turn() as turn:
+            facts = holdings.archive.outdated()
+            await turn.write(facts)
+        if not facts:
+            return total
+        total += len(facts)

@@ -8,21 +8,87 @@ import msgspec
 
 from rosic.container import archive_records, export
 from rosic.container.export import ContainerSummary
+from rosic.container.messages import size
 from rosic.container.shared_data import Quota
+from rosic.core.i18n import said, said_n
 from rosic.core.records import Decided
 from rosic.errors import NotUnderstood, OutOfBounds
-from rosic.features.personal_data import inspecting_messages
 from rosic.features.personal_data import messages as words
 from rosic.features.personal_data.archive_commands import rows_of
 from rosic.features.personal_data.context import all_facts
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Fact
     from rosic.features.personal_data.context import ContainerContext
     from rosic.features.personal_data.erasure import ErasureCommands
+
+
+# ---- every sentence and every table that the operator is shown about containers ----
+
+NEGATIVE: Final = said("A limit cannot be less than nothing. Nothing was changed.")
+NO_SHELF: Final = said(
+    "A chat keeps messages alone, for as many days as was said there with /archive on."
+)
+
+
+def limit_set(name: str, names: int, most_bytes: int) -> str:
+    """Return what a container may keep from now on."""
+    return said_n(
+        "{name} may keep {n} name and {size} from now on.",
+        "{name} may keep {n} names and {size} from now on.",
+        names,
+        name=name,
+        size=size(most_bytes),
+    )
+
+
+def emptied(name: str) -> str:
+    """Return that what a robot or a chat kept was erased."""
+    return said(
+        "What {name} kept is erased. Copies of the record made before stay readable with their "
+        "key.",
+        name=name,
+    )
+
+
+def table(listed: Sequence[ListedContainer]) -> str:
+    """Return a line for each container: kind, id, name."""
+    wide = max((len(one.container) for one in listed), default=0)
+    named = (one.name if one.name != one.container else "" for one in listed)
+    return "\n".join(
+        f"{one.kind:<6}  {one.container:<{wide}}  {name}".rstrip()
+        for one, name in zip(listed, named, strict=True)
+    )
+
+
+def shown(what: ShownContainer) -> str:
+    """Return how much of what a container holds, aligned."""
+    rows = [(each.kind, str(each.count), size(each.size)) for each in what.holds]
+    wide = max((len(kind) for kind, _, _ in rows), default=0)
+    counts = max((len(count) for _, count, _ in rows), default=0)
+    lines = [f"  {kind:<{wide}}  {count:>{counts}}  {bytes_}" for kind, count, bytes_ in rows]
+    kept = (
+        f"shared data: {what.names} of {what.names_most} names, "
+        f"{size(what.kept_bytes)} of {size(what.kept_most)}"
+    )
+    title = what.name if what.name == what.container else f"{what.name} ({what.container})"
+    return "\n".join([f"{what.kind} {title}", *(lines or ["  nothing"]), f"  {kept}"])
+
+
+def written(path: str, lines: int) -> str:
+    """Return where an export lies, and what to mind."""
+    return said_n(
+        "{n} entry in {path}. It is not sealed: whoever has it can read it.",
+        "{n} entries in {path}. It is not sealed: whoever has it can read it.",
+        lines,
+        path=path,
+    )
+
+
+# ---- what the operator asks about containers: looking in, taking out, limiting, erasing ----
 
 ROBOT: Final = "robot"
 PERSON: Final = "person"
@@ -87,9 +153,15 @@ async def show_container(holdings: ContainerContext, container: str) -> ShownCon
     quota, (names, kept) = holdings.shelf.quota(container), holdings.shelf.used(container)
     listed = _listed(holdings, container)
     return ShownContainer(
-        kind=listed.kind, container=container, name=listed.name, holds=export.summary(found),
-        names=names, names_most=quota.names, kept_bytes=kept, kept_most=quota.most_bytes,
-    )  # fmt: skip
+        kind=listed.kind,
+        container=container,
+        name=listed.name,
+        holds=export.summary(found),
+        names=names,
+        names_most=quota.names,
+        kept_bytes=kept,
+        kept_most=quota.most_bytes,
+    )
 
 
 async def export_container(holdings: ContainerContext, container: str) -> Iterator[str]:
@@ -144,9 +216,9 @@ async def limit_container(
         RecordUnavailable: Nothing was changed.
     """
     if min(names or 0, most_bytes or 0) < 0:
-        raise OutOfBounds(inspecting_messages.NEGATIVE)
+        raise OutOfBounds(NEGATIVE)
     if container.startswith(_CHAT):
-        raise NotUnderstood(inspecting_messages.NO_SHELF)
+        raise NotUnderstood(NO_SHELF)
     await _known(holdings, container)
     before = holdings.shelf.quota(container)
     quota = Quota(
@@ -159,7 +231,7 @@ async def limit_container(
         decided = Decided(act="limit", by=by, about=container, at_ns=now_ns)
         await turn.write((decided, *holdings.shelf.limit(container, quota)))
     name = _listed(holdings, container).name
-    return inspecting_messages.limit_set(name, quota.names, quota.most_bytes)
+    return limit_set(name, quota.names, quota.most_bytes)
 
 
 async def erase_container(
@@ -173,7 +245,7 @@ async def erase_container(
     if container in holdings.robots or container.startswith(_CHAT):
         name = _listed(holdings, container).name
         await erasing.erase_other(container, by)
-        return inspecting_messages.emptied(name)
+        return emptied(name)
     erased = await erasing.erase(container, by)
     return words.erased(erased.name, at_rest=erased.at_rest)
 

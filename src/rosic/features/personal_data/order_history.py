@@ -123,9 +123,12 @@ class OrderHistory:
         return robot
 
     def _line(
-        self, entry: HistoryEntry, robots: tuple[RobotId, ...], vocabulary: Vocabulary,
+        self,
+        entry: HistoryEntry,
+        robots: tuple[RobotId, ...],
+        vocabulary: Vocabulary,
         who: PrincipalId,
-    ) -> str:  # fmt: skip
+    ) -> str:
         read = read_entry(entry, vocabulary)
         asked = stopped(robots, vocabulary) if entry.kind == STOPPED else read.asked
         if entry.kind == REFUSED and asked:

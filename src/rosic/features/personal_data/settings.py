@@ -23,15 +23,27 @@ if TYPE_CHECKING:
 
 LANGUAGE, UNITS, ROBOT, SPEED, ZONE = "language", "units", "robot", "speed", "zone"
 NAMES: Mapping[str, str] = {
-    LANGUAGE: LANGUAGE, "lang": LANGUAGE,
-    UNITS: UNITS, "unit": UNITS,
-    ROBOT: ROBOT, "default": ROBOT,
-    SPEED: SPEED, "limit": SPEED, "cap": SPEED,
-    ZONE: ZONE, "timezone": ZONE,
+    LANGUAGE: LANGUAGE,
+    "lang": LANGUAGE,
+    UNITS: UNITS,
+    "unit": UNITS,
+    ROBOT: ROBOT,
+    "default": ROBOT,
+    SPEED: SPEED,
+    "limit": SPEED,
+    "cap": SPEED,
+    ZONE: ZONE,
+    "timezone": ZONE,
     # In German, as the list and its example say it.
-    "sprache": LANGUAGE, "einheiten": UNITS, "roboter": ROBOT, "zeitzone": ZONE,
-    "tempo": SPEED, "höchstgeschwindigkeit": SPEED, "geschwindigkeit": SPEED, "grenze": SPEED,
-}  # fmt: skip
+    "sprache": LANGUAGE,
+    "einheiten": UNITS,
+    "roboter": ROBOT,
+    "zeitzone": ZONE,
+    "tempo": SPEED,
+    "höchstgeschwindigkeit": SPEED,
+    "geschwindigkeit": SPEED,
+    "grenze": SPEED,
+}
 
 
 class SettingsCommands:

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.container import messages
 from rosic.core.i18n import joined
-from rosic.core.language.clock_words import Unclear
 from rosic.core.language.option_words import option_typed
 from rosic.core.language.sanitise import clean_name
-from rosic.core.language.time_tokens import TimeTokens
+from rosic.core.language.time_tokens import TimeTokens, Unclear
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood
-from rosic.features.personal_data import lending_messages as words
+from rosic.features.personal_data import messages as words
 from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.button_rows import rows
 from rosic.gateway.office import check_length, check_private

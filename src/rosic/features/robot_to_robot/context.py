@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.store import Store
     from rosic.features.robot_to_robot.permissions import PeerPermissions
     from rosic.features.robot_to_robot.subscriptions import Subscriptions

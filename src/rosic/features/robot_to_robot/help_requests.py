@@ -181,9 +181,14 @@ class HelpRequests:
 
     def _fact(self, made: HelpRequest) -> Fact:
         body = _Body(
-            made.robot, made.at_ns, made.until_ns, made.by, made.helper, made.accepted_ns,
+            made.robot,
+            made.at_ns,
+            made.until_ns,
+            made.by,
+            made.helper,
+            made.accepted_ns,
             made.over_ns,
-        )  # fmt: skip
+        )
         letter = Letter(made.robot, made.what.encode(errors="ignore"))
         return Fact(kind=KIND, key=made.id, body=_encode(body), letter=letter)
 
@@ -213,8 +218,15 @@ class HelpRequests:
             return
         what = "" if fact.letter is None else bytes(fact.letter.content).decode(errors="replace")
         self._helps[fact.key] = HelpRequest(
-            fact.key, body.robot, what, body.at_ns, body.until_ns, body.by, body.helper,
-            body.accepted_ns, body.over_ns,
-        )  # fmt: skip
+            fact.key,
+            body.robot,
+            what,
+            body.at_ns,
+            body.until_ns,
+            body.by,
+            body.helper,
+            body.accepted_ns,
+            body.over_ns,
+        )
         if body.by and not body.over_ns:
             self._under_way[fact.key] = None

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.core.i18n import joined
 from rosic.core.language import clean
 from rosic.core.message import Button
-from rosic.core.policy.authority import ASK, HELP
+from rosic.core.policy.scope import ASK, HELP
 from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.errors import NotPermitted, TooManyRequests
 from rosic.features.robot_to_robot import messages as words
@@ -18,7 +18,7 @@ from rosic.features.robot_to_robot import messages as words
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from rosic.contracts.among import RobotTasks
+    from rosic.contracts.robot import RobotTasks
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.robot.profile import RobotId
     from rosic.features.robot_to_robot.context import RobotToRobotContext
@@ -95,9 +95,14 @@ class HelpService:
             if other != made.robot and self._rights.robot_may(other, made.robot, HELP):
                 self._post.send(
                     other,
-                    {"kind": "help", "id": made.id, "from": made.robot, "what": made.what,
-                     "until_s": made.until_ns / 1e9},
-                )  # fmt: skip
+                    {
+                        "kind": "help",
+                        "id": made.id,
+                        "from": made.robot,
+                        "what": made.what,
+                        "until_s": made.until_ns / 1e9,
+                    },
+                )
 
     def _offer(self, made: HelpRequest, who: PrincipalId) -> None:
         until = self._rooms.organiser.moment(who, made.until_ns)
@@ -154,8 +159,9 @@ class HelpService:
         self._tell(made, text, besides=who)
         self._post.send(made.robot, {"kind": "helped", "id": ident, "by": helper or "a person"})
         if helper and not self._is(caller, helper):
-            self._post.send(helper, {"kind": "assigned", "id": ident, "to": made.robot,
-                                     "what": made.what})  # fmt: skip
+            self._post.send(
+                helper, {"kind": "assigned", "id": ident, "to": made.robot, "what": made.what}
+            )
         return text
 
     def _is(self, caller: Caller, robot: RobotId) -> bool:
@@ -215,6 +221,7 @@ class HelpService:
     def _tell(self, made: HelpRequest, text: str, *, besides: PrincipalId = "") -> None:
         robots = (made.robot, made.helper) if made.helper else (made.robot,)
         people: Iterable[PrincipalId] = (
-            *self._rights.operators(*robots), *self._rights.helpers(made.robot),
-        )  # fmt: skip
+            *self._rights.operators(*robots),
+            *self._rights.helpers(made.robot),
+        )
         self._reach.tell([who for who in people if who != besides], text)

@@ -37,16 +37,22 @@ def line(shared: Shared, shown: str, past_s: float) -> str:
     """Return one topic in a list."""
     return said(
         "{robot} · {topic} ({age}): {data}",
-        robot=shown, topic=shared.topic, age=age(past_s), data=data(shared.data),
-    )  # fmt: skip
+        robot=shown,
+        topic=shared.topic,
+        age=age(past_s),
+        data=data(shared.data),
+    )
 
 
 def whole(shared: Shared, shown: str, past_s: float) -> str:
     """Return one topic with all that can be shown."""
     return said(
         "{robot} · {topic} ({age}):\n{data}",
-        robot=shown, topic=shared.topic, age=age(past_s), data=data(shared.data, ALL_SHOWN),
-    )  # fmt: skip
+        robot=shown,
+        topic=shared.topic,
+        age=age(past_s),
+        data=data(shared.data, ALL_SHOWN),
+    )
 
 
 def nothing_shared(shown: str) -> str:
@@ -70,21 +76,25 @@ def following(shown: str, robot: str, topic: str) -> str:
         return said(
             "From now on you read here what {robot} shares on {topic}. To end it: "
             "/shared {id} {topic} unfollow",
-            robot=shown, topic=topic, id=robot,
-        )  # fmt: skip
+            robot=shown,
+            topic=topic,
+            id=robot,
+        )
     return said(
         "From now on you read here what {robot} shares and says to other robots. To end it: "
         "/shared {id} unfollow",
-        robot=shown, id=robot,
-    )  # fmt: skip
+        robot=shown,
+        id=robot,
+    )
 
 
 def not_following(shown: str, topic: str) -> str:
     """Return that a chat follows no more; no topic at all, if none is given."""
     if not topic:
         return said("You read no more here of what {robot} shares.", robot=shown)
-    return said("You read no more here of what {robot} shares on {topic}.", robot=shown,
-                topic=topic)  # fmt: skip
+    return said(
+        "You read no more here of what {robot} shares on {topic}.", robot=shown, topic=topic
+    )
 
 
 def digest_line(text: str, before: int) -> str:
@@ -126,8 +136,10 @@ def cut(shown: str, other: str, minutes: str) -> str:
     return said(
         "{robot} and {other} answered each other without end. I pass nothing on between them "
         "for {time}.",
-        robot=shown, other=other, time=minutes,
-    )  # fmt: skip
+        robot=shown,
+        other=other,
+        time=minutes,
+    )
 
 
 def is_cut(shown: str) -> str:
@@ -140,8 +152,10 @@ def quieted(shown: str, name: str, until: str) -> str:
     return said(
         "{robot} is silenced among the robots until {time}, by {name}: I pass on nothing that it "
         "says. It still takes orders and stops.",
-        robot=shown, time=until, name=name,
-    )  # fmt: skip
+        robot=shown,
+        time=until,
+        name=name,
+    )
 
 
 def heard_again(shown: str) -> str:
@@ -178,8 +192,10 @@ def asks_for_help(shown: str, what: str, until: str) -> str:
     """Return what whoever may help reads."""
     return said(
         "{robot} asks for help: {what}. It can be accepted until {time}.",
-        robot=shown, what=inert_text(what), time=until,
-    )  # fmt: skip
+        robot=shown,
+        what=inert_text(what),
+        time=until,
+    )
 
 
 def i_help() -> str:
@@ -229,8 +245,11 @@ def helped(asker: str, what: str, by: str, helper: str) -> str:
     if helper and helper != by:
         return said(
             "{helper} helps {robot} ({what}), sent by {name}.",
-            helper=helper, robot=asker, what=inert_text(what), name=clean(by),
-        )  # fmt: skip
+            helper=helper,
+            robot=asker,
+            what=inert_text(what),
+            name=clean(by),
+        )
     return said(
         "{name} helps {robot} ({what}).", name=clean(by), robot=asker, what=inert_text(what)
     )
@@ -292,8 +311,10 @@ def strategy_now(shown: str, described: str, others: Sequence[str]) -> str:
     """Return a robot's strategy, and which there are."""
     return said(
         "{robot}: {strategy}. There are: {others}.",
-        robot=shown, strategy=described, others=", ".join(others),
-    )  # fmt: skip
+        robot=shown,
+        strategy=described,
+        others=", ".join(others),
+    )
 
 
 def usual() -> str:
@@ -315,8 +336,10 @@ def no_such_strategy(shown: str, named: str, others: Sequence[str]) -> str:
     """Return that a strategy is not declared."""
     return said(
         "{robot} has no strategy called {name}. There are: {others}.",
-        robot=shown, name=named, others=", ".join(others),
-    )  # fmt: skip
+        robot=shown,
+        name=named,
+        others=", ".join(others),
+    )
 
 
 def nothing_before(shown: str) -> str:
@@ -332,10 +355,12 @@ def strategy_taken(shown: str, name: str) -> str:
 def strategy_when(shown: str, what: str, *, idle: bool) -> str:
     """Return that a strategy was asked for."""
     if idle:
-        return said("{robot}: {strategy}, as soon as it carries out nothing.",
-                    robot=shown, strategy=what)  # fmt: skip
-    return said("{robot}: {strategy}, now. I say when it has taken it on.",
-                robot=shown, strategy=what)  # fmt: skip
+        return said(
+            "{robot}: {strategy}, as soon as it carries out nothing.", robot=shown, strategy=what
+        )
+    return said(
+        "{robot}: {strategy}, now. I say when it has taken it on.", robot=shown, strategy=what
+    )
 
 
 def strategy_acknowledged(shown: str, what: str) -> str:
@@ -347,8 +372,10 @@ def strategy_declined(shown: str, what: str, why: str) -> str:
     """Return that the robot has not."""
     return said(
         "{robot} has not taken on {strategy}: {why}. It goes on as before.",
-        robot=shown, strategy=what, why=inert_text(why) or "-",
-    )  # fmt: skip
+        robot=shown,
+        strategy=what,
+        why=inert_text(why) or "-",
+    )
 
 
 def strategy_unknown(shown: str, what: str) -> str:
@@ -356,28 +383,32 @@ def strategy_unknown(shown: str, what: str) -> str:
     return said(
         "{robot} was told to take on {strategy} and has not answered. It may or may not have done "
         "so; please look.",
-        robot=shown, strategy=what,
-    )  # fmt: skip
+        robot=shown,
+        strategy=what,
+    )
 
 
 def strategy_unheard(shown: str, what: str) -> str:
     """Return that nobody listens there."""
-    return said("{robot} does not listen now, so this was not sent: {strategy}.",
-                robot=shown, strategy=what)  # fmt: skip
+    return said(
+        "{robot} does not listen now, so this was not sent: {strategy}.", robot=shown, strategy=what
+    )
 
 
 def strategy_unanswered(shown: str, what: str) -> str:
     """Return that a robot was told, and has not said anything yet."""
-    return said("{robot} was told to take on {strategy}, and has not answered.",
-                robot=shown, strategy=what)  # fmt: skip
+    return said(
+        "{robot} was told to take on {strategy}, and has not answered.", robot=shown, strategy=what
+    )
 
 
 def strategy_late(shown: str, what: str) -> str:
     """Return that the moment has not come."""
     return said(
         "{robot} was at work the whole time, so {strategy} was not sent.",
-        robot=shown, strategy=what,
-    )  # fmt: skip
+        robot=shown,
+        strategy=what,
+    )
 
 
 def strategy_replaced(shown: str, what: str) -> str:

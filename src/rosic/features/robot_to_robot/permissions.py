@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
 from rosic.core.identity import ROBOT, Address
-from rosic.core.policy.authority import READ
+from rosic.core.policy.scope import READ
 from rosic.errors import NotPermitted
 
 if TYPE_CHECKING:
@@ -33,9 +33,11 @@ class PeerPermissions:
         found = self._rooms.authoriser.directory.at(Address(ROBOT, robot))
         if found is None:
             raise NotPermitted(
-                said("{robot} has no key of its own here. The operator can give it one.",
-                     robot=self.shown(robot))
-            )  # fmt: skip
+                said(
+                    "{robot} has no key of its own here. The operator can give it one.",
+                    robot=self.shown(robot),
+                )
+            )
         caller = self._rooms.authoriser.stand_for(found[0].id)
         self._rooms.organiser.check_unlocked(caller)
         return caller

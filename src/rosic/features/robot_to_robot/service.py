@@ -13,20 +13,19 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import msgspec
 
-from rosic.contracts.among import UTTERANCE_BYTES
+from rosic.contracts.robot import UTTERANCE_BYTES
 from rosic.core.identity import PrincipalId
 from rosic.core.message import Button
 from rosic.core.messages import no_robot
-from rosic.core.policy.authority import ASK, READ, SHARE
+from rosic.core.policy.scope import ASK, READ, SHARE
 from rosic.core.records import Decided, Fact
 from rosic.core.robot import dialogue_protocol as said_by
 from rosic.core.robot.dialogue_protocol import Shared, Utterance, mark_of, read_utterance
 from rosic.errors import NotPermitted, NotUnderstood, Refusal, TooManyRequests
 from rosic.features.robot_to_robot import messages as words
 from rosic.features.robot_to_robot.digest import EVERY_S as DIGEST_EVERY_S
-from rosic.features.robot_to_robot.guard import CUT_NS, HOPS_AT_MOST
 from rosic.features.robot_to_robot.help_requests import KIND as HELPS
-from rosic.features.robot_to_robot.inbox import Inbox
+from rosic.features.robot_to_robot.inbox import CUT_NS, HOPS_AT_MOST, Inbox
 from rosic.features.robot_to_robot.shared_state import KIND as SHARED
 from rosic.features.robot_to_robot.strategies import KIND as STRATEGIES
 from rosic.features.robot_to_robot.subscriptions import KIND as EARS
@@ -36,13 +35,13 @@ from rosic.organiser.calendar_messages import length
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
 
-    from rosic.contracts.among import PeerRobot
+    from rosic.contracts.robot import PeerRobot
     from rosic.core.identity import Caller
     from rosic.core.robot.profile import RobotId
     from rosic.features.robot_to_robot.context import RobotToRobotContext
     from rosic.features.robot_to_robot.digest import ConversationDigests
-    from rosic.features.robot_to_robot.guard import LoopGuard
     from rosic.features.robot_to_robot.help_service import HelpService
+    from rosic.features.robot_to_robot.inbox import LoopGuard
     from rosic.features.robot_to_robot.shared_state import SharedState
     from rosic.features.robot_to_robot.strategies import Strategies
 
@@ -286,9 +285,15 @@ class RobotMessaging:
         circle.guard.remember(ident, robot, hops)
         heard = around.post.send(
             said.to,
-            {"kind": "told", "from": robot, "data": said.data, "id": ident, "re": said.re,
-             "hops": hops},
-        )  # fmt: skip
+            {
+                "kind": "told",
+                "from": robot,
+                "data": said.data,
+                "id": ident,
+                "re": said.re,
+                "hops": hops,
+            },
+        )
         text = words.says_to(shown, other, bytes(said.data))
         circle.digests.note(robot, "", text)
         return {"id": ident, "heard": heard} if said.ref else {}

@@ -55,14 +55,18 @@ class SharedState:
         others = sum(len(s.data) for name, s in topics.items() if name != shared.topic)
         if shared.topic not in topics and len(topics) >= TOPICS_A_ROBOT:
             raise OutOfBounds(
-                said("A robot shares on at most {most} topics. Nothing of it was kept.",
-                     most=TOPICS_A_ROBOT)
-            )  # fmt: skip
+                said(
+                    "A robot shares on at most {most} topics. Nothing of it was kept.",
+                    most=TOPICS_A_ROBOT,
+                )
+            )
         if others + len(shared.data) > ROBOT_BYTES:
             raise OutOfBounds(
-                said("A robot shares at most {kib} KiB in all. Nothing of it was kept.",
-                     kib=ROBOT_BYTES // 1024)
-            )  # fmt: skip
+                said(
+                    "A robot shares at most {kib} KiB in all. Nothing of it was kept.",
+                    kib=ROBOT_BYTES // 1024,
+                )
+            )
         topics[shared.topic] = shared
         self._unwritten[shared.robot, shared.topic] = None
 
@@ -121,6 +125,11 @@ class SharedState:
                 log.warning("what %s has shared cannot be read", robot)
                 continue
             self._shared.setdefault(robot, {})[topic] = Shared(
-                robot, topic, body.at_ns, body.until_ns, bytes(fact.letter.content), body.id,
+                robot,
+                topic,
+                body.at_ns,
+                body.until_ns,
+                bytes(fact.letter.content),
+                body.id,
                 body.hops,
-            )  # fmt: skip
+            )

@@ -12,7 +12,7 @@ from rosic.core.i18n import joined
 from rosic.core.identity import PrincipalId
 from rosic.core.language.option_words import parameter_typed
 from rosic.core.language.strategy_arguments import checked, spoken
-from rosic.core.policy.authority import STRATEGY
+from rosic.core.policy.scope import STRATEGY
 from rosic.core.records import Decided, Fact
 from rosic.errors import NotUnderstood, Refusal, RobotTaken
 from rosic.features.robot_to_robot import messages as words
@@ -101,9 +101,14 @@ class Strategies:
         return joined("\n", (text, told))
 
     async def change(
-        self, caller: Caller, robot: RobotId, name: str, given: Mapping[str, float | str], *,
+        self,
+        caller: Caller,
+        robot: RobotId,
+        name: str,
+        given: Mapping[str, float | str],
+        *,
         idle: bool,
-    ) -> str:  # fmt: skip
+    ) -> str:
         """Have a robot take on another strategy, at its moment. Return what is going to happen.
 
         Raises:
@@ -174,9 +179,13 @@ class Strategies:
         made.sent = True
         heard = self._post.send(
             made.robot,
-            {"kind": "strategy", "id": made.ident, "name": made.chosen.name,
-             "values": made.chosen.values},
-        )  # fmt: skip
+            {
+                "kind": "strategy",
+                "id": made.ident,
+                "name": made.chosen.name,
+                "values": made.chosen.values,
+            },
+        )
         answered = await self._answered(made) if heard else None
         if not heard:
             await self._write(made.robot, before)

@@ -12,7 +12,7 @@ import msgspec
 from rosic.core.i18n import said
 from rosic.core.identity import PrincipalId
 from rosic.core.message import Chat
-from rosic.core.policy.authority import READ
+from rosic.core.policy.scope import READ
 from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.records import Fact, Letter
 from rosic.core.robot.profile import RobotId
@@ -21,10 +21,10 @@ from rosic.errors import TooManyRequests
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from rosic.contracts.among import PeerRobot
     from rosic.contracts.clock import Clock
+    from rosic.contracts.robot import PeerRobot
     from rosic.core.robot.dialogue_protocol import Shared
-    from rosic.features.robot_to_robot.guard import LoopGuard
+    from rosic.features.robot_to_robot.inbox import LoopGuard
     from rosic.features.robot_to_robot.permissions import PeerPermissions
     from rosic.features.robot_to_robot.shared_state import SharedState
 
@@ -104,10 +104,12 @@ class Subscriptions:
         mine = sum(e.fellow == ear.fellow and e.who == ear.who for e in self._ears.values())
         if mine >= EARS_OF_ONE or len(self._by_robot.get(ear.robot, ())) >= FOLLOWED_BY_ONE:
             raise TooManyRequests(
-                said("Too many follow {robot} already, or you follow too much.",
-                     robot=self._rights.shown(ear.robot)),
+                said(
+                    "Too many follow {robot} already, or you follow too much.",
+                    robot=self._rights.shown(ear.robot),
+                ),
                 retry_after_s=0.0,
-            )  # fmt: skip
+            )
         letter = Letter(ear.who, _encode(where)) if where is not None else None
         return Fact(kind=KIND, key=key, body=_encode(ear), letter=letter)
 

@@ -22,8 +22,7 @@ from rosic.gateway.delivery.translation import translated
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
@@ -135,9 +134,11 @@ class Outbox:
             self.said(fact.key)  # nobody can be told, or it is no news any more
             return False
         outbound = Outbound(
-            chat=found.chat, text=messages.said_again(found.text), reply_to=found.reply_to,
+            chat=found.chat,
+            text=messages.said_again(found.text),
+            reply_to=found.reply_to,
             weight=Weight(owed.weight),
-        )  # fmt: skip
+        )
         catalogue = self._teller.languages.of(self._owed[fact.key])
         note = self._note(fact.key, messenger, translated(outbound, catalogue))
         if found.matter:

@@ -21,8 +21,7 @@ from rosic.errors import MessageGone, MessengerFault
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
 
@@ -97,9 +96,14 @@ class SecretRedaction:
     # ---- what is to go ----
 
     def keep(
-        self, secret: str, whose: PrincipalId, at_ns: int,
-        messenger: Messenger, chat: Chat, message: str,
-    ) -> None:  # fmt: skip
+        self,
+        secret: str,
+        whose: PrincipalId,
+        at_ns: int,
+        messenger: Messenger,
+        chat: Chat,
+        message: str,
+    ) -> None:
         """Let a message go once a secret is worth nothing, at the latest at ``at_ns`` (wall clock).
 
         Args:

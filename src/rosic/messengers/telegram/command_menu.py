@@ -13,7 +13,7 @@ from telegram import (
     BotCommandScopeChat,
 )
 
-from rosic.core.menu import MenuScope
+from rosic.core.message import MenuScope
 from rosic.messengers.telegram.errors import ErrorKind, TelegramError
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from telegram import Bot
 
     from rosic.contracts.clock import Clock
-    from rosic.core.menu import Menu
+    from rosic.core.message import Menu
     from rosic.messengers.telegram.bot_client import BotClient
 
 AT_MOST = 256

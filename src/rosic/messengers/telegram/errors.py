@@ -23,9 +23,14 @@ if TYPE_CHECKING:
 TOO_FAST = 429
 DEFAULT_WAIT_S = 1.0
 _NO_CHAT = (
-    "chat not found", "chat_write_forbidden", "not enough rights to send", "no rights to send",
-    "need administrator rights in the channel", "chat was deactivated", "user is deactivated",
-)  # fmt: skip
+    "chat not found",
+    "chat_write_forbidden",
+    "not enough rights to send",
+    "no rights to send",
+    "need administrator rights in the channel",
+    "chat was deactivated",
+    "user is deactivated",
+)
 """Telegram's words, besides 403, for a chat in which nothing more can be said."""
 _NOT_SENT = frozenset({"ConnectError", "ConnectTimeout", "PoolTimeout", "ProxyError"})
 
@@ -51,13 +56,26 @@ class NetworkState(enum.Enum):
     THERE = "somebody answered"
 
 
-_NO_WAY: Final = frozenset({
-    errno.ENETDOWN, errno.ENETUNREACH, errno.EHOSTDOWN, errno.EHOSTUNREACH, errno.ETIMEDOUT,
-})  # fmt: skip
+_NO_WAY: Final = frozenset(
+    {
+        errno.ENETDOWN,
+        errno.ENETUNREACH,
+        errno.EHOSTDOWN,
+        errno.EHOSTUNREACH,
+        errno.ETIMEDOUT,
+    }
+)
 _SILENT: Final = frozenset({"TimedOut", "TimeoutError", "CancelledError"})
-_BROKEN: Final = frozenset({
-    "ConnectError", "ReadError", "ReadTimeout", "RemoteProtocolError", "WriteError", "WriteTimeout",
-})  # fmt: skip
+_BROKEN: Final = frozenset(
+    {
+        "ConnectError",
+        "ReadError",
+        "ReadTimeout",
+        "RemoteProtocolError",
+        "WriteError",
+        "WriteTimeout",
+    }
+)
 CAUSES_AT_MOST: Final = 20
 
 

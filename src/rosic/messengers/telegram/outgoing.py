@@ -10,12 +10,11 @@ from telegram import LinkPreviewOptions, ReplyParameters
 from rosic.core.i18n import said
 from rosic.core.message import Weight
 from rosic.errors import ChatGone, ChatNotBegun, MessageGone, MessengerFault
-from rosic.messengers.telegram import text as texts
+from rosic.messengers.telegram import formatting as texts
 from rosic.messengers.telegram.bot_client import CALL_S
 from rosic.messengers.telegram.errors import ErrorKind, TelegramError
 from rosic.messengers.telegram.files import FILE_BYTES, FILE_S, picture_of, prepared
-from rosic.messengers.telegram.formatting import inert
-from rosic.messengers.telegram.keyboards import keyboard_of
+from rosic.messengers.telegram.formatting import inert, keyboard_of
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -149,9 +148,13 @@ class Outgoing:
 
         async def act(bot: Bot, chat: int) -> None:
             await bot.edit_message_media(
-                media, chat, number, reply_markup=keyboard,
-                write_timeout=FILE_S, read_timeout=FILE_S,
-            )  # fmt: skip
+                media,
+                chat,
+                number,
+                reply_markup=keyboard,
+                write_timeout=FILE_S,
+                read_timeout=FILE_S,
+            )
 
         call = BotCall(outbound.chat.id, outbound.weight, repeatable=True, message=message)
         await self._change(call, act, within_s=FILE_S)
@@ -208,9 +211,14 @@ class Outgoing:
     ) -> str:
         async def act(bot: Bot, chat: int, thread: int | None) -> str:
             message = await bot.send_message(
-                chat, text, entities=inert(text), link_preview_options=NO_PREVIEW,
-                reply_parameters=reply, reply_markup=markup, message_thread_id=thread,
-            )  # fmt: skip
+                chat,
+                text,
+                entities=inert(text),
+                link_preview_options=NO_PREVIEW,
+                reply_parameters=reply,
+                reply_markup=markup,
+                message_thread_id=thread,
+            )
             return str(message.message_id)
 
         return await self._call_in_topic(call, act)
@@ -233,15 +241,22 @@ class Outgoing:
     ) -> None:
         async def change_text(bot: Bot, chat: int) -> None:
             await bot.edit_message_text(
-                text, chat_id=chat, message_id=number, entities=inert(text),
-                link_preview_options=NO_PREVIEW, reply_markup=markup,
-            )  # fmt: skip
+                text,
+                chat_id=chat,
+                message_id=number,
+                entities=inert(text),
+                link_preview_options=NO_PREVIEW,
+                reply_markup=markup,
+            )
 
         async def change_caption(bot: Bot, chat: int) -> None:
             await bot.edit_message_caption(
-                chat_id=chat, message_id=number, caption=text, caption_entities=inert(text),
+                chat_id=chat,
+                message_id=number,
+                caption=text,
+                caption_entities=inert(text),
                 reply_markup=markup,
-            )  # fmt: skip
+            )
 
         try:
             await self._change(call, change_text)

@@ -19,8 +19,15 @@ LONGEST_POLL_S = 4
 within the 5 s after which a pause counts as a gap: 4 s of waiting, and 1 s for the way."""
 
 _KNOWN = (
-    "kind", "name", "token", "api_base", "local_mode", "local_folder", "proxy", "poll_timeout_s",
-)  # fmt: skip
+    "kind",
+    "name",
+    "token",
+    "api_base",
+    "local_mode",
+    "local_folder",
+    "proxy",
+    "poll_timeout_s",
+)
 _TOKEN = re.compile(r"[0-9]{1,20}:[A-Za-z0-9_-]{1,100}")
 _ADDRESS = re.compile(r"https?://[^\s/?#]+(?:/[^\s?#]*)?")
 _PROXY = re.compile(r"(?:https?|socks5h?)://[^\s/?#]+/?")

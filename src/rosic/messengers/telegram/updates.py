@@ -12,9 +12,15 @@ from typing import Any
 import msgspec
 
 KINDS = (
-    "message", "edited_message", "channel_post", "edited_channel_post", "callback_query",
-    "my_chat_member", "chat_member", "message_reaction",
-)  # fmt: skip
+    "message",
+    "edited_message",
+    "channel_post",
+    "edited_channel_post",
+    "callback_query",
+    "my_chat_member",
+    "chat_member",
+    "message_reaction",
+)
 """Asked for by name, because Telegram remembers what the last program asked for."""
 
 GROUP_ANONYMOUS_BOT = 1087968824

@@ -36,8 +36,7 @@ class UploadStream:
     def __init__(self, said: Mapping[str, object], field: str, attachment: Attachment) -> None:
         self._attachment = attachment
         self._boundary = secrets.token_hex(16)
-        parts = [_part(self._boundary, f'name="{key}"', value)
-                 for key, value in _spoken(said)]  # fmt: skip
+        parts = [_part(self._boundary, f'name="{key}"', value) for key, value in _spoken(said)]
         about = f'name="{field}"; filename="{_quoted(attachment.name)}"'
         kind = f"\r\nContent-Type: {_quoted(attachment.media_type)}"
         self._head = b"".join(parts) + _part(self._boundary, about + kind, b"")[:-2]

@@ -147,6 +147,11 @@ def wrapped(line: str, width: int) -> str:
         return line
     indent = " " * (len(line) - len(line.lstrip()) + 2)
     return fill(
-        line, width - 1, subsequent_indent=indent, break_long_words=False,
-        break_on_hyphens=False, replace_whitespace=False, drop_whitespace=True,
-    )  # fmt: skip
+        line,
+        width - 1,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+        replace_whitespace=False,
+        drop_whitespace=True,
+    )

@@ -106,8 +106,10 @@ class _Wrong(ValueError):
 
 def _read(
     rows: Callable[[str], Iterator[tuple[int, Mapping[str, object]]]],
-    text: str, file: str, names: WishNames,
-) -> ReadWishes:  # fmt: skip
+    text: str,
+    file: str,
+    names: WishNames,
+) -> ReadWishes:
     if len(text) > MOST_CHARACTERS:
         return ReadWishes((), (f"{file}:1: This is longer than {MOST_CHARACTERS} characters.",))
     wishes: list[Wish] = []

@@ -10,17 +10,66 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.core.i18n import said, said_n
 from rosic.core.identity import PrincipalId
 from rosic.core.records import Fact
 from rosic.core.robot.profile import RobotId
-from rosic.errors import NotUnderstood, TooManyRequests
-from rosic.organiser.planning import wishes_messages as words
+from rosic.errors import NotUnderstood, OutOfBounds, TooManyRequests
+from rosic.organiser.calendar_messages import length
 from rosic.organiser.planning.problem import NS_PER_MIN, NS_PER_S, PRIORITIES, Wish
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from rosic.organiser.planning.problem import Span
+
+
+# ---- what people read about wishes that cannot be put down or taken back ----
+
+
+def window_too_short(length_s: int) -> OutOfBounds:
+    """Say that nothing that long fits."""
+    return OutOfBounds(said("The window is shorter than {length}.", length=length(length_s)))
+
+
+def window_over() -> OutOfBounds:
+    """Say that it is too late for this."""
+    return OutOfBounds(said("That window is over."))
+
+
+def no_such_priority(least: int, most: int) -> OutOfBounds:
+    """Say which numbers there are."""
+    return OutOfBounds(
+        said("A priority is a number from {least} to {most}.", least=least, most=most)
+    )
+
+
+def enough(most: int) -> str:
+    """Say that somebody has as many wishes as one person may."""
+    return said_n(
+        "You have {n} wish already, and more are not possible. /wish off 1 takes it back.",
+        "You have {n} wishes already, and more are not possible. /wish off 1 takes one back.",
+        most,
+    )
+
+
+def all_enough(most: int) -> str:
+    """Say that there are as many as are planned at a time."""
+    return said("There are {most} wishes already. An admin has to make a plan first.", most=most)
+
+
+def no_such_wish(count: int) -> str:
+    """Say which numbers there are."""
+    if not count:
+        return said("You have no wishes.")
+    return said_n(
+        "You have {n} wish. Say its number: /wish off 1",
+        "You have {n} wishes. Say the number of one: /wish off 1",
+        count,
+    )
+
+
+# ---- who would like a robot for a while, until a plan is made of all wishes together ----
 
 WISH = "wish"
 MOST_EACH = 10
@@ -65,10 +114,14 @@ class Wished(msgspec.Struct, frozen=True, kw_only=True):
     def wish(self, robots: tuple[RobotId, ...], now_ns: int) -> Wish:
         """Return it as a part of a problem, from now on."""
         return Wish(
-            id=self.id, principal=self.principal, robots=robots, length_s=self.length_s,
-            earliest_ns=max(self.earliest_ns, _full_minute(now_ns)), latest_ns=self.latest_ns,
+            id=self.id,
+            principal=self.principal,
+            robots=robots,
+            length_s=self.length_s,
+            earliest_ns=max(self.earliest_ns, _full_minute(now_ns)),
+            latest_ns=self.latest_ns,
             priority=self.priority,
-        )  # fmt: skip
+        )
 
 
 _decode = msgspec.msgpack.Decoder(Wished).decode
@@ -147,19 +200,25 @@ class Wishes:
         number = self._number + 1
         digest = blake2b(ascii((principal, number, now_ns)).encode(), digest_size=_ID_BYTES)
         wished = Wished(
-            id=digest.hexdigest(), number=number, principal=principal, robots=robots,
-            length_s=length_s, earliest_ns=earliest_ns, latest_ns=latest_ns, priority=priority,
-        )  # fmt: skip
+            id=digest.hexdigest(),
+            number=number,
+            principal=principal,
+            robots=robots,
+            length_s=length_s,
+            earliest_ns=earliest_ns,
+            latest_ns=latest_ns,
+            priority=priority,
+        )
         if priority not in PRIORITIES:
-            raise words.no_such_priority(PRIORITIES[0], PRIORITIES[-1])
+            raise no_such_priority(PRIORITIES[0], PRIORITIES[-1])
         if length_s * NS_PER_S > latest_ns - earliest_ns:
-            raise words.window_too_short(length_s)
+            raise window_too_short(length_s)
         if wished.over(now_ns):
-            raise words.window_over()
+            raise window_over()
         if len(self.of(principal)) >= MOST_EACH:
-            raise TooManyRequests(words.enough(MOST_EACH), retry_after_s=3600.0)
+            raise TooManyRequests(enough(MOST_EACH), retry_after_s=3600.0)
         if len(self.everybodys()) >= MOST_OF_ALL:
-            raise TooManyRequests(words.all_enough(MOST_OF_ALL), retry_after_s=3600.0)
+            raise TooManyRequests(all_enough(MOST_OF_ALL), retry_after_s=3600.0)
         return (wished.fact(), *self.outdated())
 
     def off(self, principal: PrincipalId, place: int) -> tuple[Wished, tuple[Fact, ...]]:
@@ -170,7 +229,7 @@ class Wishes:
         """
         mine = self.of(principal)
         if not 0 < place <= len(mine):
-            raise NotUnderstood(words.no_such_wish(len(mine)), offers=("wish",))
+            raise NotUnderstood(no_such_wish(len(mine)), offers=("wish",))
         return mine[place - 1], (mine[place - 1].no_more(), *self.outdated())
 
     def end_all(self, principal: PrincipalId) -> tuple[Fact, ...]:

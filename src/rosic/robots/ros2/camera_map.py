@@ -95,8 +95,9 @@ class CameraAndMap:
                 newest = await self._next(listening, news, sight)
                 yield await self._view(newest, sight)
         except NotSent as fault:
-            sentence = said("{robot} cannot be seen: the link to ROS 2 is closed.",
-                            robot=profile.shown)  # fmt: skip
+            sentence = said(
+                "{robot} cannot be seen: the link to ROS 2 is closed.", robot=profile.shown
+            )
             raise NothingToSee(sentence) from fault
         finally:
             for subscription in listening:
@@ -128,8 +129,9 @@ class CameraAndMap:
         if sight is Sight.PICTURE:
             return said(
                 "{robot} has sent no picture for {seconds} s. Is its camera on?",
-                robot=shown, seconds=within_s,
-            )  # fmt: skip
+                robot=shown,
+                seconds=within_s,
+            )
         return said("{robot} has sent no map for {seconds} s.", robot=shown, seconds=within_s)
 
     async def _view(self, latest: LatestMessage, sight: Sight) -> View:

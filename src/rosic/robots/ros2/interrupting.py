@@ -84,8 +84,11 @@ async def after_the_end(errand: BindingCall) -> NotAtRest:
             return NotAtRest()
         if side.clock.monotonic_ns() > until_ns:
             moves = sees.at_rest(max(since_ns, sees.stale_ns())) is False
-            _log.warning("%s: it says that order %d has ended, and was not measured at rest",
-                         errand.order.robot, errand.order.n)  # fmt: skip
+            _log.warning(
+                "%s: it says that order %d has ended, and was not measured at rest",
+                errand.order.robot,
+                errand.order.n,
+            )
             if moves:
                 return NotAtRest(said("it still moves"), StillMoves.code)
             return NotAtRest(said("its rest could not be measured"))

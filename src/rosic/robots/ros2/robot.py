@@ -5,12 +5,13 @@ from __future__ import annotations
 import asyncio
 import logging
 from contextlib import suppress
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
+from rosic.contracts.robot import UTTERANCE_BYTES
 from rosic.core.i18n import said
 from rosic.core.order import Ending, Order, Outcome, Rest, Stop
 from rosic.core.robot.profile import Presence, Profile
-from rosic.errors import ConfigurationError
+from rosic.errors import ConfigurationError, RosicError
 from rosic.robots.ros2.bindings.action import ActionSkill
 from rosic.robots.ros2.bindings.binding_call import Binding, BindingCall, RobotSide
 from rosic.robots.ros2.bindings.dialogue import DialogueBinding
@@ -20,13 +21,13 @@ from rosic.robots.ros2.bindings.service import ServiceSkill
 from rosic.robots.ros2.bindings.topic import TopicSkill
 from rosic.robots.ros2.bindings.trajectory import TrajectoryGoal
 from rosic.robots.ros2.camera_map import CameraAndMap
-from rosic.robots.ros2.client.heartbeat import Heartbeat
-from rosic.robots.ros2.client.node import others_under, station_of
+from rosic.robots.ros2.client.node import Heartbeat, others_under, station_of
 from rosic.robots.ros2.client.qos_mismatch import QosMismatch
+from rosic.robots.ros2.client.rate_limited_topic import WAITING_AT_MOST, RateLimitedTopic
+from rosic.robots.ros2.client.topics import TopicQos
 from rosic.robots.ros2.errors import BadValue
 from rosic.robots.ros2.loose_goals import LooseGoals
 from rosic.robots.ros2.messages.names import check_graph_name
-from rosic.robots.ros2.peer_link import PeerLink
 from rosic.robots.ros2.settling import Settling
 from rosic.robots.ros2.stopping import Resting, StopController
 from rosic.robots.ros2.telemetry import Measurements
@@ -34,20 +35,85 @@ from rosic.robots.ros2.telemetry import Measurements
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Iterator
 
-    from rosic.contracts.among import Speak
     from rosic.contracts.clock import Clock
-    from rosic.contracts.robot import Say, Tell
+    from rosic.contracts.robot import Say, Speak, Tell
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.file_transfer import FileForRobot, Receipt
     from rosic.core.robot.skill import Skill
     from rosic.core.robot.view import Sight, View
     from rosic.robots.ros2.client.graph import GraphSnapshot
+    from rosic.robots.ros2.client.runtime import RosRuntime
+    from rosic.robots.ros2.client.topics import Publisher
 
+_log = logging.getLogger(__name__)
+
+SAY: Final = "among/say"
+HEAR: Final = "among/hear"
+TYPE: Final = "std_msgs/msg/String"
+DEPTH: Final = 50
+
+
+class PeerLink:
+    """``<namespace>/among/say`` and ``<namespace>/among/hear``, JSON in a ``std_msgs/msg/String``.
+
+    Who speaks is the robot whose namespace it is; nothing in the words can say otherwise.
+    """
+
+    def __init__(self, namespace: str) -> None:
+        self._namespace = namespace
+        self._speak: Speak | None = None
+        self._publisher: Publisher | None = None
+        self._words: RateLimitedTopic | None = None
+
+    def types(self) -> set[str]:
+        """Return the type of both topics."""
+        return {TYPE}
+
+    def meet(self, speak: Speak) -> None:
+        """Say who takes what the nodes say."""
+        self._speak = speak
+
+    async def open(self, runtime: RosRuntime) -> None:
+        """Begin to listen; what is said before anybody was met is not taken."""
+        if self._speak is not None:
+            self._publisher = await runtime.publisher(
+                f"{self._namespace}/{HEAR}", TYPE, TopicQos(depth=DEPTH)
+            )
+            self._words = await runtime.paced_words(
+                f"{self._namespace}/{SAY}",
+                self._speak,
+                UTTERANCE_BYTES,
+                TopicQos(depth=WAITING_AT_MOST),
+            )
+
+    async def close(self) -> None:
+        """Leave both topics."""
+        publisher, self._publisher = self._publisher, None
+        words, self._words = self._words, None
+        if publisher is not None:
+            await publisher.close()
+        if words is not None:
+            await words.close()
+
+    def hear(self, words: bytes) -> bool:
+        """Publish to the robot's nodes. Return whether somebody listens."""
+        if self._publisher is None or not self._publisher.listeners:
+            return False
+        try:
+            self._publisher.publish({"data": words.decode()})
+        except RosicError as fault:
+            _log.warning("the nodes under %s were not told: %s", self._namespace, fault)
+            return False
+        return True
+
+
+# ---- a robot on a ROS 2 graph, as its profile describes it ----
+
+
+if TYPE_CHECKING:
     Part: TypeAlias = (
         Measurements | StopController | Heartbeat | Binding | CameraAndMap | FileBinding | PeerLink
     )
-
-_log = logging.getLogger(__name__)
 
 # Nobody is missing yet for so long after the start.
 APPEARS_S = 3.0

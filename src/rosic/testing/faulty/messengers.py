@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from rosic.testing.messengers import MessengerHarness
 
 
+# ---- messengers that each break one rule, to show that the rule catches them ----
+
+
 class FaultyMessenger:
     """Honest so far: passes everything on. A sinner changes one thing."""
 
@@ -396,3 +399,81 @@ async def catches(rule: str, sinner: type[FaultyMessenger], stage: MessengerHarn
     except AssertionError:
         return True
     return False
+
+
+# ---- messengers that break the rules about files that people send ----
+
+
+class RenamesFiles(Tampers):
+    """Knows better what a file should be called."""
+
+    def tamper(self, inbound: Inbound) -> Inbound:
+        """Call it otherwise."""
+        if inbound.enclosed is None:
+            return inbound
+        return replace(inbound, enclosed=replace(inbound.enclosed, name="file.bin"))
+
+
+class LiesAboutSize(Tampers):
+    """Says that a file is smaller than it is."""
+
+    def tamper(self, inbound: Inbound) -> Inbound:
+        """Say a smaller size."""
+        if inbound.enclosed is None:
+            return inbound
+        return replace(inbound, enclosed=replace(inbound.enclosed, size=10))
+
+
+class LosesTheEnd(FaultyMessenger):
+    """Takes what has come so far for all of it."""
+
+    async def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        """Yield the first piece alone."""
+        async for piece in self.honest.fetch(enclosure):
+            yield piece[:-1]
+            return
+
+
+class FetchesWhateverComes(FaultyMessenger):
+    """Does not count what it yields."""
+
+    async def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        """Forget how much was said."""
+        if enclosure.size > self.fetch_bytes:
+            raise MessengerFault("too large")
+        async for piece in self.honest.fetch(replace(enclosure, size=0)):
+            yield piece
+
+
+class TakesTroubleForTheEnd(FaultyMessenger):
+    """Yields nothing, and says nothing, where nothing can be had."""
+
+    async def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        """Swallow the fault."""
+        try:
+            async for piece in self.honest.fetch(enclosure):
+                yield piece
+        except MessengerFault:
+            return
+
+
+class FetchRaisesWhatItGets(FaultyMessenger):
+    """Lets the exceptions of its library through."""
+
+    async def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        """Raise something foreign."""
+        try:
+            async for piece in self.honest.fetch(enclosure):
+                yield piece
+        except MessengerFault as fault:
+            raise ConnectionResetError(str(fault)) from None
+
+
+FETCHING_SINNERS: dict[str, tuple[type[FaultyMessenger], ...]] = {
+    "test_a_file_of_a_person_comes_as_it_was_sent": (RenamesFiles, LiesAboutSize, LosesTheEnd),
+    "test_a_file_that_is_not_as_long_as_was_said_is_a_messenger_fault": (FetchesWhateverComes,),
+    "test_a_file_that_cannot_be_fetched_is_a_messenger_fault": (
+        TakesTroubleForTheEnd,
+        FetchRaisesWhatItGets,
+    ),
+}

@@ -2,8 +2,8 @@
 
 ``SINNERS`` names for every rule of ``StoreConformance`` the store that it catches.
 """
-# ruff: noqa: D102 - the name of a rule is its sentence, and a sinner's sin is its own
 
+# ruff: noqa: D102 - the name of a rule is its sentence, and a sinner's sin is its own
 from __future__ import annotations
 
 import asyncio
@@ -15,6 +15,7 @@ from rosic.core.records import (
     Claimed,
     Concluded,
     Enrolled,
+    Fact,
     KeyIssued,
     Letter,
     Memory,
@@ -26,20 +27,116 @@ from rosic.core.records import (
     Unfinished,
 )
 from rosic.errors import Repeated, StoreFault
-from rosic.testing.faulty.wicked import FaultyStore
-from rosic.testing.faulty.wicked_facts import (
-    ForgetsFacts,
-    KeepsFactsThatWereTakenBack,
-    KeepsTheFirstFact,
-    PutsTheLatestLast,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.contracts.store import Store
+    from rosic.testing.premises import Premises
+
+
+# ---- a store that does wrong: an honest one inside, and what a sinner changes ----
+
+
+class FaultyStore:
+    """An honest store inside, and a way to do wrong outside.
+
+    Args:
+        inner: The honest store.
+        diary: What the sinner keeps over restarts.
+    """
+
+    def __init__(self, inner: Store, diary: dict[Any, Any]) -> None:
+        self.inner = inner
+        self.diary = diary
+
+    async def open(self) -> Memory:
+        """Open the honest store and tell about it."""
+        return self.tell(await self.inner.open())
+
+    def tell(self, memory: Memory) -> Memory:
+        """Return what is said to be remembered."""
+        return memory
+
+    async def close(self) -> None:
+        """Close the honest store."""
+        await self.inner.close()
+
+    async def write(self, *records: Record) -> None:
+        """Write what is let through."""
+        await self.inner.write(*(twisted for record in records for twisted in self.twist(record)))
+
+    def keep(self, record: Record, then: Callable[[], None]) -> None:
+        """Keep what is let through."""
+        for twisted in self.twist(record):
+            self.inner.keep(twisted, then)
+
+    def note(self, *records: Record) -> None:
+        """Note what is let through."""
+        self.inner.note(*(twisted for record in records for twisted in self.twist(record)))
+
+    def twist(self, record: Record) -> tuple[Record, ...]:
+        """Return what is written instead of a record."""
+        return (record,)
+
+
+class WickedPremises:
+    """Premises on which every store sins in the same way."""
+
+    def __init__(self, honest: Premises, sinner: type[FaultyStore]) -> None:
+        self._honest = honest
+        self._sinner = sinner
+        self._diary: dict[Any, Any] = {}
+
+    def make(self) -> FaultyStore:
+        """Return a wicked store without data."""
+        return self._sinner(self._honest.make(), self._diary)
+
+    def survivor(self, store: Store) -> FaultyStore:
+        """Return the wicked store that the next process would find."""
+        assert isinstance(store, FaultyStore)
+        return self._sinner(self._honest.survivor(store.inner), self._diary)
+
+
+# ---- stores that break the rules of facts, one each ----
 
 replace = msgspec.structs.replace
+
+
+class ForgetsFacts(FaultyStore):
+    """Knows only what was said today."""
+
+    def tell(self, memory: Memory) -> Memory:
+        return replace(memory, facts={})
+
+
+class KeepsTheFirstFact(FaultyStore):
+    """Is not to be convinced of anything else."""
+
+    def twist(self, record: Record) -> tuple[Record, ...]:
+        if not isinstance(record, Fact):
+            return (record,)
+        first = self.diary.setdefault((record.kind, record.key), record)
+        return (record,) if first is record else ()
+
+
+class KeepsFactsThatWereTakenBack(FaultyStore):
+    """Does not hear that something is not so any more."""
+
+    def twist(self, record: Record) -> tuple[Record, ...]:
+        return () if isinstance(record, Fact) and not record.body else (record,)
+
+
+class PutsTheLatestLast(FaultyStore):
+    """Takes whatever is said again for something new."""
+
+    def twist(self, record: Record) -> tuple[Record, ...]:
+        if not isinstance(record, Fact) or not record.body:
+            return (record,)
+        return (replace(record, body=b"", letter=None), record)
+
+
+# ---- stores that break one rule each. A rule that none of them breaks proves nothing ----
 
 
 class Invents(FaultyStore):

@@ -2,23 +2,191 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
+import re
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections import deque
 from contextlib import suppress
-from typing import TYPE_CHECKING, Self
+from importlib.util import find_spec
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Self
 
-from rosic.testing.ros2.domain import Domain
-from rosic.testing.ros2.environment import environment_of_a_graph
-from rosic.testing.ros2.shared_memory import sweep
+from rosic.errors import how_to_install
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
+    from collections.abc import Mapping, Sequence
     from types import TracebackType
+
+
+# ---- a ROS domain that nobody else on this machine has ----
+
+# Ports of higher domains run into those that Linux lends to outgoing connections. 0 is where
+# everybody's robots are who never thought about it.
+_DOMAINS = range(1, 102)
+_LOCKS = "rosic-ros-domains-{user}"
+
+
+class NoDomainLeft(Exception):
+    """Every domain is taken by another test on this machine."""
+
+
+class Domain:
+    """One domain, held by a lock on a file: it is free again when its process ends, however.
+
+    Attributes:
+        id: What ``ROS_DOMAIN_ID`` is set to.
+    """
+
+    def __init__(self) -> None:
+        folder = Path(tempfile.gettempdir()) / _LOCKS.format(user=os.getuid())
+        folder.mkdir(mode=0o700, exist_ok=True)
+        first = os.getpid() % len(_DOMAINS)  # neighbours start apart, and rarely meet
+        for offset in range(len(_DOMAINS)):
+            self.id = _DOMAINS[(first + offset) % len(_DOMAINS)]
+            lock = _take(folder / f"{self.id}.lock")
+            if lock is not None:
+                self._lock = lock
+                return
+        raise NoDomainLeft(f"All {len(_DOMAINS)} ROS domains are taken.")
+
+    def release(self) -> None:
+        """Give it back."""
+        self._lock.close()
+
+
+def _take(path: Path) -> IO[str] | None:
+    file = path.open("a")
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        file.close()
+        return None
+    return file
+
+
+BOOTSTRAPPED = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
+
+_LIBRARIES = "LD_LIBRARY_PATH"
+_ELSEWHERE = ("ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
+
+
+def why_missing() -> str | None:
+    """Return the sentence that says how to get ROS 2; None when it is here."""
+    if find_spec("rclpy") is not None:
+        return None
+    return f"ROS 2 is not here: source your distribution, or run {how_to_install('ros2')}."
+
+
+def environment_for_another_python(environ: Mapping[str, str] | None = None) -> dict[str, str]:
+    """Return an environment in which a Python of another virtual environment finds its own.
+
+    Args:
+        environ: What to start from; this process's by default.
+    """
+    environment = dict(os.environ if environ is None else environ)
+    environment.pop(BOOTSTRAPPED, None)
+    ours = Path(sys.prefix)
+    kept = [
+        entry
+        for entry in environment.pop(_LIBRARIES, "").split(os.pathsep)
+        if entry and not Path(entry).is_relative_to(ours)
+    ]
+    if kept:
+        environment[_LIBRARIES] = os.pathsep.join(kept)
+    return environment
+
+
+def environment_of_a_graph(domain_id: int, log_folder: Path) -> dict[str, str | None]:
+    """Return the variables that make a graph of its own on this machine; None takes one away."""
+    return {
+        "ROS_DOMAIN_ID": str(domain_id),
+        # The older of the two is honoured first where it is known, and processes then find each
+        # other in 0.1 s instead of 2 to 3 s; the newer one takes over where it is not.
+        "ROS_LOCALHOST_ONLY": "1",
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "ROS_LOG_DIR": str(log_folder),
+        "ROS_PYTHON_CHECK_FIELDS": "1",
+        **dict.fromkeys(_ELSEWHERE, None),
+    }
+
+
+# ---- what Fast DDS leaves in ``/dev/shm`` when its process is killed, and what may be removed ----
+
+_FOLDER = Path("/dev/shm")  # noqa: S108 - where Fast DDS keeps its files
+YOUNG_S = 2.0
+_SEGMENT = re.compile(r"fastdds_[0-9a-f]{16}")
+_PORT = re.compile(r"fastdds_port(\d+)")
+# The ports of domain d, by the rules of RTPS.
+_FIRST_PORT, _PORTS_OF_A_DOMAIN = 7400, 250
+
+
+def sweep(domain_id: int) -> int:
+    """Remove what nobody can miss, and return how many files that was.
+
+    Not everything that looks abandoned is. A process that has ended may have been the reader of a
+    port to which another still writes; without its file, that one's messages are lost in silence.
+    So a file goes only when no process has it mapped, and besides
+
+    - a segment (its name is random, so nobody will open it again) when the lock is free that its
+      owner holds as long as it lives;
+    - a port of ``domain_id``, which is ours alone.
+
+    Files of the last seconds stay: their process may be about to lock them.
+    """
+    used = _mapped()
+    free = [name for name in _old_names() if name not in used]
+    return sum(
+        _remove(name)
+        for name in free
+        if _is_port_of(domain_id, name) or (_SEGMENT.fullmatch(name) and _is_ownerless(name))
+    )
+
+
+def _old_names() -> list[str]:
+    names = []
+    for file in _FOLDER.glob("fastdds_*"):
+        with suppress(FileNotFoundError):
+            if time.time() - file.stat().st_ctime > YOUNG_S:
+                names.append(file.name)
+    return names
+
+
+def _mapped() -> set[str]:
+    found: set[str] = set()
+    for maps in Path("/proc").glob("[0-9]*/maps"):
+        with suppress(OSError):  # it has ended, or is not ours to look at
+            found.update(re.findall(rf"{_FOLDER}/(fastdds_\w+)", maps.read_text()))
+    return found
+
+
+def _is_port_of(domain_id: int, name: str) -> bool:
+    match = _PORT.fullmatch(name)
+    return match is not None and domain_id == (int(match[1]) - _FIRST_PORT) // _PORTS_OF_A_DOMAIN
+
+
+def _is_ownerless(segment: str) -> bool:
+    try:
+        with (_FOLDER / f"{segment}_el").open("r+") as companion:
+            fcntl.flock(companion, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:  # held, or gone
+        return False
+    return True
+
+
+def _remove(name: str) -> int:
+    files = [_FOLDER / name, _FOLDER / f"{name}_el", _FOLDER / f"sem.{name}_mutex"]
+    there = [file for file in files if file.exists()]
+    for file in there:
+        file.unlink(missing_ok=True)
+    return len(there)
+
+
+# ---- a ROS 2 graph of its own for one test, and the processes on it ----
 
 READY = "ready"
 

@@ -32,9 +32,11 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--no-privacy", action="store_true", help="the bot reads all of a group")
     parser.add_argument("--username", default=Settings().bot_username, help="without the @")
     parser.add_argument(
-        "--local", type=Path, metavar="FOLDER",
+        "--local",
+        type=Path,
+        metavar="FOLDER",
         help="as a Bot API server of one's own: files of up to 2000 MB, left in this folder",
-    )  # fmt: skip
+    )
     return parser.parse_args()
 
 

@@ -23,13 +23,42 @@ if TYPE_CHECKING:
     from rosic.testing.telegram.server import FakeTelegram
 
 VERBS = (
-    "create_user", "set_language", "say", "edit", "tap", "react", "delete", "backlog",
-    "create_chat", "create_topic",
-    "topics", "set_member", "block", "link", "migrate", "fail", "calm", "set_latency",
-    "set_limits", "advance", "shift_dates", "duplicate", "reorder", "jump", "put_update",
-    "foreign_webhook", "message", "messages", "press", "presses", "pending", "changes", "wait",
-    "clear_record", "save",
-)  # fmt: skip
+    "create_user",
+    "set_language",
+    "say",
+    "edit",
+    "tap",
+    "react",
+    "delete",
+    "backlog",
+    "create_chat",
+    "create_topic",
+    "topics",
+    "set_member",
+    "block",
+    "link",
+    "migrate",
+    "fail",
+    "calm",
+    "set_latency",
+    "set_limits",
+    "advance",
+    "shift_dates",
+    "duplicate",
+    "reorder",
+    "jump",
+    "put_update",
+    "foreign_webhook",
+    "message",
+    "messages",
+    "press",
+    "presses",
+    "pending",
+    "changes",
+    "wait",
+    "clear_record",
+    "save",
+)
 
 
 class ControlDoor:
@@ -62,9 +91,14 @@ class ControlDoor:
         ]
 
     def _send_file(
-        self, chat: int, user: int, name: str, content: str = "", path: str = "",
+        self,
+        chat: int,
+        user: int,
+        name: str,
+        content: str = "",
+        path: str = "",
         **unusual: Unpack[Saying],
-    ) -> int:  # fmt: skip
+    ) -> int:
         sent = Path(path) if path else base64.b64decode(content)
         return self._server.send_file(chat, user, name, sent, **unusual)
 

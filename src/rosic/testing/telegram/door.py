@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import inspect
 import json
 import re
 import socket
@@ -11,17 +12,166 @@ import struct
 from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
-from aiohttp import web
+from aiohttp import BodyPartReader, MultipartReader, web
 
-from rosic.testing.telegram import dispatch, files
+from rosic.testing.telegram import files
 from rosic.testing.telegram.faults import AFTER, BAD_GATEWAY, ServerFault, ServerFaults
-from rosic.testing.telegram.parameters import Raw
-from rosic.testing.telegram.reading import read
-from rosic.testing.telegram.refusals import ApiError, too_many
+from rosic.testing.telegram.methods import bot, chats, media, messages
+from rosic.testing.telegram.methods.call import ApiResult, Call, Method
+from rosic.testing.telegram.parameters import CallParameters, Raw, Upload, check
+from rosic.testing.telegram.refusals import ApiError, bad_request, too_many
+from rosic.testing.telegram.spool import OnDisk, received
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.testing.telegram.state import JsonObject
     from rosic.testing.telegram.world import World
+
+
+# ---- from a method's name to its answer ----
+
+METHODS: dict[str, Method] = {
+    **bot.METHODS,
+    **messages.METHODS,
+    **media.METHODS,
+    **chats.METHODS,
+}
+BY_LOWER = {name.lower(): name for name in METHODS}
+"""Method names are case-insensitive (https://core.telegram.org/bots/api#making-requests)."""
+
+
+class Prepared(NamedTuple):
+    """A call whose method and parameters are known."""
+
+    method: Method
+    call: Call
+
+
+def prepare(world: World, name: str, raw: Raw, alive: Callable[[], bool]) -> Prepared:
+    """Find the method and check the parameters; what no correct client sends is written down.
+
+    Raises:
+        ApiError: 404 for an unknown method, 400 for parameters that cannot be parsed.
+    """
+    known = BY_LOWER.get(name.lower())
+    if known is None:
+        world.journal.violation(name, "unknown method, or one that this server lacks")
+        raise ApiError(404, "Not Found: method not found")
+    args, problems = check(METHODS[known].signature, raw)
+    for problem in problems:
+        world.journal.violation(known, problem)
+    return Prepared(METHODS[known], Call(known, args, alive))
+
+
+async def perform(world: World, prepared: Prepared) -> JsonObject:
+    """Carry out the call.
+
+    Returns:
+        The answer with `ok` true.
+
+    Raises:
+        ApiError: Telegram would refuse.
+    """
+    if world.state.logged_out:
+        raise ApiError(400, "Logged out")
+    result = prepared.method.run(world, prepared.call)
+    if inspect.isawaitable(result):
+        result = await result
+    if isinstance(result, ApiResult):
+        return {"ok": True, "result": result.result, "description": result.description}
+    return {"ok": True, "result": result}
+
+
+def refused(error: ApiError) -> JsonObject:
+    """Return the answer with `ok` false (https://core.telegram.org/bots/api#making-requests)."""
+    shown: JsonObject = {
+        "ok": False,
+        "error_code": error.code,
+        "description": error.description,
+    }
+    if error.parameters:
+        shown["parameters"] = error.parameters
+    return shown
+
+
+def recorded(raw: Raw) -> JsonObject:
+    """Return what the record keeps of a call that could not be read."""
+    return CallParameters(dict(raw.values), raw.files).shown()
+
+
+# ---- from an HTTP request to parameters (https://core.telegram.org/bots/api#making-requests) ----
+
+
+async def read(request: web.Request, folder: str = "") -> Raw:
+    """Return the parameters of the query string and the body; the body wins.
+
+    Args:
+        request: As it comes.
+        folder: Where large files are left while they come; empty to hold them in memory.
+
+    Raises:
+        ApiError: 400 for a JSON body that is no object, 413 for more than the server takes.
+    """
+    values: dict[str, object] = dict(request.query)
+    content_type = request.content_type if request.can_read_body else ""
+    try:
+        if content_type == "application/json":
+            body = _json_object(await request.read())
+            return Raw(values=values | body, files={}, typed=frozenset(body))
+        if content_type == "multipart/form-data":
+            return await _multipart(request, values, folder)
+        if content_type == "application/x-www-form-urlencoded":
+            values.update(await request.post())
+    except web.HTTPRequestEntityTooLarge:
+        raise ApiError(413, "Request Entity Too Large") from None
+    return Raw(values=values, files={})
+
+
+def _json_object(body: bytes) -> dict[str, object]:
+    try:
+        parsed = msgspec.json.decode(body)
+    except msgspec.DecodeError:
+        raise bad_request("can't parse request: invalid JSON") from None
+    if not isinstance(parsed, dict):
+        raise bad_request("can't parse request: JSON object expected")
+    return parsed
+
+
+async def _multipart(request: web.Request, values: dict[str, object], folder: str) -> Raw:
+    files: dict[str, Upload] = {}
+    reader = await request.multipart()
+    while (part := await reader.next()) is not None:
+        if isinstance(part, MultipartReader):
+            raise bad_request("can't parse request: nested multipart")
+        if part.filename is not None and folder:
+            files[part.name or ""] = await _spooled(part, part.filename, folder)
+        else:
+            await _keep(part, values, files)
+    return Raw(values=values, files=files)
+
+
+async def _spooled(part: BodyPartReader, name: str, folder: str) -> Upload:
+    found, kind = await received(part, folder), part.headers.get("Content-Type", "")
+    if isinstance(found, OnDisk):
+        return Upload(name=name, content_type=kind, on_disk=found)
+    return Upload(name=name, content_type=kind, content=found)
+
+
+async def _keep(part: BodyPartReader, values: dict[str, object], files: dict[str, Upload]) -> None:
+    name = part.name or ""
+    content = bytes(await part.read(decode=True))
+    if part.filename is None:
+        values[name] = content.decode("utf-8", "replace")
+        return
+    files[name] = Upload(
+        name=part.filename,
+        content_type=part.headers.get("Content-Type", ""),
+        content=content,
+    )
+
+
+# ---- the bot's door: `/bot<token>/METHOD_NAME` and `/file/bot<token>/<file_path>` over HTTP ----
 
 TOKEN_SHAPE = re.compile(r"[0-9]+:[^/]+\Z")
 
@@ -67,13 +217,13 @@ class BotDoor:
         try:
             self._check_token(request.match_info["token"])
         except ApiError as error:
-            return _respond(HttpReply(error.code, dispatch.refused(error)))
+            return _respond(HttpReply(error.code, refused(error)))
         broken: ApiError | None = None
         try:
             raw = await read(request, self._world.settings.local_folder)
         except ApiError as error:
             raw, broken = Raw(values={}, files={}), error
-        entry = self._world.journal.call(method, dispatch.recorded(raw))
+        entry = self._world.journal.call(method, recorded(raw))
         await self._delay(self._faults.latency_s / 2)
         fault = self._faults.next_for(method, raw.values.get("chat_id"))
         if fault is not None:
@@ -99,10 +249,10 @@ class BotDoor:
         try:
             if broken is not None:
                 raise broken
-            prepared = dispatch.prepare(self._world, method, raw, alive)
-            return HttpReply(200, await dispatch.perform(self._world, prepared))
+            prepared = prepare(self._world, method, raw, alive)
+            return HttpReply(200, await perform(self._world, prepared))
         except ApiError as error:
-            return HttpReply(error.code, dispatch.refused(error))
+            return HttpReply(error.code, refused(error))
 
     async def _fail(self, request: web.Request, fault: ServerFault, raw: Raw) -> web.StreamResponse:
         """Fail the call before it takes effect."""
@@ -118,7 +268,7 @@ class BotDoor:
                 if fault.kind == "hang":
                     await self._delay(fault.seconds)
                 return _reset(request)
-        return _respond(HttpReply(error.code, dispatch.refused(error)))
+        return _respond(HttpReply(error.code, refused(error)))
 
     def _tell_to_wait(self, fault: ServerFault, raw: Raw) -> None:
         chat = raw.values.get("chat_id")
@@ -152,7 +302,7 @@ class BotDoor:
         try:
             self._check_token(request.match_info["token"])
         except ApiError as error:
-            return _respond(HttpReply(error.code, dispatch.refused(error)))
+            return _respond(HttpReply(error.code, refused(error)))
         path = request.match_info["path"]
         self._world.journal.add("download", path=path)
         fault = self._faults.next_for("download", None)
@@ -160,7 +310,7 @@ class BotDoor:
             return web.Response(status=502, body=BAD_GATEWAY, content_type="text/html")
         held = None if self._world.settings.local_folder else files.by_path(self._world, path)
         if held is None:
-            return _respond(HttpReply(404, dispatch.refused(ApiError(404, "Not Found"))))
+            return _respond(HttpReply(404, refused(ApiError(404, "Not Found"))))
         if fault is not None:
             return await self._break_off(request, held.content)
         return web.Response(body=held.content, content_type="application/octet-stream")

@@ -13,26 +13,57 @@ from rosic.testing.telegram.refusals import bad_request
 if TYPE_CHECKING:
     from rosic.testing.telegram.state import JsonObject
 
-GIVEN_KINDS = frozenset({
-    "mention", "hashtag", "cashtag", "bot_command", "url", "email", "phone_number", "bold",
-    "italic", "underline", "strikethrough", "spoiler", "blockquote", "expandable_blockquote",
-    "code", "pre", "text_link", "text_mention", "custom_emoji", "date_time",
-})  # fmt: skip
+GIVEN_KINDS = frozenset(
+    {
+        "mention",
+        "hashtag",
+        "cashtag",
+        "bot_command",
+        "url",
+        "email",
+        "phone_number",
+        "bold",
+        "italic",
+        "underline",
+        "strikethrough",
+        "spoiler",
+        "blockquote",
+        "expandable_blockquote",
+        "code",
+        "pre",
+        "text_link",
+        "text_mention",
+        "custom_emoji",
+        "date_time",
+    }
+)
 
 FOUND = (
-    ("bot_command",
-     re.compile(r"(?<![\w/<>@])/[A-Za-z0-9_]{1,64}(?:@[A-Za-z0-9_]{3,32})?(?![\w/])")),
+    (
+        "bot_command",
+        re.compile(r"(?<![\w/<>@])/[A-Za-z0-9_]{1,64}(?:@[A-Za-z0-9_]{3,32})?(?![\w/])"),
+    ),
     ("email", re.compile(r"(?<![\w.+-])[\w.+-]{1,64}@[A-Za-z0-9-]{1,63}(?:\.[A-Za-z]{2,24})+")),
     ("mention", re.compile(r"(?<![\w@])@[A-Za-z][A-Za-z0-9_]{2,31}(?!\w)")),
-    ("url", re.compile(r"(?:https?://[^\s<>]{1,2000}|(?<![\w@.])(?:(?:[a-z0-9-]{1,63}\.){1,5}"
-                       r"(?:com|org|net|io|dev|me|ru|de|uk|eu|info|app)|(?:[0-9]{1,3}\.){3}[0-9]{1,3})"
-                       r"(?:/[^\s<>]{0,2000})?(?!\w))",
-                       re.IGNORECASE)),
+    (
+        "url",
+        re.compile(
+            r"(?:https?://[^\s<>]{1,2000}|(?<![\w@.])(?:(?:[a-z0-9-]{1,63}\.){1,5}"
+            r"(?:com|org|net|io|dev|me|ru|de|uk|eu|info|app)|(?:[0-9]{1,3}\.){3}[0-9]{1,3})"
+            r"(?:/[^\s<>]{0,2000})?(?!\w))",
+            re.IGNORECASE,
+        ),
+    ),
     ("hashtag", re.compile(r"(?<![\w#])#(?=[\d_]{0,255}[^\W\d_])\w{1,255}")),
     ("cashtag", re.compile(r"(?<![\w$])\$(?:1INCH|[A-Z]{1,8})(?![\w$])")),
-    ("phone_number", re.compile(r"(?<![\w+.,:-])(?:\+[0-9](?:[ ()-]{0,2}[0-9]){6,14}|[0-9]{10,15})"
-                                r"(?!\w)")),
-)  # fmt: skip
+    (
+        "phone_number",
+        re.compile(
+            r"(?<![\w+.,:-])(?:\+[0-9](?:[ ()-]{0,2}[0-9]){6,14}|[0-9]{10,15})"
+            r"(?!\w)"
+        ),
+    ),
+)
 """What Telegram marks by itself in every text. Its exact rules are not published."""
 
 OPAQUE = frozenset({"code", "pre", "text_link", "text_mention"})

@@ -37,7 +37,7 @@ class Groups:
             bot: The bot's status there, or None when it is not there.
             username: Of a public supergroup or channel.
             topics: Makes a forum with these topics.
-        """  # fmt: skip
+        """
         if kind not in {"group", "supergroup", "channel"}:
             raise ControlError("kind is group, supergroup or channel")
         chat = self._new_chat(kind, title)

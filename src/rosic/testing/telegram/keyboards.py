@@ -11,20 +11,35 @@ if TYPE_CHECKING:
 
 MARKUPS: dict[str, frozenset[str]] = {
     "inline_keyboard": frozenset({"inline_keyboard"}),
-    "keyboard": frozenset({
-        "keyboard", "is_persistent", "resize_keyboard", "one_time_keyboard",
-        "input_field_placeholder", "selective",
-    }),
+    "keyboard": frozenset(
+        {
+            "keyboard",
+            "is_persistent",
+            "resize_keyboard",
+            "one_time_keyboard",
+            "input_field_placeholder",
+            "selective",
+        }
+    ),
     "remove_keyboard": frozenset({"remove_keyboard", "selective"}),
     "force_reply": frozenset({"force_reply", "input_field_placeholder", "selective"}),
-}  # fmt: skip
+}
 """The four markups by the field that tells them apart, with all their fields."""
 
-ACTIONS = frozenset({
-    "url", "callback_data", "web_app", "login_url", "switch_inline_query",
-    "switch_inline_query_current_chat", "switch_inline_query_chosen_chat", "copy_text",
-    "callback_game", "pay",
-})  # fmt: skip
+ACTIONS = frozenset(
+    {
+        "url",
+        "callback_data",
+        "web_app",
+        "login_url",
+        "switch_inline_query",
+        "switch_inline_query_current_chat",
+        "switch_inline_query_chosen_chat",
+        "copy_text",
+        "callback_game",
+        "pay",
+    }
+)
 """Exactly one of these (https://core.telegram.org/bots/api#inlinekeyboardbutton)."""
 
 DECORATION = frozenset({"text", "icon_custom_emoji_id", "style", "disabled"})

@@ -79,12 +79,16 @@ class People:
             language_code: Of the app.
             is_bot: Another bot; this one never hears of what it writes.
             started: Whether the person has opened the chat with the bot, so that the bot may write.
-        """  # fmt: skip
+        """
         number = 7_000_000_000 + self.world.serial()
         self.world.state.users[number] = User(
-            id=number, first_name=first_name, username=username, language_code=language_code,
-            is_bot=is_bot, started=started,
-        )  # fmt: skip
+            id=number,
+            first_name=first_name,
+            username=username,
+            language_code=language_code,
+            is_bot=is_bot,
+            started=started,
+        )
         instance = str(-4_611_686_018_427_000_000 - number)
         self.world.state.chats[number] = ServerChat(id=number, kind="private", instance=instance)
         return number
@@ -168,7 +172,7 @@ class People:
             forged: Send `button` as callback_data whatever the message holds: "a bad client can
             send
                 arbitrary data in this field".
-        """  # fmt: skip
+        """
         found = self.world.state.messages.get(chat, {}).get(message)
         if found is None or (found.deleted and not stale):
             raise ControlError(f"there is no message {message} in chat {chat} to press on")
@@ -206,7 +210,7 @@ class People:
             message: To what.
             emoji: All of that person's reactions from now on; three at most, with Premium.
             anonymous: In the name of the group, as an anonymous administrator.
-        """  # fmt: skip
+        """
         found, where = self._message(chat, message), self.world.state.chats[chat]
         self._require_present(where, user)
         if len(emoji) > MOST_REACTIONS or any(plain_emoji(one) not in REACTIONS for one in emoji):

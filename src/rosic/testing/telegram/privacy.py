@@ -15,11 +15,19 @@ from rosic.testing.telegram.state import (
     State,
 )
 
-SERVICE_FIELDS = frozenset({
-    "new_chat_members", "left_chat_member", "new_chat_title", "group_chat_created",
-    "supergroup_chat_created", "migrate_to_chat_id", "migrate_from_chat_id", "pinned_message",
-    "forum_topic_created",
-})  # fmt: skip
+SERVICE_FIELDS = frozenset(
+    {
+        "new_chat_members",
+        "left_chat_member",
+        "new_chat_title",
+        "group_chat_created",
+        "supergroup_chat_created",
+        "migrate_to_chat_id",
+        "migrate_from_chat_id",
+        "pinned_message",
+        "forum_topic_created",
+    }
+)
 
 ADMINS = frozenset({"creator", "administrator"})
 PRESENT = ADMINS | {"member", "restricted"}

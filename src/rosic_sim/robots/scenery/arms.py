@@ -38,8 +38,12 @@ def iiwa(kuka: Kuka, cube: SimulatedObject | None, place: ScenePlace) -> list[So
     """Return the arm, its gripper, and the cube where it is."""
     points = [place.at(p) for p in chain(IIWA_CHAIN, kuka.arm.positions, IIWA_TOOL_M)]
     base, shoulder, elbow, wrist, tip = (
-        place.at((0.0, 0.0, 0.0)), points[1], points[2], points[4], points[7]
-    )  # fmt: skip
+        place.at((0.0, 0.0, 0.0)),
+        points[1],
+        points[2],
+        points[4],
+        points[7],
+    )
     down = _direction(wrist, tip)
     flange = _along(wrist, down, IIWA_FLANGE_M)
     body: list[Solid] = [

@@ -12,7 +12,7 @@ from rosic.core.synchronised_start import begins_ns
 from rosic.errors import RobotUnreachable
 from rosic.robots.ros2.bindings.binding_call import DECLINED, BindingAnswer
 from rosic.robots.ros2.bindings.goal_fields import GoalFields
-from rosic.robots.ros2.client.two_clocks import ahead_ns
+from rosic.robots.ros2.client.executor_thread import ahead_ns
 from rosic.robots.ros2.errors import NoAnswer, NotSent
 from rosic.robots.ros2.goal_watch import GoalWatch, call_off, until_start_s
 from rosic.robots.ros2.interrupting import NotAtRest, after_the_end, in_doubt, moved, over

@@ -71,8 +71,11 @@ class FileBinding:
     async def close(self) -> None:
         """Leave the graph."""
         ends, self._service, self._publisher, self._receipts = (
-            (self._service, self._publisher, self._receipts), None, None, None,
-        )  # fmt: skip
+            (self._service, self._publisher, self._receipts),
+            None,
+            None,
+            None,
+        )
         for end in ends:
             if end is not None:
                 await end.close()

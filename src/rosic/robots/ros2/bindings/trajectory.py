@@ -72,8 +72,10 @@ class TrajectoryGoal:
         except OutOfReach as far:
             sentence = said(
                 "{joint} goes from {low:.2f} to {high:.2f} rad only. Nothing was done.",
-                joint=far.joint, low=far.limit.min, high=far.limit.max,
-            )  # fmt: skip
+                joint=far.joint,
+                low=far.limit.min,
+                high=far.limit.max,
+            )
             return Outcome(Ending.REFUSED, sentence, code=OUT_OF_REACH)
         return MadeGoal(self._values(move), lambda feedback: self._fraction(move, feedback))
 

@@ -17,7 +17,6 @@ from collections import deque
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
-from rosic.robots.ros2.client.loop_bridge import LoopBridge
 from rosic.robots.ros2.client.rclpy_import import load_ros, make_executor
 from rosic.robots.ros2.errors import NoAnswer, NotSent
 
@@ -25,6 +24,68 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.robots.ros2.client.rclpy_import import RclpyModules, RosObject
+
+
+# ---- from the ROS thread to the event loop: bounded, in order, one wake-up for a burst ----
+
+_PER_TURN = 256
+
+
+class LoopBridge:
+    """Carries callables from any thread to the event loop.
+
+    A wake-up of the loop costs a system call, so one is made for a whole burst. Sources keep what
+    they have to say themselves and stand here at most once, so the length is bounded by their
+    number; ``limit`` is the fence behind that rule.
+
+    Attributes:
+        refused: How many were turned away because the limit was reached.
+    """
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, limit: int = 8192) -> None:
+        self._loop = loop
+        self._limit = limit
+        self._waiting: deque[Callable[[], None]] = deque()
+        self._awake = False
+        self.refused = 0
+
+    def offer(self, deliver: Callable[[], None]) -> bool:
+        """Have ``deliver`` called on the loop; from any thread.
+
+        Returns:
+            False when it will not be called: too many are waiting, or the loop is closed.
+        """
+        if len(self._waiting) >= self._limit:
+            self.refused += 1
+            return False
+        self._waiting.append(deliver)
+        # Set after the append and cleared before the first take: whoever sees it still set has
+        # appended early enough to be taken.
+        if self._awake:
+            return True
+        self._awake = True
+        try:
+            self._loop.call_soon_threadsafe(self._drain)
+        except RuntimeError:
+            self._waiting.clear()
+            return False
+        return True
+
+    def _drain(self) -> None:
+        """Deliver what waits, at most so many at a time: the loop has other work."""
+        self._awake = False
+        try:
+            for _ in range(min(len(self._waiting), _PER_TURN)):
+                self._waiting.popleft()()
+        finally:  # whatever one of them raised, the rest is delivered
+            if self._waiting and not self._awake:
+                self._awake = True
+                self._loop.call_soon(self._drain)
+
+
+# ---- the thread that ROS runs on, and the two ways across: work goes in, answers come out ----
+
+# ---- the thread that ROS runs on, and the two ways across: work goes in, answers come out ----
 
 _log = logging.getLogger(__name__)
 
@@ -283,3 +344,28 @@ def _not_taken(what: str, error: Exception) -> NotSent:
     fault = NotSent(f"ROS 2 did not take the message for {what}; nothing was sent.")
     fault.__cause__ = error
     return fault
+
+
+# ---- the wall clock and the monotonic one, read as if in one moment ----
+
+# Two readings one after the other take less than a microsecond, unless somebody else was given the
+# processor in between: robots that begin together would then begin apart by so much.
+CLOSE_NS = 20_000
+LOOKS = 20
+
+
+def ahead_ns(wall_ns: Callable[[], int], monotonic_ns: Callable[[], int]) -> int:
+    """Return by how much the wall clock is ahead of the monotonic one.
+
+    The wall clock is read between two looks at the other; of some tries the closest counts.
+    """
+    closest_ns = ahead = 0
+    for look in range(LOOKS):
+        before_ns = monotonic_ns()
+        now_ns = wall_ns()
+        took_ns = monotonic_ns() - before_ns
+        if look == 0 or took_ns < closest_ns:
+            closest_ns, ahead = took_ns, now_ns - before_ns - took_ns // 2
+        if closest_ns < CLOSE_NS:
+            break
+    return ahead

@@ -53,5 +53,7 @@ class QosMismatch:
         if count == LOOKS:
             _log.warning(
                 "%s: ROSIC %s on %s although the other side is there: incompatible QoS or type",
-                self._robot, verb, topic,
-            )  # fmt: skip
+                self._robot,
+                verb,
+                topic,
+            )

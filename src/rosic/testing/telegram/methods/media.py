@@ -121,9 +121,12 @@ def edit_message_media(world: World, call: Call) -> JsonObject:
     inner = Call(call.method, parts, call.alive)
     content = EDITABLE[kind](world, inner)
     changes = {
-        "text": None, "entities": [], "media": content.media,
-        "caption": content.caption, "caption_entities": content.caption_entities,
-    }  # fmt: skip
+        "text": None,
+        "entities": [],
+        "media": content.media,
+        "caption": content.caption,
+        "caption_entities": content.caption_entities,
+    }
     return edited(world, call, editable(world, call), changes)
 
 
@@ -151,11 +154,22 @@ EDITABLE: dict[str, Callable[[World, Call], Content]] = {
     "animation": lambda world, call: _content(call, _animation(world, call, "media")),
 }
 """https://core.telegram.org/bots/api#inputmedia; of the other kinds this server has none."""
-INPUT_MEDIA = frozenset({
-    "type", "media", "thumbnail", "caption", "parse_mode", "caption_entities",
-    "show_caption_above_media", "has_spoiler", "width", "height", "duration",
-    "disable_content_type_detection",
-})  # fmt: skip
+INPUT_MEDIA = frozenset(
+    {
+        "type",
+        "media",
+        "thumbnail",
+        "caption",
+        "parse_mode",
+        "caption_entities",
+        "show_caption_above_media",
+        "has_spoiler",
+        "width",
+        "height",
+        "duration",
+        "disable_content_type_detection",
+    }
+)
 METHODS = {
     "editMessageMedia": Method({**ADDRESSED, "media": Kind.OBJECT}, edit_message_media),
     "sendPhoto": Method(

@@ -29,9 +29,14 @@ if TYPE_CHECKING:
 MAX_TEXT = 4096
 MAX_CAPTION = 1024
 DELETABLE_S = 48 * 3600
-CREATIONS = frozenset({
-    "group_chat_created", "supergroup_chat_created", "channel_chat_created", "forum_topic_created",
-})  # fmt: skip
+CREATIONS = frozenset(
+    {
+        "group_chat_created",
+        "supergroup_chat_created",
+        "channel_chat_created",
+        "forum_topic_created",
+    }
+)
 
 SENDING = {
     "business_connection_id": Kind.TEXT,
@@ -66,10 +71,19 @@ LACKING = (
     "suggested_post_parameters",
     "inline_message_id",
 )
-REPLY_FIELDS = frozenset({
-    "message_id", "chat_id", "allow_sending_without_reply", "quote", "quote_parse_mode",
-    "quote_entities", "quote_position", "checklist_task_id", "poll_option_id",
-})  # fmt: skip
+REPLY_FIELDS = frozenset(
+    {
+        "message_id",
+        "chat_id",
+        "allow_sending_without_reply",
+        "quote",
+        "quote_parse_mode",
+        "quote_entities",
+        "quote_position",
+        "checklist_task_id",
+        "poll_option_id",
+    }
+)
 """https://core.telegram.org/bots/api#replyparameters."""
 
 

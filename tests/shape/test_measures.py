@@ -1,0 +1,71 @@
+"""The figures of the source, each seen to move, and the bounds that they keep from now on."""
+
+from __future__ import annotations
+
+import ast
+
+import pytest
+
+from tests.shape import measures
+from tests.shape.tree import source
+
+# What is left of an older house. A figure may fall, never rise; at nought its line goes.
+AT_MOST = {"circles": 12, "set_from_outside": 290, "small": 37}
+
+
+def parsed(**texts: str) -> dict[str, ast.Module]:
+    return {name: ast.parse(text) for name, text in texts.items()}
+
+
+@pytest.fixture(scope="module")
+def found() -> measures.Figures:
+    return measures.figures(source())
+
+
+def test_no_class_name_stands_for_two_things(found: measures.Figures) -> None:
+    assert found.named_twice == []
+
+
+@pytest.mark.parametrize("figure", AT_MOST)
+def test_what_is_left_grows_no_more(figure: str, found: measures.Figures) -> None:
+    names = getattr(found, figure)
+    assert len(names) <= AT_MOST[figure], names
+    assert len(names) > AT_MOST[figure] - 1, f"write {len(names)} for {figure}"
+
+
+def test_a_circle_is_found_also_where_only_types_are_imported() -> None:
+    graph = measures.imports(
+        parsed(
+            a="from b import x",
+            b="import c",
+            c="if TYPE_CHECKING:\n    from a import y",
+            d="from a import x",
+        )
+    )
+    assert measures.circles(graph) == [["a", "b", "c"]]
+
+
+@pytest.mark.parametrize(
+    ("text", "set_outside"),
+    [
+        ("def f(a):\n    a.x = 1", ["m:2 a.x"]),
+        ("def f(a):\n    a.b.x = 1", ["m:2 a.b.x"]),
+        ("class A:\n    def f(self):\n        self.b.x += 1", ["m:3 self.b.x"]),
+        ("class A:\n    def f(self):\n        self.x = 1", []),
+        ("def f():\n    a = A()\n    a.x = 1", []),
+    ],
+)
+def test_what_is_set_from_outside_is_found(text: str, set_outside: list[str]) -> None:
+    assert measures.set_from_outside("m", ast.parse(text)) == set_outside
+
+
+def test_a_class_name_of_two_modules_is_found() -> None:
+    twice = measures.named_twice(
+        parsed(a="class State: ...", b="class State: ...\nclass _Own: ...", c="class _Own: ...")
+    )
+    assert twice == ["State: a, b"]
+
+
+def test_a_small_module_with_one_importer_is_found() -> None:
+    graph = {"a": {"b", "c"}, "d": {"c"}, "b": set(), "c": set()}
+    assert measures.small({"b": 10, "c": 10, "a": 100, "d": 100}, graph) == ["b"]
