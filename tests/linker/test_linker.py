@@ -21,6 +21,7 @@ from rosic.robots.memory import MemoryRobot
 from rosic.stores.stop_latch import FileLatch, MemoryLatch
 from rosic.testing.clock import ManualClock, settle
 from rosic.testing.factories import OrderBook
+from tests.linker.policy import Policy
 from tests.pace import patience
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ class Two:
             latch or MemoryLatch(),
             self.clock,
             self.clock.wall_ns,
+            Policy(0),
         )
         self.books = {name: OrderBook(profile, self.clock) for name, profile in profiles.items()}
         self.happened: list[str] = []
@@ -123,7 +125,7 @@ async def stopped(
     clock = ManualClock()
     robot = kind(PROFILE, OrderGate.new("omni"), clock)
     board = StopRegistry(["omni"], {}, not_known_yet())
-    linker = Linker({"omni": robot}, board, latch, clock, clock.wall_ns)
+    linker = Linker({"omni": robot}, board, latch, clock, clock.wall_ns, Policy(0))
     halting = linker.stop(["omni"], "p1")
     assert await halting.latched
     return linker, board, robot

@@ -20,6 +20,7 @@ from rosic.robots.memory import MemoryRobot
 from rosic.stores.stop_latch import MemoryLatch
 from rosic.testing.clock import ManualClock, settle
 from rosic.testing.factories import OrderBook
+from tests.linker.policy import Policy
 from tests.pace import pace
 
 if TYPE_CHECKING:
@@ -272,11 +273,10 @@ class LinkerBench(Bench):
     def __init__(self, busy: Busy) -> None:
         super().__init__(busy)
         self.board = StopRegistry(["r"], {}, not_known_yet())
-        self.latch = MemoryLatch()
+        self.latch, self.policy = MemoryLatch(), Policy(1)
         self.linker = Linker(
-            {"r": self.robot}, self.board, self.latch, self.clock, self.clock.wall_ns
+            {"r": self.robot}, self.board, self.latch, self.clock, self.clock.wall_ns, self.policy
         )
-        self.linker.epoch = 1
 
     def order(self) -> Order:
         return self.book.order("go")
@@ -284,7 +284,7 @@ class LinkerBench(Bench):
 
 async def test_an_order_admitted_under_another_policy_is_not_relayed() -> None:
     bench = LinkerBench(Busy.REFUSE)
-    bench.linker.epoch = 2
+    bench.policy.epoch = 2
     with pytest.raises(PolicyMoved):
         await bench.linker.dispatch(bench.order(), ignore)
     assert not bench.robot.acted
@@ -335,8 +335,9 @@ class ComesToRestSlowly(MemoryRobot):
 async def test_what_was_replaced_comes_to_rest_though_the_gateway_closes() -> None:
     bench = LinkerBench(Busy.REPLACE)
     robot = ComesToRestSlowly(bench.profile, OrderGate.new("r"), bench.clock)
-    linker = Linker({"r": robot}, bench.board, bench.latch, bench.clock, bench.clock.wall_ns)
-    linker.epoch = 1
+    linker = Linker(
+        {"r": robot}, bench.board, bench.latch, bench.clock, bench.clock.wall_ns, Policy(1)
+    )
     first = bench.entry()
     linker.put(first)
     running = asyncio.create_task(linker.dispatch(first.order, ignore))

@@ -18,6 +18,7 @@ from rosic.linker.pursuit import EVERY_S
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.stop_latch import MemoryLatch
 from rosic.testing.clock import ManualClock, settle
+from tests.linker.policy import Policy
 from tests.linker.test_linker import SlowLatch
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ class Place:
         self.board = StopRegistry(["omni"], found or {}, not_known_yet())
         self.latch = MemoryLatch() if latch is None else latch
         self.linker = Linker(
-            {"omni": self.robot}, self.board, self.latch, self.clock, self.clock.wall_ns
+            {"omni": self.robot}, self.board, self.latch, self.clock, self.clock.wall_ns, Policy(0)
         )
 
     @property

@@ -125,7 +125,7 @@ FAULTS = (
     Fault(
         name="I8 policy epoch ignored",
         file="linker/linker.py",
-        guard=" or permit.epoch != self.epoch:",
+        guard=" or permit.epoch != self._policy.epoch:",
         without=":",
         caught_by=(
             f"{WAY}::test_a_right_that_ends_while_an_order_waits_is_asked_again",

@@ -153,7 +153,6 @@ class AccessFeature:
         changes.watch(Enrolled, self._enrolled)
         changes.watch(KeyIssued, self._issued)
         changes.watch(KeyRevoked, self._revoked)
-        changes.after(authority.enforce)
 
     def _set_back(self, board: StopRegistry, behind: bool) -> None:
         if not behind:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from rosic.app.access import AccessFeature
     from rosic.app.features import FeatureSetup
-    from rosic.app.policy import PolicyService
+    from rosic.app.policy import PolicyEnforcer
     from rosic.authoriser.authoriser import Authoriser
     from rosic.container.history import CommandHistory
     from rosic.contracts.clock import Clock, Entropy
@@ -90,7 +90,7 @@ class DataFeature:
         self,
         rooms: Components,
         access: AccessFeature,
-        authority: PolicyService,
+        enforcer: PolicyEnforcer,
         clock: Clock,
         languages: ChatLanguages,
         own: OwnDataQueries,
@@ -100,7 +100,7 @@ class DataFeature:
         self._languages = languages
         self._rooms = rooms
         self._access = access
-        self._authority = authority
+        self._authority, self._enforcer = enforcer.policy, enforcer
         self._clock = clock
         self.holdings: ContainerContext | None = None
         self.receiving: FileUpload | None = None
@@ -257,7 +257,7 @@ class DataFeature:
             pipeline.habits.forget(principal)
 
         async def ended(principal: PrincipalId) -> None:
-            authority.enforce()
+            self._enforcer.enforce()
             await self._break_off(principal)
             for end in self.also_ended:
                 await end(principal)

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rosic.app.access import AccessFeature
-    from rosic.app.policy import PolicyService
+    from rosic.app.policy import PolicyEnforcer, PolicyService
     from rosic.app.settings import GatewaySettings
     from rosic.authoriser.abuse import Invalidate
     from rosic.contracts.clock import Clock, Entropy
@@ -97,12 +97,14 @@ class FeatureSetup:
         access: AccessFeature,
         stop_lane: StopLane,
         teller: ChatSender,
+        enforcer: PolicyEnforcer,
     ) -> None:
         self._rooms = rooms
         self._pipeline = pipeline
         self._access = access
         self._stop_lane = stop_lane
         self._teller = teller
+        self._enforcer = enforcer
         self._tasks: set[asyncio.Task[None]] = set()
 
     def furnish(
@@ -189,7 +191,7 @@ class FeatureSetup:
         access, profiles = self._access, self._rooms.profiles
 
         async def ended(_principal: PrincipalId) -> None:
-            authority.enforce()
+            self._enforcer.enforce()
 
         self._mind_secrets(clock, entropy)
         registry = AccessContext(

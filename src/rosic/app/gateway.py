@@ -20,7 +20,7 @@ from rosic.app.messenger_setup import take_in
 from rosic.app.opening import StartupNotices
 from rosic.app.owing import owe_over_crashes
 from rosic.app.people import remember, seed
-from rosic.app.policy import PolicyService
+from rosic.app.policy import PolicyEnforcer, PolicyService
 from rosic.app.record_monitor import record_watch_of
 from rosic.app.retention import AuditStore, Retention
 from rosic.app.robot_registry import RobotConnections, RobotRegistry
@@ -76,7 +76,8 @@ class Gateway:
     Attributes:
         pipeline, rooms, stop_lane, robots: Made by ``open``.
         profiles: Of every robot; what the rooms look into, so that it grows for all of them.
-        authority, access, furnishing, holding, languages, seeing, alarms, among: Likewise.
+        authority, enforcer, access, furnishing, holding: Likewise.
+        languages, seeing, alarms, among: Likewise.
         enlisting: Adds robots while it runs.
     """
 
@@ -86,6 +87,7 @@ class Gateway:
     robots: dict[RobotId, Robot]
     profiles: dict[RobotId, Profile]
     authority: PolicyService
+    enforcer: PolicyEnforcer
     access: AccessFeature
     furnishing: FeatureSetup
     holding: DataFeature
@@ -157,7 +159,7 @@ class Gateway:
         )
         rights = authority.draw_up()
         organiser = Organiser(
-            rights,
+            authority.in_force,
             profiles,
             board,
             self.access.state,
@@ -172,7 +174,9 @@ class Gateway:
         )
         for choice in memory.selected:
             container.restore_selection(choice.principal, choice.chat, choice.robot)
-        linker = Linker(self.robots, board, parts.latch, parts.clock, time.wall_ns)
+        linker = Linker(
+            self.robots, board, parts.latch, parts.clock, time.wall_ns, authority.in_force
+        )
         self.rooms = Components(
             authoriser, organiser, container, linker, vocabulary, profiles, board
         )
@@ -189,14 +193,14 @@ class Gateway:
         self.stop_lane = StopLane(
             self.rooms, parts.store, parts.clock, self._teller, ResumeHandler(self.rooms)
         )
-        authority.attach(self.rooms, self.stop_lane)
+        self.enforcer = PolicyEnforcer(authority, self.rooms, self.stop_lane, self.access.changes)
         self.holding = DataFeature(
-            self.rooms, self.access, authority, parts.clock, languages, self._own
+            self.rooms, self.access, self.enforcer, parts.clock, languages, self._own
         )
         self._messengers = self.holding.record(parts.messengers, parts.store)
         self.pipeline = Pipeline(self.rooms, self.stop_lane, self._teller, parts.clock, parts.face)
         self.furnishing = FeatureSetup(
-            self.rooms, self.pipeline, self.access, self.stop_lane, self._teller
+            self.rooms, self.pipeline, self.access, self.stop_lane, self._teller, self.enforcer
         )
         zone = self._settings.zone
         self.furnishing.furnish(authority, self._messengers, time, parts.entropy, zone)
@@ -263,7 +267,12 @@ class Gateway:
         ]
         access, rates, parts = self.access, self.rooms.organiser.rates, self._parts
         minder = Maintenance(
-            access, self.authority, self.furnishing, self.holding, access.time, self._daily
+            access,
+            self.enforcer,
+            self.furnishing,
+            self.holding,
+            access.time,
+            self._daily,
         )
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()),

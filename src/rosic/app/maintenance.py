@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rosic.app.access import AccessFeature
     from rosic.app.data_feature import DataFeature
     from rosic.app.features import FeatureSetup
-    from rosic.app.policy import PolicyService
+    from rosic.app.policy import PolicyEnforcer
     from rosic.app.settings import GatewaySettings
     from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
@@ -39,7 +39,7 @@ class Maintenance:
     def __init__(
         self,
         access: AccessFeature,
-        authority: PolicyService,
+        enforcer: PolicyEnforcer,
         furnishing: FeatureSetup,
         holding: DataFeature,
         clock: Clock,
@@ -49,12 +49,12 @@ class Maintenance:
         self._holding = holding
         self._day_ns = clock.monotonic_ns()
         self._access = access
-        self._authority = authority
+        self._authority, self._enforcer = enforcer.policy, enforcer
         self._furnishing = furnishing
         self._clock = clock
         self._behind = False
         self._woken = asyncio.Event()
-        authority.when_changed = self._woken.set
+        enforcer.policy.when_changed = self._woken.set
 
     async def run(self) -> None:
         """Mind until cancelled. What fails is logged and tried again."""
@@ -86,7 +86,7 @@ class Maintenance:
         """
         access, authority = self._access, self._authority
         self._look_at_clock()
-        authority.enforce()  # a grant ends by the clock, whether or not that can be written
+        self._enforcer.enforce()  # a grant ends by the clock, whether or not that can be written
         async with access.changes.turn() as turn:
             now_ns = self._clock.wall_ns()
             over = authority.roster.over(now_ns)

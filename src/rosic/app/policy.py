@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.config.missions import fleet_of
 from rosic.core.policy.limits import unit_converter
-from rosic.core.policy.permissions import Permissions
+from rosic.core.policy.permissions import Permissions, PolicyInForce
 from rosic.core.policy.query import PolicyKey
 from rosic.core.policy.scope import Scope
 from rosic.organiser.grants import GRANT, Grants
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.gateway.components import Components
     from rosic.gateway.stop import StopLane
+    from rosic.gateway.transactions import Transactions
     from rosic.organiser.grants import OwnLimits
 
 
@@ -47,7 +48,7 @@ class PolicyService:
     Attributes:
         roster: Everybody's roles and grants.
         rolebook: What the roles are.
-        rights: The present snapshot.
+        in_force: What whoever decides by the rights holds.
         when_changed: Called when what ends by the clock has changed: grants, keys, the clock.
 
     Args:
@@ -67,9 +68,12 @@ class PolicyService:
         self.rolebook = CustomRoles(rulebook)
         self._fleet = fleet_of(profiles)
         self._convert = unit_converter(units)
-        self._rooms: Components | None = None
-        self._stop_lane: StopLane | None = None
-        self.rights = self._drawn_up(1)
+        self.in_force = PolicyInForce(self._drawn_up(1))
+
+    @property
+    def rights(self) -> Permissions:
+        """Return the present snapshot."""
+        return self.in_force.rights
 
     def _drawn_up(self, epoch: int) -> Permissions:
         everybody = self.roster.everybody()
@@ -85,13 +89,8 @@ class PolicyService:
 
     def draw_up(self) -> Permissions:
         """Work everything out anew, after the roster was filled."""
-        self.rights = self._drawn_up(self.rights.epoch + 1)
+        self.in_force.replace(self._drawn_up(self.rights.epoch + 1))
         return self.rights
-
-    def attach(self, rooms: Components, stop_lane: StopLane) -> None:
-        """Say whose decisions rest on the snapshot."""
-        self._rooms, self._stop_lane = rooms, stop_lane
-        self._put_in_force()
 
     # ---- what was written down becomes so ----
 
@@ -106,7 +105,6 @@ class PolicyService:
         """A role was made, replaced or taken back: every table is drawn up anew."""
         self.rolebook.apply(fact)
         self.draw_up()
-        self._put_in_force()
 
     async def foresee(self, profiles: Sequence[Profile]) -> PolicyOutlook:
         """Work out the rights if these were the robots, beside the event loop; changes nothing."""
@@ -125,10 +123,9 @@ class PolicyService:
         """Let it be so: rights by wildcard and by group reach new robots from now on."""
         self._fleet = outlook.fleet
         if outlook.epoch == self.rights.epoch:
-            self.rights = outlook.rights
+            self.in_force.replace(outlook.rights)
         else:  # somebody's rights have changed since: that must not be undone
             self.draw_up()
-        self._put_in_force()
 
     def enrolled(self, record: Enrolled) -> None:
         """Somebody has other roles of their own."""
@@ -143,18 +140,29 @@ class PolicyService:
     def renew(self, principal: PrincipalId) -> None:
         """Replace the snapshot by one in which a person's rights are those of the roster."""
         grants = self.roster.grants_of(principal)
-        self.rights = self.rights.with_grants(self.rights.epoch + 1, principal, grants)
-        self._put_in_force()
+        self.in_force.replace(self.rights.with_grants(self.rights.epoch + 1, principal, grants))
 
     def moved(self) -> None:
         """Something besides rights has changed: what has not begun yet is admitted once more."""
-        self.rights = self.rights.later()
-        self._put_in_force()
+        self.in_force.replace(self.rights.later())
 
-    def _put_in_force(self) -> None:
-        if self._rooms is not None:
-            self._rooms.organiser.rights = self.rights
-            self._rooms.linker.epoch = self.rights.epoch
+
+class PolicyEnforcer:
+    """Takes robots from whoever may not have them any more, after every change.
+
+    Attributes:
+        policy: What it enforces.
+
+    Args:
+        changes: After each of which it looks.
+    """
+
+    def __init__(
+        self, policy: PolicyService, rooms: Components, stop_lane: StopLane, changes: Transactions
+    ) -> None:
+        self.policy = policy
+        self._rooms, self._stop_lane = rooms, stop_lane
+        changes.after(self.enforce)
 
     def enforce(self) -> tuple[RobotId, ...]:
         """Bring to rest what somebody has who may not have it any more; return which robots.
@@ -162,8 +170,6 @@ class PolicyService:
         Looks at robots, not at people. What is at rest, with nothing under way, is only taken
         from them: a stop would have to be undone by somebody who does not know of it.
         """
-        if self._rooms is None or self._stop_lane is None:
-            return ()
         organiser, linker = self._rooms.organiser, self._rooms.linker
         authoriser = self._rooms.authoriser
         ended: list[RobotId] = []

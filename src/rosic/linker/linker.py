@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from rosic.contracts.robot import deliver_of
 from rosic.core import messages
@@ -36,6 +36,15 @@ class PolicyMoved(RosicError):
     code = "policy-moved"
 
 
+class PolicyEpoch(Protocol):
+    """The policy in force, as far as relaying asks for it: its number."""
+
+    @property
+    def epoch(self) -> int:
+        """Return it; it grows with every replacement."""
+        ...
+
+
 class StopInProgress:
     """A stop under way: handed to every adapter already, rest not measured yet.
 
@@ -57,7 +66,6 @@ class Linker:
     """Routes to robots.
 
     Attributes:
-        epoch: Number of the present policy; an order admitted under another one is not relayed.
         mailboxes: Of each robot; whoever looks at one only looks.
         cancels: Empty as long as nobody has ended what they had under way.
         pursuit: Goes on with stops that were not confirmed.
@@ -66,6 +74,7 @@ class Linker:
         clock: The machine's, by which orders expire.
         wall_ns: By which slots, grants and keys end. Asking it may move the policy on, when the
             machine's clock was set back.
+        policy: In force; an order admitted under another one is not relayed.
     """
 
     def __init__(
@@ -75,8 +84,9 @@ class Linker:
         latch: StopLatch,
         clock: Clock,
         wall_ns: Callable[[], int],
+        policy: PolicyEpoch,
     ) -> None:
-        self.epoch = 0
+        self._policy = policy
         self.cancels = stops.cancels
         self._wall_ns = wall_ns
         self._robots = dict(robots)
@@ -88,6 +98,11 @@ class Linker:
         self._clearing: set[asyncio.Task[None]] = set()
         self._resting: set[asyncio.Task[Rest]] = set()
         self.pursuit = StopPursuit(self._robots, stops, clock)
+
+    @property
+    def epoch(self) -> int:
+        """Return the number of the policy in force."""
+        return self._policy.epoch
 
     def put(self, entry: QueuedOrder) -> bool:
         """Give an order to a robot's mailbox. Return whether it has its turn at once.
@@ -138,7 +153,7 @@ class Linker:
         if clock.monotonic_ns() > order.deadline_ns or clock.wall_ns() > order.expires_ns:
             raise too_late(order)
         # Asked of every order: asking is also how a clock that was set back is noticed in time.
-        if self._wall_ns() >= permit.until_ns or permit.epoch != self.epoch:
+        if self._wall_ns() >= permit.until_ns or permit.epoch != self._policy.epoch:
             raise PolicyMoved(said("The rights have changed meanwhile."))
         robot = self._robots[order.robot]
         if self.mailboxes[order.robot].replaces:

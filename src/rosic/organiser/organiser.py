@@ -31,7 +31,7 @@ from rosic.organiser.refusals import CLOCK_SET_BACK, LOCKED, RefusalBuilder
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from rosic.core.policy.permissions import Permissions
+    from rosic.core.policy.permissions import Permissions, PolicyInForce
     from rosic.core.policy.query import Allow, Decision, PolicyKey
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.core.slot import SlotRule
@@ -107,7 +107,6 @@ class Organiser:
     """Holds the rights in force, the calendar, the buckets and the leases.
 
     Attributes:
-        rights: The present snapshot; replacing it is one assignment.
         locked, narrow, key_of, own_limits: As in `AccessState`.
         calendar: Whose time it is.
         leases: Who has each robot.
@@ -118,7 +117,7 @@ class Organiser:
 
     def __init__(
         self,
-        rights: Permissions,
+        policy: PolicyInForce,
         profiles: Mapping[RobotId, Profile],
         stops: StopRegistry,
         access: AccessState,
@@ -127,7 +126,7 @@ class Organiser:
         lease_idle_s: float,
     ) -> None:
         clock = access.clock
-        self.rights, self.calendar = rights, Calendar(clock)
+        self._policy, self.calendar = policy, Calendar(clock)
         self.key_of, self.narrow, self.locked = access.key_of, access.narrow, access.locked
         self.own_limits = access.own_limits
         self._locked_out, self._released = access.locked_out, access.released
@@ -143,6 +142,11 @@ class Organiser:
             self.enlist(profile, fence=0)  # until `remember_fences`
         self._refusing = RefusalBuilder(self, profiles, stops)
         self.why_stopped = self._refusing.stopped
+
+    @property
+    def rights(self) -> Permissions:
+        """Return the present snapshot of the policy in force."""
+        return self._policy.rights
 
     @property
     def in_doubt(self) -> bool:
@@ -193,7 +197,7 @@ class Organiser:
                 Nobody's lease has changed.
         """
         now_ns = self._clock.monotonic_ns()
-        rights, principal = self.rights, caller.principal
+        rights, principal = self._policy.rights, caller.principal
         acting: list[tuple[Lease | None, int]] = []
         cost = 0.0
         for request in requests:
@@ -240,7 +244,7 @@ class Organiser:
         Raises:
             TooManyRequests: Of a robot, of a role, or of their own; nothing was taken.
         """
-        rates, rights = self.rates, self.rights
+        rates, rights = self.rates, self._policy.rights
         rates.roles = rights.rates
         wall_ns, principal = self.wall_ns(), caller.principal
         roles: dict[str, None] = {}
@@ -324,7 +328,7 @@ class Organiser:
         if rule == "required" if slot is None else slot.principal != caller.principal:
             free_ns = self.calendar.next_free(robot, wall_ns, 60)
         return PolicyState(
-            rights=self.rights,
+            rights=self._policy.rights,
             key=self.key_of(caller.key),
             now_ns=wall_ns,
             locked=self.locked,

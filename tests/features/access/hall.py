@@ -123,7 +123,7 @@ class Hall:
         rights = self.authority.rights
         self.board = StopRegistry([profile.id for profile in FLEET], {}, not_known_yet())
         self.organiser = Organiser(
-            rights,
+            self.authority.in_force,
             {profile.id: profile for profile in FLEET},
             self.board,
             self.access.state,
@@ -283,7 +283,7 @@ class Hall:
         for principal, roles in remember(self.authoriser, memory).items():
             self.authority.roster.set_roles(principal, roles)
         self.authority.roster.restore(memory.facts.get(GRANT, ()))
-        self.organiser.rights = self.authority.draw_up()
+        self.authority.draw_up()
         self.access.restore(memory, self.organiser, self.board)
 
     # ---- what people do ----

@@ -198,7 +198,6 @@ async def test_the_labels() -> None:
 async def test_a_yes_goes_to_whoever_asked() -> None:
     async with a_hall() as hall:
         await applies(hall)
-        hall.organiser.rights = hall.rights
         caller = hall.authoriser.identify(hall.chat.say("x", account=CY, chat=CY))
         needed = FirstNeeded(
             "Waving needs a second person.",

@@ -180,7 +180,7 @@ class Ward(Place):
             rooms.container._people.pop(principal, None)
 
         async def ended(_: str) -> None:
-            authority.enforce()
+            gateway.enforcer.enforce()
 
         def theirs(principal: str, chat: Chat) -> bool:
             person = directory.person(principal)

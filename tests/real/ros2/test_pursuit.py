@@ -15,6 +15,7 @@ from rosic.linker.linker import Linker
 from rosic.stores.stop_latch import MemoryLatch
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
+from tests.linker.policy import Policy
 from tests.pace import pace
 from tests.real.ros2.simulated import opened, shipped, simulated, until
 
@@ -37,7 +38,7 @@ def omni(tmp_path: Path, interfaces: Path) -> Iterator[Simulated]:  # noqa: ARG0
 
 def linker_of(robot: TriedRobot, clock: SystemClock, *, latched: bool = False) -> Linker:
     board = StopRegistry(["omni"], {"omni": (1, latched)}, not_known_yet())
-    return Linker({"omni": robot}, board, MemoryLatch(), clock, clock.wall_ns)
+    return Linker({"omni": robot}, board, MemoryLatch(), clock, clock.wall_ns, Policy(0))
 
 
 async def moving(robot: TriedRobot) -> asyncio.Task[Outcome]:

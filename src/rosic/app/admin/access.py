@@ -267,7 +267,7 @@ class AccessAdmin:
         for record in records:
             if isinstance(record, Fact):
                 self._access.locks.apply(record)
-        self._books.authority.enforce()
+        self._books.enforce()
         written = await self._act(lambda: records)
         if self._notices is not None:
             self._notices.locked(person, OPERATOR)

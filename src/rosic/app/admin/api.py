@@ -14,7 +14,7 @@ from rosic.organiser.calendar_messages import moment
 from rosic.organiser.timezones import UNIVERSAL, Zone, zone_named
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from rosic.app.access import AccessFeature
     from rosic.app.gateway import Gateway
@@ -38,6 +38,7 @@ class AdminContext(NamedTuple):
     """Everything that an operator may ask about or change.
 
     Attributes:
+        enforce: Takes robots from whoever may not have them any more.
         zone: Of the place; times are told in it.
         assurances: What a conversation on each platform is worth.
         bots: Names of the accounts on Telegram, as far as they are known.
@@ -48,6 +49,7 @@ class AdminContext(NamedTuple):
 
     access: AccessFeature
     authority: PolicyService
+    enforce: Callable[[], object]
     authoriser: Authoriser
     organiser: Organiser
     vocabulary: Vocabulary
@@ -91,6 +93,7 @@ def books_of(
     return AdminContext(
         access=gateway.access,
         authority=gateway.authority,
+        enforce=gateway.enforcer.enforce,
         authoriser=rooms.authoriser,
         organiser=rooms.organiser,
         vocabulary=rooms.vocabulary,

@@ -160,7 +160,9 @@ class OfflineAdmin:
         board = StopRegistry(profiles, stops, not_known_yet())
         rights = authority.draw_up()
         rates = RateLimits(time, RateLimit(), {}, rights.rates, _nothing_is_asked, str)
-        organiser = Organiser(rights, profiles, board, access.state, rates=rates, lease_idle_s=1.0)
+        organiser = Organiser(
+            authority.in_force, profiles, board, access.state, rates=rates, lease_idle_s=1.0
+        )
         organiser.name_of = lambda who: clean(authoriser.directory.name(who))
         access.restore(memory, organiser, board)
         vocabulary = Vocabulary.build(robots, known_units())
@@ -178,6 +180,7 @@ class OfflineAdmin:
         return AdminContext(
             access=access,
             authority=authority,
+            enforce=_nothing_runs,
             authoriser=authoriser,
             organiser=organiser,
             vocabulary=vocabulary,
@@ -232,6 +235,10 @@ async def _nowhere() -> MemoryStore:
 
 def _nobody_hears(_people: tuple[PrincipalId, ...], _text: str) -> None:
     """Without a gateway nobody is reached."""
+
+
+def _nothing_runs() -> None:
+    """Without a gateway no robot is anybody's, so none has to be taken from them."""
 
 
 def _nothing_is_asked(_fact: Fact) -> None:

@@ -296,5 +296,23 @@ class Permissions:
         return self._tables.fleet
 
 
+class PolicyInForce:
+    """The rights that count now: whoever decides by them holds this, and reads it each time (I8).
+
+    Attributes:
+        rights: The present snapshot.
+        epoch: Its number; what was admitted under another one is admitted once more.
+    """
+
+    __slots__ = ("epoch", "rights")
+
+    def __init__(self, rights: Permissions) -> None:
+        self.rights, self.epoch = rights, rights.epoch
+
+    def replace(self, rights: Permissions) -> None:
+        """Let a snapshot count from now on, for everybody at once."""
+        self.rights, self.epoch = rights, rights.epoch
+
+
 def _giving(holdings: tuple[Held, ...]) -> set[RobotId]:
     return {robot for holding in holdings for robot in holding.giving}

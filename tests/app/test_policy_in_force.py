@@ -1,0 +1,45 @@
+"""Whoever decides by the rights is made with those in force, and holds no older ones (I8)."""
+
+from __future__ import annotations
+
+import inspect
+
+import pytest
+
+from rosic.app.data_feature import DataFeature
+from rosic.app.features import FeatureSetup
+from rosic.app.maintenance import Maintenance
+from rosic.app.policy import PolicyEnforcer, PolicyService
+from rosic.config.profiles import known_units
+from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
+from rosic.linker.linker import Linker
+from rosic.organiser.organiser import Organiser
+from rosic.testing.clock import ManualClock
+
+DECIDED_BY = [
+    (Organiser, "policy"),
+    (Linker, "policy"),
+    (DataFeature, "enforcer"),
+    (FeatureSetup, "enforcer"),
+    (Maintenance, "enforcer"),
+    (PolicyEnforcer, "changes"),
+]
+
+
+@pytest.mark.parametrize(("kind", "argument"), DECIDED_BY)
+def test_nothing_that_decides_is_made_without_what_it_decides_by(kind: type, argument: str) -> None:
+    parameter = inspect.signature(kind).parameters[argument]
+    assert parameter.default is inspect.Parameter.empty
+
+
+def test_every_change_of_the_rights_is_in_force_at_once() -> None:
+    policy = PolicyService(
+        RoleRules(roles=DEFAULT_ROLES), (), known_units(), ManualClock(), lambda _who: ()
+    )
+    held, seen = policy.in_force, [policy.in_force.epoch]
+    for change in (policy.draw_up, policy.moved, lambda: policy.renew("p-1")):
+        change()
+        assert held.rights is policy.rights
+        assert held.epoch == policy.rights.epoch
+        seen.append(held.epoch)
+    assert seen == sorted(set(seen))
