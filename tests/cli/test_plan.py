@@ -14,6 +14,7 @@ from rosic.app.admin.api import Ask, Verb
 from rosic.app.admin.offline import OfflineAdmin, OfflineSeeding
 from rosic.app.admin.schedule import BookAsk, SlotBooking, Who, merged_who
 from rosic.app.config import load_config
+from rosic.core.time_units import MINUTE_NS
 from rosic.errors import (
     NotPermitted,
     NotUnderstood,
@@ -22,7 +23,6 @@ from rosic.errors import (
     RobotTaken,
     TooManyRequests,
 )
-from rosic.organiser.planning.problem import NS_PER_MIN
 from rosic.organiser.recurrence import SeriesLimits
 from rosic.system import SystemClock, SystemEntropy
 from tests.cli.offline import Place
@@ -108,7 +108,7 @@ def book(place: Place, *slots: tuple[str, str, int, int]) -> str:
         now_ns = SystemClock().wall_ns()
         asked = BookAsk(
             tuple(
-                SlotBooking(people[who], robot, now_ns + minutes * NS_PER_MIN, length_s)
+                SlotBooking(people[who], robot, now_ns + minutes * MINUTE_NS, length_s)
                 for who, robot, minutes, length_s in slots
             )
         )

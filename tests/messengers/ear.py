@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, cast
 import msgspec
 
 from rosic.core.secret import Secret
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram.bot_client import ApiBot, BotClient
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.polling import Poller
-from rosic.messengers.telegram.polling_gap import SECOND_NS
 from rosic.messengers.telegram.settings import TelegramSettings
 from rosic.testing.clock import ManualClock, settle
 from rosic.testing.messenger_stage import settled

@@ -11,12 +11,13 @@ import pytest
 from telegram.error import InvalidToken, NetworkError
 
 from rosic.core.message import Button, Chat, Outbound, Passage, Passing
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram.batch import ANSWER_BYTES, BATCH
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.errors import ErrorKind, TelegramError, TooFast
 from rosic.messengers.telegram.polling import PEEK_S, Poller
-from rosic.messengers.telegram.polling_gap import GRACE_NS, SECOND_NS
+from rosic.messengers.telegram.polling_gap import GRACE_NS
 from rosic.testing.clock import settle
 from rosic.testing.messenger_stage import settled
 from tests.messengers.ear import ADA, EVE, LAB, POLL_S, Asked, Ear, member, person, raw, tap, text

@@ -8,11 +8,12 @@ from types import SimpleNamespace
 import pytest
 from telegram.error import Conflict, Forbidden, InvalidToken, NetworkError
 
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.bot_client import CALL_S, polled_within_s
 from rosic.messengers.telegram.errors import TooFast
 from rosic.messengers.telegram.polling import AWAKE_S
-from rosic.messengers.telegram.polling_gap import CALM_NS, SECOND_NS
+from rosic.messengers.telegram.polling_gap import CALM_NS
 from rosic.testing.clock import ManualClock
 from tests.messengers.ear import POLL_S, Ear, Held, text
 

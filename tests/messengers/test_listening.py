@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from rosic.core.time_units import SECOND_NS
 from rosic.messengers.telegram.errors import NetworkState
 from rosic.messengers.telegram.polling_gap import (
     BETWEEN_NS,
     CALM_NS,
     GRACE_NS,
-    SECOND_NS,
     SHORT_POLLS,
     Outage,
     PollingGap,

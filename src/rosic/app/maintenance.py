@@ -6,6 +6,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
+from rosic.core.time_units import DAY_NS
 from rosic.errors import RosicError
 from rosic.gateway.scheduling import sleep_or_wake
 from rosic.organiser.rate_limits import SAVE_EVERY_S, RateLimits
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import Profile, RobotId
 
 EVERY_S = 60.0
-DAY_NS = 86_400_000_000_000
 # A right that ends ends what moves under it within a second.
 SOONEST_S = 0.2
 

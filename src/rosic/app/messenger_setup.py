@@ -14,6 +14,7 @@ from rosic.contracts.messenger import (
     settle_with,
 )
 from rosic.core.records import Fact, Memory
+from rosic.core.time_units import MINUTE_NS
 from rosic.errors import StoreFault
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 KIND: Final = "message-identity"
 KEY: Final = "account"
 SAID_LATELY: Final = "said-lately"
-CLOCKS_APART_NS: Final = 60_000_000_000
+CLOCKS_APART_NS: Final = MINUTE_NS
 """So far apart may a platform's clock and ours be."""
 NEVER: Final = 2**62
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
+from rosic.core.time_units import DAY_NS
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -12,7 +14,6 @@ if TYPE_CHECKING:
     from rosic.gateway.transactions import Transactions
     from rosic.organiser.calendar import Calendar
 
-DAY_NS = 86_400_000_000_000
 
 log = logging.getLogger("rosic.gateway")
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from rosic.core.fleet.candidates import fits
 from rosic.core.fleet.task import FleetMembership
 from rosic.core.rate_limit import RateLimit
+from rosic.core.time_units import SECOND_NS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
@@ -119,8 +120,6 @@ def name() -> str:
 
 
 # ---- what a clock on the wall shows: the time of day in the place's zone ----
-
-SECOND_NS = 1_000_000_000
 
 
 def face_of(zone: tzinfo | None = None) -> Face:

@@ -16,6 +16,7 @@ from rosic.app.closing import CLOSE_WITHIN_S, close_in_time, on_signals
 from rosic.app.console import Console, console_of, mind_console
 from rosic.app.gateway import Gateway, GatewayParts
 from rosic.core.i18n import said
+from rosic.core.time_units import DAY_S
 from rosic.errors import MessengerFault, RosicError
 
 if TYPE_CHECKING:
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 # ---- forgetting once a day what the record need not know any more ----
 
 SOON_S = 60.0  # a gateway that is restarted every day forgets too, but not while it starts
-DAY_S = 86_400.0
 
 log = logging.getLogger("rosic.gateway")
 

@@ -14,6 +14,7 @@ from rosic.core.i18n import said
 from rosic.core.identity import PrincipalId
 from rosic.core.language.cancelling import hears_cancel
 from rosic.core.message import Button
+from rosic.core.time_units import MINUTE_NS
 from rosic.errors import Expired, NotPermitted
 
 if TYPE_CHECKING:
@@ -24,14 +25,14 @@ Count: TypeAlias = Callable[[str], None]
 
 ANYBODY: Final[PrincipalId] = ""
 NONCE_BYTES = 16
-LIFETIME_NS = 60_000_000_000
+LIFETIME_NS = MINUTE_NS
 # A stop must work from any button that was ever shown, so its button carries the word itself:
 # whoever taps it has typed it.
 STOP_PREFIX = "stop "
 CANCEL_PREFIX = "cancel "
 # A menu moves nothing, so whoever reads before they tap may be late.
 MENU = ("?", "use ", "/use ", "robots", "undo ", "help ")
-MENU_LIFETIME_NS = 600_000_000_000
+MENU_LIFETIME_NS = 10 * MINUTE_NS
 # A button that moves nothing, whoever taps it and whenever, carries what it says after this sign,
 # which no nonce has. Whoever taps it has asked for it: nothing is remembered of it, and it is good
 # for as long as it is shown.

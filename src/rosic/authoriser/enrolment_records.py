@@ -14,6 +14,7 @@ from rosic.core.identity import Address, AuthorisationKey, Principal, PrincipalI
 from rosic.core.language.sanitise import clean_name, drawn
 from rosic.core.policy.roles import Grant
 from rosic.core.records import Decided, Enrolled, Fact, KeyIssued, Letter, PersonRecord, Record
+from rosic.core.time_units import DAY_S
 
 if TYPE_CHECKING:
     from rosic.authoriser.directory import Directory
@@ -146,7 +147,7 @@ Answer: TypeAlias = CodeRedeemed | ApplicantWaits | TurnedAway
 # ---- making somebody known, or giving a known person more: the records of it ----
 
 ID_BYTES: Final = 8
-PENDING_S: Final = 86_400.0
+PENDING_S: Final = float(DAY_S)
 GUEST: Final = "guest"
 
 _encode_card = msgspec.msgpack.Encoder().encode

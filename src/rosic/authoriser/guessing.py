@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
+from rosic.core.time_units import HOUR_S
+
 if TYPE_CHECKING:
     from rosic.core.identity import Address
 
@@ -35,8 +37,8 @@ class GuessLimits(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     tries: int = 5
     pause_s: float = 900.0
     breaker_tries: int = 50
-    breaker_within_s: float = 3600.0
-    breaker_pause_s: float = 3600.0
+    breaker_within_s: float = float(HOUR_S)
+    breaker_pause_s: float = float(HOUR_S)
     breaker_each: int = 2
 
     def __post_init__(self) -> None:

@@ -27,6 +27,7 @@ from rosic.core.policy.roles import Grant
 from rosic.core.policy.scope import READ, Scope
 from rosic.core.records import Decided, Fact, Letter, Record
 from rosic.core.secret import Secret
+from rosic.core.time_units import DAY_NS, DAY_S
 from rosic.errors import NotUnderstood, OutOfBounds, TooManyRequests
 
 if TYPE_CHECKING:
@@ -171,11 +172,11 @@ KIND: Final = "invitation"
 PEPPER: Final = "code-key"
 ID_BYTES: Final = 8
 OPEN_AT_MOST: Final = 1_000
-CODE_TTL_MAX_S: Final = 7 * 86_400.0
-FIRST_ADMIN_TTL_S: Final = 86_400.0
-RIGHT_MAX_S: Final = 10 * 366 * 86_400.0
+CODE_TTL_MAX_S: Final = 7.0 * DAY_S
+FIRST_ADMIN_TTL_S: Final = float(DAY_S)
+RIGHT_MAX_S: Final = 10.0 * 366 * DAY_S
 # A used or expired invitation is told apart from one that never was, for the count of attempts.
-KEPT_NS: Final = 7 * 86_400 * 1_000_000_000
+KEPT_NS: Final = 7 * DAY_NS
 ADMIN: Final = "admin"
 CONFIRMED_ROLES: Final = frozenset({"senior", ADMIN})
 

@@ -11,6 +11,7 @@ from rosic.authoriser import keys_messages as words
 from rosic.core.i18n import said
 from rosic.core.identity import AuthorisationKey, KeyId, PrincipalId
 from rosic.core.records import Decided, Fact, KeyIssued, KeyRevoked, Record
+from rosic.core.time_units import DAY_S
 from rosic.errors import NotUnderstood, OutOfBounds, Unrecognised
 
 if TYPE_CHECKING:
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
 
 KIND: Final = "key-end"
 ID_BYTES: Final = 8
-GRACE_MAX_S: Final = 30 * 86_400.0
-NEAR_S: Final = 7 * 86_400.0
+GRACE_MAX_S: Final = 30.0 * DAY_S
+NEAR_S: Final = 7.0 * DAY_S
 
 _log = logging.getLogger(__name__)
 

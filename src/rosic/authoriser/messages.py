@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import joined, said, said_n
 from rosic.core.policy.limits import limit_in_words
 from rosic.core.role_names import role_shown
+from rosic.core.time_units import DAY_S, HOUR_S, MINUTE_S
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rosic.authoriser.guessing import GuessLimits
 
-MINUTE_S = 60
-HOUR_S = 3600
-DAY_S = 86_400
 AND = said(" and ")
 
 # One sentence for every code that is not good, so that nobody learns which codes exist.

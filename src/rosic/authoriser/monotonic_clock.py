@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.core.records import Fact
+from rosic.core.time_units import MINUTE_NS, SECOND_NS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
 
 KIND: Final = "high-water"
 KEY: Final = "wall"
-EVERY_NS: Final = 60_000_000_000
-BEHIND_NS: Final = 2_000_000_000
+EVERY_NS: Final = MINUTE_NS
+BEHIND_NS: Final = 2 * SECOND_NS
 """Less is how clocks are kept right."""
 
 _log = logging.getLogger(__name__)

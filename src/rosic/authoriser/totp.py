@@ -14,6 +14,7 @@ from rosic.core.identity import PrincipalId
 from rosic.core.message import Chat
 from rosic.core.records import Record
 from rosic.core.secret import Secret
+from rosic.core.time_units import SECOND_NS
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Entropy
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 # ---- six digits from a shared secret and the time: HOTP (RFC 4226) and TOTP (RFC 6238) ----
 
 STEP_S: Final = 30
-STEP_NS: Final = STEP_S * 1_000_000_000
+STEP_NS: Final = STEP_S * SECOND_NS
 DIGITS: Final = 6
 SKEW_STEPS: Final = 1  # phones are rarely more than half a minute off
 SECRET_BYTES: Final = 20  # RFC 4226 asks for the length of the hash

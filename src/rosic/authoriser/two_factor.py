@@ -21,6 +21,7 @@ from rosic.core.identity import OPERATOR
 from rosic.core.language.sanitise import fold_word
 from rosic.core.message import ChatKind
 from rosic.core.records import Decided, Fact, Letter
+from rosic.core.time_units import HOUR_NS, MINUTE_NS
 from rosic.errors import Expired, NotPermitted, NotUnderstood, RecordUnavailable, TooManyRequests
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat
     from rosic.core.records import Record
 
-IDLE_NS: Final = 3_600_000_000_000
+IDLE_NS: Final = HOUR_NS
 PROVEN_AT_MOST: Final = 20_000
 
 
@@ -67,8 +68,8 @@ class SecondFactorSessions:
 
 KIND: Final = "totp"
 TRIES: Final = 5
-TRIES_WITHIN_NS: Final = 900_000_000_000
-SETUP_NS: Final = 600_000_000_000
+TRIES_WITHIN_NS: Final = 15 * MINUTE_NS
+SETUP_NS: Final = 10 * MINUTE_NS
 SETUPS_AT_MOST: Final = 1_000
 
 _log = logging.getLogger(__name__)

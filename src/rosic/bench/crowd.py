@@ -16,6 +16,7 @@ from rosic.core.message import Chat, Inbound
 from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.profile import Busy, Link, Profile
 from rosic.core.robot.skill import Parameter, Skill
+from rosic.core.time_units import HOUR_S
 from rosic.robots.memory import MemoryRobot
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ WORK_S = 0.05
 # A mailbox is kept a little fuller than is asked for: one order is always just being taken out.
 SPARE = 10
 CHATS = 16
-LIVES_S = 3_600.0
+LIVES_S = float(HOUR_S)
 FILLED_WITHIN_S = 30.0
 LOOK_S = 0.002
 WATCHER = "watcher"

@@ -17,6 +17,7 @@ from rosic.core.records import Enrolled, KeyIssued, Letter, PersonRecord
 from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Parameter, Skill
 from rosic.core.slot import BookedSlot
+from rosic.core.time_units import HOUR_NS
 from rosic.organiser.grants import fact_of
 
 if TYPE_CHECKING:
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from rosic.contracts.store import Store
     from rosic.core.records import Record
 
-HOUR_NS = 3_600_000_000_000
 SHARED = 256  # records that are written together
 
 

@@ -27,6 +27,7 @@ from rosic.core.rate_limit import RateLimit
 from rosic.core.records import Fact
 from rosic.core.robot.profile import Busy, Link, Profile
 from rosic.core.robot.skill import Parameter, Skill
+from rosic.core.time_units import SECOND_NS
 from rosic.messengers.telegram.bot_client import BotClient
 from rosic.messengers.telegram.messenger import TelegramMessenger
 from rosic.messengers.telegram.settings import read_settings
@@ -262,7 +263,7 @@ def _update(number: int) -> dict[str, Any]:
         "update_id": 1_000 + number,
         "message": {
             "message_id": 1_000 + number,
-            "date": CLOCK.wall_ns() // 1_000_000_000,
+            "date": CLOCK.wall_ns() // SECOND_NS,
             "from": {"id": person, "is_bot": False, "first_name": name, "language_code": "en"},
             "chat": {"id": person, "type": "private", "first_name": name},
             "text": "omni go 0.5 m",

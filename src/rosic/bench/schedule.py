@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 
 from rosic.bench.report import Case, Report, case_of, machine
+from rosic.core.time_units import MINUTE_NS
 from rosic.organiser.planning.figures import PlanMetrics, figures_of
 from rosic.organiser.planning.greedy import first_come_first_served
-from rosic.organiser.planning.problem import NS_PER_MIN, PlanningProblem, Wish
+from rosic.organiser.planning.problem import PlanningProblem, Wish
 from rosic.organiser.planning.solver import LIMIT_S, propose
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ def generated_week(seed: int, *, wishes: int = WISHES, people: int = PEOPLE) -> 
     return PlanningProblem(
         wishes=tuple(_wish(chance, f"{n:03}", people, opens, open_min) for n in range(wishes)),
         robots=ROBOTS,
-        openings=tuple((at * NS_PER_MIN, (at + open_min) * NS_PER_MIN) for at in opens),
+        openings=tuple((at * MINUTE_NS, (at + open_min) * MINUTE_NS) for at in opens),
     )
 
 
@@ -94,8 +95,8 @@ def _wish(chance: Random, name: str, people: int, opens: Sequence[int], open_min
         principal=f"p{chance.randrange(people):02}",
         robots=_one(chance, CHOICES),
         length_s=length_min * 60,
-        earliest_ns=earliest * NS_PER_MIN,
-        latest_ns=latest * NS_PER_MIN,
+        earliest_ns=earliest * MINUTE_NS,
+        latest_ns=latest * MINUTE_NS,
         priority=_one(chance, PRIORITY),
     )
 

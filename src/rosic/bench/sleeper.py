@@ -9,14 +9,14 @@ from __future__ import annotations
 import sys
 import time
 
-NS = 1_000_000_000
+from rosic.core.time_units import SECOND_NS
 
 
 def main() -> None:
     """Sleep until each moment, and say when it came."""
     for line in sys.stdin:
         while (left_ns := int(line) - time.monotonic_ns()) > 0:
-            time.sleep(left_ns / NS)
+            time.sleep(left_ns / SECOND_NS)
         sys.stdout.write(f"{time.monotonic_ns()}\n")
         sys.stdout.flush()
 

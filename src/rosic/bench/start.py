@@ -25,6 +25,7 @@ from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.order import Ending
 from rosic.core.order_gate import OrderGate
 from rosic.core.synchronised_start import TOGETHER_NS, TOO_LATE_NS, misses_start
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import OrderVoid
 from rosic.robots.ros2.client.executor_thread import ahead_ns
 from rosic.robots.ros2.robot import Ros2Robot
@@ -47,7 +48,6 @@ STEP_M = 0.05
 THERE_WITHIN_S = 60.0
 # A machine that others keep busy loses some rounds; one that loses most measures nothing.
 TRIES = 2
-NS = 1_000_000_000
 
 # Later than this a plain process shows that the machine itself was late.
 PROMISED_NS = 20_000_000
@@ -111,7 +111,7 @@ def measure(*, quick: bool, robots: int = ROBOTS, rounds: int = 0) -> Report:
     method = METHOD.format(
         robots=robots,
         processes=PROCESSES,
-        together=TOGETHER_NS / NS,
+        together=TOGETHER_NS / SECOND_NS,
         rounds=rounds,
         granted="yes" if granted else "no",
     )

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app import runtime
 from rosic.bench.parts import CLOCK
-from rosic.bench.places import HOUR_NS, LARGE, Size, fill, gateway_over
+from rosic.bench.places import LARGE, Size, fill, gateway_over
 from rosic.bench.report import Case, quantile
 from rosic.core.policy.roles import Grant
+from rosic.core.time_units import HOUR_NS
 from rosic.organiser.grants import fact_of
 from rosic.stores.database import DatabaseStore
 

@@ -18,6 +18,7 @@ from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, SkillPrecondition
 from rosic.core.policy.validation import rulebook_mistakes
 from rosic.core.rate_limit import RateLimit, parse_rate
+from rosic.core.time_units import DAY_S
 from rosic.errors import OutOfBounds
 from rosic.organiser.timezones import zone_named
 
@@ -192,7 +193,7 @@ FORMS: Final[dict[Field, FieldForm]] = {
 }
 
 BOUNDS: Final[dict[Field, NumberBounds]] = {
-    (GatewayTable, "lease_idle_s"): NumberBounds(1, 86_400),
+    (GatewayTable, "lease_idle_s"): NumberBounds(1, DAY_S),
     (Keep, "slots_days"): NumberBounds(1, 36_500),
     (Keep, "decisions_days"): NumberBounds(30, 36_500),
     (FilesTable, "person_files"): NumberBounds(1, 10_000),

@@ -13,6 +13,7 @@ from rosic.core.fleet.mission import Late, MissionPart
 from rosic.core.fleet.task import STEPS_AT_MOST
 from rosic.core.fleet.template import QUANTITIES_AT_MOST, filled, names_in, shown
 from rosic.core.language import Do, LineContext, Vocabulary, bind, understand
+from rosic.core.time_units import DAY_S
 from rosic.errors import Refusal
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 # ---- what is wrong with the parts of a mission, looked at with the robots that are to do them ----
 
 ANY: Final = "any"
-LONGEST_S: Final = 86_400.0
+LONGEST_S: Final = float(DAY_S)
 
 
 class MissionCheck:

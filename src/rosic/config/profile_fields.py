@@ -34,6 +34,7 @@ from rosic.core.robot.skill import (
     Trajectory,
 )
 from rosic.core.robot.strategy import Strategy
+from rosic.core.time_units import DAY_S, HOUR_S
 
 _NAME = r"[a-z][a-z0-9_]{0,31}"
 _GRAPH_NAME = r"/[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*"
@@ -203,18 +204,18 @@ BOUNDS: Final[dict[Field, NumberBounds]] = {
     (Profile, "queue_length"): NumberBounds(1, 10_000),
     (Profile, "watchdog_s"): NumberBounds(0.05, 5),
     (Profile, "rest_timeout_s"): NumberBounds(0.1, 120),
-    (Link, "heartbeat_s"): NumberBounds(0.1, 3600),
+    (Link, "heartbeat_s"): NumberBounds(0.1, HOUR_S),
     (Files, "max_mb"): NumberBounds(0.001, 2_000),
     (ReceiptSource, "within_s"): NumberBounds(0.1, 600),
     (Benchmark, "late"): NumberBounds(1.01, 1000),
     (Telemetry, "full"): NumberBounds(1, 1000),
     (AtRest, "below"): NumberBounds(1e-6, 10),
     (AtRest, "within_s"): NumberBounds(0.1, 60),
-    (Skill, "lifetime_s"): NumberBounds(0.1, 3600),
+    (Skill, "lifetime_s"): NumberBounds(0.1, HOUR_S),
     (Skill, "cost"): NumberBounds(1, COST_MAX),
     (TopicBinding, "stream_hz"): NumberBounds(0, 100),
     (ServiceBinding, "timeout_s"): NumberBounds(0.05, 600),
-    (ActionBinding, "timeout_s"): NumberBounds(0.05, 86_400),
+    (ActionBinding, "timeout_s"): NumberBounds(0.05, DAY_S),
     (ParametersBinding, "timeout_s"): NumberBounds(0.05, 600),
 }
 

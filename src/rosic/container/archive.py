@@ -26,6 +26,7 @@ from rosic.container.archive_records import (
 from rosic.core.identity import PrincipalId
 from rosic.core.message import ChatKind
 from rosic.core.records import Decided, Fact, Letter
+from rosic.core.time_units import DAY_NS, MINUTE_NS
 from rosic.errors import NotUnderstood, OutOfBounds, TooManyRequests
 
 if TYPE_CHECKING:
@@ -38,8 +39,7 @@ if TYPE_CHECKING:
 DAYS: Final = 90
 DAYS_MOST: Final = 3_650
 LONGEST_TEXT: Final = 8_192
-_DAY_NS: Final = 86_400 * 10**9
-_DRAINED_NS: Final = 60 * 10**9
+_DRAINED_NS: Final = MINUTE_NS
 
 log = logging.getLogger("rosic.container")
 
@@ -279,7 +279,7 @@ class Archive:
         now_ns = self._clock.wall_ns()
         found = [archive_records.no_more(*place) for place in self._left[:most]]
         for key, known in self._chats.items():
-            before_ns = now_ns - known.switch.days * _DAY_NS
+            before_ns = now_ns - known.switch.days * DAY_NS
             for n, entry in known.entries.items():
                 if entry.at_ns >= before_ns or len(found) >= most:
                     break

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.core.i18n import figure, joined, said, said_n
 from rosic.core.language.sanitise import quote
 from rosic.core.language.suggestions import listed
+from rosic.core.time_units import DAY_S, HOUR_S
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -162,7 +163,7 @@ def size(count: int) -> str:
 
 def age(seconds: float) -> str:
     """Return how long ago something was."""
-    for length, unit in ((86_400, "d"), (3_600, "h"), (60, "min")):
+    for length, unit in ((DAY_S, "d"), (HOUR_S, "h"), (60, "min")):
         if seconds >= length:
             return said("{seconds:.0f} {unit} ago", seconds=seconds // length, unit=unit)
     return said("{seconds:.0f} s ago", seconds=max(seconds, 0))

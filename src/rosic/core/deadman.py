@@ -9,12 +9,13 @@ from __future__ import annotations
 import enum
 from typing import Final, NamedTuple
 
+from rosic.core.time_units import SECOND_NS
+
 INTERRUPTED: Final = "interrupted"
 """The code of an outcome whose motion the robot's side ended, or was too silent to go on with."""
 STOOD_STILL: Final = "stood-still"
 """The code of one that ended because ROSIC itself stood still: nothing begins it again."""
 BROKEN_OFF: Final = frozenset({INTERRUPTED, STOOD_STILL})
-_NS: Final = 1_000_000_000
 
 
 class Cause(enum.Enum):
@@ -105,7 +106,7 @@ class DeadMan:
         if self._broken is None:
             self._broken = self._look(now_ns, age_s, there=there, rests=rests)
             if self._broken is None and another is not None:
-                self._broken = Break(another, (now_ns - self.last_ns) / _NS)
+                self._broken = Break(another, (now_ns - self.last_ns) / SECOND_NS)
             if self._broken is not None and heard and self._broken.cause is Cause.SILENT:
                 self._broken = self._broken._replace(cause=Cause.UNMEASURED)
         if self._broken is None:
@@ -114,10 +115,10 @@ class DeadMan:
 
     def late(self, now_ns: int) -> bool:
         """Tell whether the last look is too long ago for a message to follow from it."""
-        return now_ns - self.last_ns > self._watchdog_s * _NS
+        return now_ns - self.last_ns > self._watchdog_s * SECOND_NS
 
     def _look(self, now_ns: int, age_s: float | None, *, there: bool, rests: bool) -> Break | None:
-        gap_s = (now_ns - self.last_ns) / _NS
+        gap_s = (now_ns - self.last_ns) / SECOND_NS
         if gap_s > self._watchdog_s:
             return Break(Cause.LATE, gap_s)
         if age_s is not None and age_s > self._heard_within_s:
@@ -129,5 +130,5 @@ class DeadMan:
             return None
         if self._rested_ns is None:
             self._rested_ns = now_ns
-        rested_s = (now_ns - self._rested_ns) / _NS
+        rested_s = (now_ns - self._rested_ns) / SECOND_NS
         return Break(Cause.RESTED, rested_s) if rested_s > self._heard_within_s else None

@@ -9,12 +9,10 @@ from __future__ import annotations
 import msgspec
 
 from rosic.core.i18n import said
+from rosic.core.time_units import MINUTES_A_DAY
 
 FIRST_YEAR = 1970
 LAST_YEAR = 2199
-MINUTES_A_DAY = 24 * 60
-MINUTE_NS = 60_000_000_000
-DAY_NS = MINUTES_A_DAY * MINUTE_NS
 
 WEEKDAYS = (
     said("Mon"),

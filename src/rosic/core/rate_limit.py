@@ -8,11 +8,12 @@ from typing import Final
 import msgspec
 
 from rosic.core.i18n import said
+from rosic.core.time_units import DAY_S, HOUR_S
 
 _RATE = re.compile(
     r"(?P<count>\d{1,6}) ?/ ?(?P<unit>s|min|h|day)(?:,? +burst +(?P<burst>\d{1,6}))?\Z"
 )
-_UNITS: Final = {"s": 1.0, "min": 60.0, "h": 3_600.0, "day": 86_400.0}
+_UNITS: Final = {"s": 1.0, "min": 60.0, "h": float(HOUR_S), "day": float(DAY_S)}
 
 
 class RateLimit(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

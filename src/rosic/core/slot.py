@@ -11,9 +11,10 @@ from typing import Literal, TypeAlias, TypeVar
 import msgspec
 
 from rosic.core.identity import PrincipalId
-from rosic.core.local_time import DAY_NS, LocalTime, day_number
+from rosic.core.local_time import LocalTime, day_number
 from rosic.core.records import Fact
 from rosic.core.robot.profile import RobotId
+from rosic.core.time_units import DAY_NS
 
 SlotId: TypeAlias = str
 SeriesId: TypeAlias = str

@@ -19,6 +19,7 @@ from rosic.core.identity import PrincipalId
 from rosic.core.language import CommandLine, hears_cancel
 from rosic.core.message import Button
 from rosic.core.robot.profile import RobotId
+from rosic.core.time_units import MINUTE_NS
 from rosic.errors import OrderVoid, Refusal
 from rosic.gateway import cancel_messages as words
 from rosic.gateway.builtin_commands import Reply
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     from rosic.linker.robot_queue import QueuedOrder
 
 # A message that was received before a cancel and is read after it comes soon or never.
-OUTDATED_NS = 60_000_000_000
+OUTDATED_NS = MINUTE_NS
 ANSWERS_AT_MOST = 8
 VOIDED_AT_ONCE = 50
 # What an adapter may take beyond its profile's own time-out before the robot is stopped instead.

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.contracts.messenger import admins_of
 from rosic.core.message import ChatKind, Standing
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessengerFault
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-ASKED_AGAIN_NS: Final = 30_000_000_000
+ASKED_AGAIN_NS: Final = 30 * SECOND_NS
 """Of one chat, once that was answered: anybody may put a bot anywhere, and say stop as nobody."""
 CHATS_AT_MOST: Final = 1_000
 AT_ONCE: Final = 8

@@ -12,6 +12,7 @@ from rosic.core.i18n import in_language, joined, said
 from rosic.core.language import clean, hears_stop
 from rosic.core.message import Button, ChatKind, Outbound, Weight
 from rosic.core.rate_limit import Bucket, RateLimit
+from rosic.core.time_units import MINUTE_NS
 from rosic.errors import Refusal, Repeated
 from rosic.gateway.delivery.catch_up import BacklogReplies
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
@@ -49,7 +50,7 @@ ASKED_KEPT = 300
 """Letters of what was refused that are kept beside the refusal, sealed as it is."""
 STRANGERS = RateLimit(burst=5.0, per_s=0.2)
 STRANGERS_KEPT = 1_000
-AGAIN_NS = 600_000_000_000
+AGAIN_NS = 10 * MINUTE_NS
 """Whoever is unknown and goes on writing is told so again after so long, and no sooner."""
 
 

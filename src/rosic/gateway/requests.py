@@ -9,6 +9,7 @@ from rosic.core.i18n import said
 from rosic.core.identity import command_id, robot_command_id
 from rosic.core.language import places as places_of
 from rosic.core.order import Request
+from rosic.core.time_units import HOUR_S, MINUTE_S, SECOND_NS
 from rosic.errors import Expired
 
 if TYPE_CHECKING:
@@ -22,9 +23,7 @@ if TYPE_CHECKING:
 
 # ---- what is too old to act on, in the words of the person who sent it (I2) ----
 
-MINUTE_S = 60
-HOUR_S = 3600
-ERRAND_LIFETIME_NS: Final = 30_000_000_000
+ERRAND_LIFETIME_NS: Final = 30 * SECOND_NS
 MISSED: Final = said("You sent this while I could not listen. Nothing was done.")
 NETWORK_AWAY: Final = said("You sent this while the network was away. Nothing was done.")
 

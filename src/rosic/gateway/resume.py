@@ -17,6 +17,7 @@ from rosic.core.identity import (
 )
 from rosic.core.message import Button
 from rosic.core.policy.scope import RESUME
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import (
     Expired,
     Fault,
@@ -46,8 +47,7 @@ OPERATING = Caller(OPERATOR, OPERATOR, Address(OPERATOR, ""), "", "")
 RESUME_ALL = said("Resume all")
 # As many as a line may name, and a page of buttons shows.
 RESUMED_AT_MOST = 8
-RESUME_LIFETIME_NS = 30_000_000_000
-SECOND_NS = 1_000_000_000
+RESUME_LIFETIME_NS = 30 * SECOND_NS
 
 
 class ResumeHandler:

@@ -15,6 +15,7 @@ import msgspec
 from rosic.core.identity import PrincipalId
 from rosic.core.records import Decided, Fact
 from rosic.core.robot.profile import RobotId
+from rosic.core.time_units import DAY_S, HOUR_S, SECOND_NS
 from rosic.errors import Expired, OutOfBounds, TooManyRequests
 from rosic.organiser import petitions_messages as words
 
@@ -25,14 +26,13 @@ if TYPE_CHECKING:
     from rosic.core.records import Record
 
 PETITION: Final = "petition"
-WAITS_S: Final = 3600
-REMEMBERED_S: Final = 3600
+WAITS_S: Final = HOUR_S
+REMEMBERED_S: Final = HOUR_S
 SHORTEST_S: Final = 30.0
-LONGEST_S: Final = 7 * 86_400.0
+LONGEST_S: Final = 7.0 * DAY_S
 MOST_OPEN: Final = 3
 MOST_AN_HOUR: Final = 5
 MOST_OF_ALL: Final = 300
-_SECOND_NS: Final = 1_000_000_000
 _ID_BYTES: Final = 6
 
 log = logging.getLogger("rosic.organiser")
@@ -92,12 +92,12 @@ class AccessRequest(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def lapses_ns(self) -> int:
         """When it lapses unless somebody answers; wall clock."""
-        return self.asked_ns + WAITS_S * _SECOND_NS
+        return self.asked_ns + WAITS_S * SECOND_NS
 
     @property
     def forgotten_ns(self) -> int:
         """Until when it is remembered; wall clock."""
-        return max(self.asked_ns, self.settled_ns) + REMEMBERED_S * _SECOND_NS
+        return max(self.asked_ns, self.settled_ns) + REMEMBERED_S * SECOND_NS
 
 
 _encode = msgspec.msgpack.Encoder().encode
@@ -178,7 +178,7 @@ class AccessRequests:
         still = [p for p in mine if p.state is RequestState.OPEN and now_ns < p.lapses_ns]
         if len(still) >= MOST_OPEN:
             raise _wait(words.too_many_open, min(p.lapses_ns for p in still) - now_ns)
-        hour_ns = REMEMBERED_S * _SECOND_NS
+        hour_ns = REMEMBERED_S * SECOND_NS
         lately = [p.asked_ns + hour_ns for p in mine if now_ns < p.asked_ns + hour_ns]
         if len(lately) >= MOST_AN_HOUR:
             raise _wait(words.too_often, min(lately) - now_ns)
@@ -265,5 +265,5 @@ class AccessRequests:
 
 
 def _wait(sentence: words.Pause, wait_ns: int) -> TooManyRequests:
-    wait_s = max(1.0, wait_ns / _SECOND_NS)
+    wait_s = max(1.0, wait_ns / SECOND_NS)
     return TooManyRequests(sentence(wait_s), retry_after_s=wait_s)

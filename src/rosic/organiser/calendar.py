@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import msgspec
 
 from rosic.core.slot import BookedSlot, Pattern, Series, SeriesId, SlotId
+from rosic.core.time_units import DAY_NS, DAY_S, SECOND_NS
 from rosic.errors import Expired, NotPermitted, NotUnderstood, OutOfBounds, TooManyRequests
 from rosic.organiser import calendar_messages as words
 from rosic.organiser.calendar_conflicts import OutsideSlot, SlotConflict, SlotTaken
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
 Named: TypeAlias = Callable[[str], str]
 
 _ID_BYTES = 8
-_SECOND_NS = 1_000_000_000
-_DAY_NS = 86_400 * _SECOND_NS
 
 
 class Calendar(CalendarIndex):
@@ -76,7 +75,7 @@ class Calendar(CalendarIndex):
         self._check_length(length_s)
         self._check_start(start_ns, now_ns, by)
         self._check_share(principal, 1, now_ns)
-        end_ns = start_ns + length_s * _SECOND_NS
+        end_ns = start_ns + length_s * SECOND_NS
         other = self._line(robot).overlapping(start_ns, end_ns)
         if other is not None:
             raise self._taken(other, by, end_ns - start_ns, now_ns)
@@ -115,7 +114,7 @@ class Calendar(CalendarIndex):
             raise
         self._check_start(found[0].start_ns, now_ns, by)
         self._check_start(found[-1].start_ns, now_ns, by)
-        length_ns = pattern.length_s * _SECOND_NS
+        length_ns = pattern.length_s * SECOND_NS
         spans = [(one.start_ns, one.start_ns + length_ns) for one in found]
         others = [self._line(robot).overlapping(*span) for span in spans]
         free = [span for span, other in zip(spans, others, strict=True) if other is None]
@@ -166,11 +165,11 @@ class Calendar(CalendarIndex):
 
     def _check_start(self, start_ns: int, now_ns: int, by: PrincipalId) -> None:
         zone = self.zone(by)
-        if start_ns < now_ns - self.limits.grace_s * _SECOND_NS:
+        if start_ns < now_ns - self.limits.grace_s * SECOND_NS:
             now = words.moment(now_ns, now_ns, zone)
-            began = words.moment(max(start_ns, _DAY_NS), now_ns, zone)
+            began = words.moment(max(start_ns, DAY_NS), now_ns, zone)
             raise OutOfBounds(words.over(began, now))
-        last_ns = now_ns + self.limits.ahead_s * _SECOND_NS
+        last_ns = now_ns + self.limits.ahead_s * SECOND_NS
         if start_ns > last_ns:
             last = words.day(zone.local(last_ns), zone.local(now_ns))
             raise OutOfBounds(words.too_far(last))
@@ -181,10 +180,10 @@ class Calendar(CalendarIndex):
         if len(upcoming) + more > limits.most_upcoming:
             wait_ns = min(upcoming, default=now_ns) - now_ns
             raise TooManyRequests(
-                words.too_many(limits.most_upcoming), retry_after_s=wait_ns / _SECOND_NS
+                words.too_many(limits.most_upcoming), retry_after_s=wait_ns / SECOND_NS
             )
         if len(self._slots) + more > limits.most_in_all:
-            raise TooManyRequests(words.calendar_full(), retry_after_s=86_400.0)
+            raise TooManyRequests(words.calendar_full(), retry_after_s=float(DAY_S))
 
     # ---- cancelling ----
 
@@ -295,7 +294,7 @@ class Calendar(CalendarIndex):
 
     def _taken(self, other: BookedSlot, by: PrincipalId, length_ns: int, now_ns: int) -> SlotTaken:
         zone, shown = self.zone(by), self.shown_of(other.robot)
-        length_s = length_ns // _SECOND_NS
+        length_s = length_ns // SECOND_NS
         free_ns = self.next_free(other.robot, max(other.end_ns, now_ns), length_s)
         span = (
             words.moment(other.start_ns, now_ns, zone),

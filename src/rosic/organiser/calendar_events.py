@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import msgspec
 
 from rosic.core.slot import BookedSlot, SlotId
+from rosic.core.time_units import SECOND_NS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -51,7 +52,7 @@ class CalendarEvents:
 
     def __init__(self, slots: Mapping[SlotId, BookedSlot], warnings_s: tuple[int, ...]) -> None:
         self._slots = slots
-        self._warnings_ns = tuple(sorted((s * 1_000_000_000 for s in warnings_s), reverse=True))
+        self._warnings_ns = tuple(sorted((s * SECOND_NS for s in warnings_s), reverse=True))
         self._last = len(warnings_s) + 1
         self._heap: list[_Entry] = []
         self._under_way: dict[SlotId, BookedSlot] = {}
@@ -124,11 +125,11 @@ class CalendarEvents:
 
     def _event(self, at_ns: int, bell: int, slot: BookedSlot, *, overtaken: bool) -> CalendarEvent:
         if bell == 0:
-            left_s = (slot.end_ns - slot.start_ns) // 1_000_000_000
+            left_s = (slot.end_ns - slot.start_ns) // SECOND_NS
             return CalendarEvent("start", slot, at_ns, left_s, overtaken)
         if bell == self._last:
             return CalendarEvent("end", slot, at_ns, 0, overtaken)
-        left_s = self._warnings_ns[bell - 1] // 1_000_000_000
+        left_s = self._warnings_ns[bell - 1] // SECOND_NS
         return CalendarEvent("warning", slot, at_ns, left_s, overtaken)
 
     def _is_alive(self, slot: BookedSlot, bell: int) -> bool:

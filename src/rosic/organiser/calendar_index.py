@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 from rosic.core.order import FOREVER_NS
 from rosic.core.slot import SERIES, SLOT, BookedSlot, Series, SeriesId, SlotId, read_fact
+from rosic.core.time_units import SECOND_NS
 from rosic.organiser.calendar_events import CalendarEvent, CalendarEvents
 
 if TYPE_CHECKING:
@@ -137,7 +138,6 @@ log = logging.getLogger("rosic.organiser")
 
 T = TypeVar("T", BookedSlot, Series)
 
-_SECOND_NS = 1_000_000_000
 _NOBODYS = Timeline()  # of a robot without slots; nothing is ever put in
 
 
@@ -286,7 +286,7 @@ class CalendarIndex:
 
         ``principal``'s own slots count as free: when they may use it, not when they may book it.
         """
-        return self._line(robot).free_from(from_ns, max(1, length_s) * _SECOND_NS, principal)
+        return self._line(robot).free_from(from_ns, max(1, length_s) * SECOND_NS, principal)
 
     def _line(self, robot: RobotId) -> Timeline:
         return self._lines.get(robot, _NOBODYS)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import joined, said, said_n
-from rosic.core.local_time import DAY_NS, MINUTE_NS, MONTHS, WEEKDAYS, LocalTime, weekday_of
+from rosic.core.local_time import MONTHS, WEEKDAYS, LocalTime, weekday_of
+from rosic.core.time_units import DAY_NS, HOUR_S, MINUTE_NS, SECOND_NS
 
 if TYPE_CHECKING:
     from rosic.core.slot import Pattern
@@ -41,8 +42,8 @@ def day(local: LocalTime, now: LocalTime) -> str:
 
 def length(seconds: int) -> str:
     """Return ``1 h 30 min``; what is shorter than a minute, in seconds."""
-    days, rest = divmod(seconds, DAY_NS // 1_000_000_000)
-    hours, rest = divmod(rest, 3600)
+    days, rest = divmod(seconds, DAY_NS // SECOND_NS)
+    hours, rest = divmod(rest, HOUR_S)
     minutes = rest // 60
     parts = (
         said_n("{n} day", "{n} days", days) if days else "",

@@ -8,7 +8,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language.sanitise import clean
-from rosic.core.local_time import DAY_NS, MINUTE_NS, date_of
+from rosic.core.local_time import date_of
+from rosic.core.time_units import DAY_NS, MINUTE_NS, SECOND_NS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 PRODUCT = "-//ROSIC//Slots//EN"
 LONGEST_LINE = 75  # octets, its end not counted
 
-_SECOND_NS = 1_000_000_000
 _CONTINUED = 0b1100_0000
 _CONTINUES = 0b1000_0000
 _ESCAPES = str.maketrans({"\\": "\\\\", ";": "\\;", ",": "\\,", "\n": "\\n"})
@@ -62,7 +62,7 @@ def _lines(
 
 def _after_start(slot: BookedSlot) -> int:
     """Return the end, which has to be another second than the start (RFC 5545, 3.8.2.2)."""
-    return max(slot.end_ns, slot.start_ns + _SECOND_NS)
+    return max(slot.end_ns, slot.start_ns + SECOND_NS)
 
 
 def _utc(at_ns: int) -> str:
@@ -71,7 +71,7 @@ def _utc(at_ns: int) -> str:
     minutes, rest = divmod(rest, MINUTE_NS)
     year, month, date = date_of(day)
     hour, minute = divmod(minutes, 60)
-    return f"{year:04}{month:02}{date:02}T{hour:02}{minute:02}{rest // _SECOND_NS:02}Z"
+    return f"{year:04}{month:02}{date:02}T{hour:02}{minute:02}{rest // SECOND_NS:02}Z"
 
 
 def _escaped(text: str) -> str:

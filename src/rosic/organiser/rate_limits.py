@@ -27,6 +27,7 @@ import msgspec
 from rosic.core.i18n import said
 from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.records import Fact
+from rosic.core.time_units import HOUR_S
 from rosic.errors import TooManyRequests
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ def _wait(wait_s: float) -> Sentence:
         return said("{n} s", n=max(1, ceil(wait_s - 1e-9)))
     if wait_s <= _LONGER_S:
         return said("{n} min", n=ceil(wait_s / 60))
-    return said("{n} h", n=ceil(wait_s / 3_600))
+    return said("{n} h", n=ceil(wait_s / HOUR_S))
 
 
 KIND: Final = "rate"

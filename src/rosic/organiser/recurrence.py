@@ -16,7 +16,8 @@ from dateutil.rrule import rrule, rrulestr
 
 from rosic.core.i18n import said
 from rosic.core.language.sanitise import quote
-from rosic.core.local_time import MINUTE_NS, LocalTime, month_length
+from rosic.core.local_time import LocalTime, month_length
+from rosic.core.time_units import DAY_S, MINUTE_NS, SECOND_NS
 from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.organiser import calendar_messages as words
 from rosic.organiser.timezones import zone_named
@@ -208,9 +209,9 @@ class SeriesLimits(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     """
 
     shortest_s: int = 60
-    longest_s: int = 86_400
+    longest_s: int = DAY_S
     grace_s: int = 120
-    ahead_s: int = 731 * 86_400
+    ahead_s: int = 731 * DAY_S
     most_upcoming: int = 500
     most_occurrences: int = 400
     most_in_all: int = 200_000
@@ -273,7 +274,7 @@ def occasion(robot: RobotId, when: When, zone: Zone) -> SlotOccasion:
     if when.ends is None:
         return SlotOccasion(start_ns, when.length_s, note)
     end_ns, end_note = _moment(robot, when, when.ends, zone)
-    return SlotOccasion(start_ns, (end_ns - start_ns) // 1_000_000_000, note or end_note)
+    return SlotOccasion(start_ns, (end_ns - start_ns) // SECOND_NS, note or end_note)
 
 
 def _moment(robot: RobotId, when: When, local: LocalTime, zone: Zone) -> tuple[int, str]:
@@ -299,7 +300,7 @@ def occasions(pattern: Pattern, now_ns: int, limits: SeriesLimits) -> tuple[Occu
     rule = read_rule(pattern.rrule, zone)
     if not rule.ends:
         raise NotUnderstood(words.no_end())
-    last = zone.local(now_ns + limits.ahead_s * 1_000_000_000)
+    last = zone.local(now_ns + limits.ahead_s * SECOND_NS)
     locals_ = occurrences(rule, pattern.first, last, limits.most_occurrences)
     if len(locals_) > limits.most_occurrences:
         raise OutOfBounds(words.too_often(limits.most_occurrences))
@@ -309,7 +310,7 @@ def occasions(pattern: Pattern, now_ns: int, limits: SeriesLimits) -> tuple[Occu
     if not locals_:
         raise OutOfBounds(words.never_comes())
     found = tuple(_occurrence(local, zone) for local in locals_)
-    length_ns = pattern.length_s * 1_000_000_000
+    length_ns = pattern.length_s * SECOND_NS
     for one, other in pairwise(found):
         if one.start_ns + length_ns > other.start_ns:
             raise OutOfBounds(words.overlaps_itself())

@@ -12,7 +12,8 @@ import msgspec
 from rosic.core.i18n import said
 from rosic.core.language.sanitise import quote
 from rosic.core.language.suggestions import did_you_mean, listed
-from rosic.core.local_time import MINUTE_NS, LocalTime
+from rosic.core.local_time import LocalTime
+from rosic.core.time_units import MINUTE_NS
 from rosic.errors import OutOfBounds
 
 UNIVERSAL = "UTC"

@@ -18,6 +18,7 @@ from rosic.core.identity import PrincipalId
 from rosic.core.records import Fact
 from rosic.core.robot.profile import RobotId
 from rosic.core.slot import read_fact
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import Expired, OutOfBounds, RobotTaken
 from rosic.organiser.calendar_messages import moment
 
@@ -91,8 +92,6 @@ def your_place(shown: str, place: int, about_ns: int, now_ns: int, zone: Zone) -
 WAITING = "waiting"
 
 log = logging.getLogger("rosic.organiser")
-
-_SECOND_NS = 1_000_000_000
 
 
 class QueueEntry(msgspec.Struct, frozen=True, gc=False, kw_only=True):
@@ -246,7 +245,7 @@ class WaitingList:
         following = next((p for p in self.queue(robot) if p not in passed), None)
         if following is None:
             return None
-        made = TurnOffer(robot, following, now_ns + int(self.limits.offer_s * _SECOND_NS))
+        made = TurnOffer(robot, following, now_ns + int(self.limits.offer_s * SECOND_NS))
         self._offers[robot] = made
         return made
 
@@ -322,7 +321,7 @@ class WaitingList:
             free_ns: When it is free next: `Calendar.next_free`.
         """
         place = self.place(principal, robot)
-        return free_ns + (place - 1) * self.limits.usual_s * _SECOND_NS if place else None
+        return free_ns + (place - 1) * self.limits.usual_s * SECOND_NS if place else None
 
 
 def _number(waiting: QueueEntry) -> tuple[int, int]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import Connection, Dialect, delete, select, update
 
+from rosic.core.time_units import DAY_NS
 from rosic.stores import decoding, tables
 from rosic.stores.statements import Put, Take, TakePairs
 
@@ -92,7 +93,6 @@ def flat(rows: Iterable[tuple[Any, ...]]) -> list[object]:
 
 
 AT_ONCE = 1_000  # in one transaction, so that writes never wait long
-DAY_NS = 86_400 * 10**9
 
 
 def horizon(connection: Connection, now_ns: int, settings: StoreSettings) -> int:

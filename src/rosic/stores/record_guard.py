@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.core.i18n import said
 from rosic.core.records import Claimed, Decided, Enrolled, KeyIssued, KeyRevoked, Record, Seeded
+from rosic.core.time_units import MINUTE_NS
 from rosic.errors import StoreFault
 from rosic.stores.kept_files import by_its_number
 from rosic.stores.record_files import RecordFiles
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 Calls: TypeAlias = list[WriteJob[tuple[Record, ...]]]
 
-MARK_EVERY_NS: Final = 60_000_000_000
+MARK_EVERY_NS: Final = MINUTE_NS
 # What must not be undone by putting an older record back: who was let in, and who no longer is.
 MARKED: Final = (Enrolled, KeyIssued, KeyRevoked, Decided, Seeded)
 

@@ -21,6 +21,7 @@ from rosic.core.records import (
     Stopped,
     Told,
 )
+from rosic.core.time_units import SECOND_NS
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
@@ -122,7 +123,7 @@ def a_decision(about: str, at_ns: int = 1_000) -> Decided:
 
 # ---- orders as a gateway would give them, for suites that begin at the robot ----
 
-LIFETIME_NS = 5_000_000_000
+LIFETIME_NS = 5 * SECOND_NS
 
 
 class OrderBook:

@@ -6,6 +6,7 @@ import time
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from rosic.core.time_units import SECOND_NS
 from rosic.robots.ros2.client.rclpy_import import load_ros
 from rosic_sim.robots.fellow import answer
 from rosic_sim.robots.machines.activity import CannotDo
@@ -19,12 +20,12 @@ from rosic_sim.ros2.goals import Goals
 from rosic_sim.ros2.offers import INTERFACES, model_of
 from rosic_sim.ros2.reports import Reports
 from rosic_sim.ros2.views import DrawJpeg, SceneCamera, publish_map
-from rosic_sim.ros2.waiting_clock import NS, WaitingClock
 from rosic_sim.ros2.watch import LinkWatch
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic_sim.robots.machines.world import SimulatedWorld
+    from rosic_sim.ros2.waiting_clock import WaitingClock
 
 
 # ---- what drones of one swarm tell each other, whichever processes they run in ----
@@ -278,4 +279,4 @@ class MachineNode:
 
 
 def _ns(stamp: RosObject) -> int:
-    return int(stamp.sec) * NS + int(stamp.nanosec)
+    return int(stamp.sec) * SECOND_NS + int(stamp.nanosec)

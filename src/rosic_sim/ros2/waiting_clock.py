@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 
+from rosic.core.time_units import SECOND_NS
 from rosic.robots.ros2.client.executor_thread import ahead_ns
 
 LONGEST_GAP_S = 0.2
-NS = 1_000_000_000
 
 
 class WaitingClock:
@@ -35,11 +35,11 @@ class WaitingClock:
     def past_s(self, wall_ns: int) -> float:
         """Return when something that carries a wall clock stamp was; never in the future."""
         now_s = self.now_s()
-        real_s = self._last_s - max(0, time.time_ns() - wall_ns) / NS
+        real_s = self._last_s - max(0, time.time_ns() - wall_ns) / SECOND_NS
         before_s = min(real_s, self._stalled_s) - self._slip_before_s
         return min(now_s, max(real_s - self._slip_s, before_s))
 
     def coming_s(self, wall_ns: int) -> float:
         """Return when something that is to be at a wall clock time will be."""
         self.now_s()  # brings the slip up to date
-        return (wall_ns - ahead_ns(time.time_ns, time.monotonic_ns)) / NS - self._slip_s
+        return (wall_ns - ahead_ns(time.time_ns, time.monotonic_ns)) / SECOND_NS - self._slip_s

@@ -6,14 +6,15 @@ import itertools
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from rosic.core.time_units import SECOND_NS
 from rosic_sim.ros2.ends import publisher
-from rosic_sim.ros2.waiting_clock import NS, WaitingClock
 from rosic_sim.ros2_others.arm import GRIPPER, JOINTS, Arm, ArmGripper, Point
 from rosic_sim.ros2_others.served import ABORTED, CANCELLED, SUCCEEDED, ActionCallbacks, Served
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic_sim.ros2.actuations import Actuations
+    from rosic_sim.ros2.waiting_clock import WaitingClock
 
 TYPES = ("control_msgs/action/FollowJointTrajectory", "control_msgs/action/GripperCommand")
 CONTROLLER, GRIPPER_CONTROLLER = "joint_trajectory_controller", "gripper_controller"
@@ -96,7 +97,7 @@ class ArmRobot:
         if not points or any(b <= a for a, b in itertools.pairwise(times)):
             return "the points of the goal are not one after another"
         self._points, stamp = points, trajectory.header.stamp
-        stamp_ns = stamp.sec * NS + stamp.nanosec
+        stamp_ns = stamp.sec * SECOND_NS + stamp.nanosec
         self._start_s = self._clock.coming_s(stamp_ns) if stamp_ns else self._last_s
         return ""
 
@@ -157,4 +158,4 @@ class ArmRobot:
 
 
 def _seconds(duration: RosObject) -> float:
-    return float(duration.sec) + float(duration.nanosec) / NS
+    return float(duration.sec) + float(duration.nanosec) / SECOND_NS

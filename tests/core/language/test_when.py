@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from rosic.core.language.ast import Misunderstood
 from rosic.core.language.time_parser import EXAMPLES, When, read_when
-from rosic.core.local_time import DAY_NS, MINUTE_NS, LocalTime, day_number
+from rosic.core.local_time import LocalTime, day_number
+from rosic.core.time_units import DAY_NS, MINUTE_NS
 
 HOURS_AHEAD = 1
 NOW_NS = day_number(2026, 11, 21) * DAY_NS + (9 * 60 + 30) * MINUTE_NS + 17_000_000_000

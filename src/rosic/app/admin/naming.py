@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 from rosic.core.language import clean
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotUnderstood
 from rosic.features.access import messages
 from rosic.features.access.admin_policy import everybody_called
@@ -81,7 +82,7 @@ def utc(at_ns: int | None) -> str | None:
     """Return a moment for programs: ISO 8601, of UTC, whole seconds; None for no end."""
     if at_ns is None:
         return None
-    return datetime.fromtimestamp(at_ns // 1_000_000_000, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    return datetime.fromtimestamp(at_ns // SECOND_NS, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def _person(books: AdminContext, person: Principal) -> str:

@@ -14,9 +14,9 @@ import msgspec
 
 from rosic.config.source_map import read_text
 from rosic.core.identity import OPERATOR, PrincipalId
-from rosic.core.local_time import MINUTES_A_DAY
 from rosic.core.records import Decided, Fact
 from rosic.core.robot.profile import RobotId
+from rosic.core.time_units import DAY_S, MINUTE_NS, MINUTES_A_DAY, SECOND_NS
 from rosic.errors import (
     ConfigurationError,
     NotPermitted,
@@ -25,7 +25,7 @@ from rosic.errors import (
     RobotTaken,
     TooManyRequests,
 )
-from rosic.organiser.planning.problem import NS_PER_MIN, Booked, PlanningProblem
+from rosic.organiser.planning.problem import Booked, PlanningProblem
 from rosic.organiser.planning.wish_file import (
     WishNames,
     opening_hours,
@@ -47,7 +47,6 @@ if TYPE_CHECKING:
 
 PEOPLE_A_LINE = 2_000
 SLOTS_A_LINE = 8_000
-_SECOND_NS = 1_000_000_000
 
 
 class Who(msgspec.Struct, frozen=True, kw_only=True):
@@ -168,7 +167,7 @@ class ScheduleAdmin:
         """See that no two of the slots themselves take the same robot at one time."""
         spans: defaultdict[RobotId, list[tuple[int, int]]] = defaultdict(list)
         for slot in asked.slots:
-            end_ns = slot.start_ns + slot.length_s * _SECOND_NS
+            end_ns = slot.start_ns + slot.length_s * SECOND_NS
             spans[slot.robot].append((slot.start_ns, end_ns))
         for robot, some in spans.items():
             if any(later[0] < earlier[1] for earlier, later in pairwise(sorted(some))):
@@ -184,7 +183,7 @@ class ScheduleAdmin:
                 raise TooManyRequests(
                     f"{self._books.name(who)} would have {upcoming + more} slots to come, and at "
                     f"most {most} are possible. Nothing was booked.",
-                    retry_after_s=86_400.0,
+                    retry_after_s=float(DAY_S),
                 )
 
 
@@ -226,7 +225,7 @@ def read_wishes(path: Path, who: Who) -> tuple[tuple[Wish, ...], tuple[str, ...]
 
 def not_over(wishes: Iterable[Wish], now_ns: int) -> tuple[tuple[Wish, ...], tuple[str, ...]]:
     """Return wishes from now on, and a sentence for each whose time is over."""
-    from_ns = -(-now_ns // NS_PER_MIN) * NS_PER_MIN
+    from_ns = -(-now_ns // MINUTE_NS) * MINUTE_NS
     found: list[Wish] = []
     late: list[str] = []
     for wish in wishes:

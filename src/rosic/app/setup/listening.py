@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
 
 from rosic.app.setup.profile_draft import BATTERY, JOINTS, ODOMETRY, Reported, SeenRobot, rest_of
 from rosic.core.robot.profile import AtRest
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import RosicError
 from rosic.robots.ros2.client.topics import TopicQos
 from rosic.robots.ros2.reported_units import FULL
@@ -27,9 +28,8 @@ ENOUGH: Final = 30
 """After so many messages nothing new is expected."""
 AT_MOST: Final = 16
 """Of one robot so many topics are listened to."""
-OLD_NS: Final = 1_000_000_000
+OLD_NS: Final = SECOND_NS
 NEWEST: Final = TopicQos(reliable=False, depth=1)
-_NS: Final = 1_000_000_000
 
 
 class _Rest(NamedTuple):
@@ -71,7 +71,7 @@ async def _rest(runtime: RosRuntime, clock: Clock, topic: str, kind: str) -> _Re
             if doubt:
                 break
         more = source.received - first
-        past_s = ((source.received_ns or 0) - first_ns) / _NS
+        past_s = ((source.received_ns or 0) - first_ns) / SECOND_NS
         return _Rest(past_s / more if more else None, doubt)
     finally:
         await source.close()

@@ -19,6 +19,7 @@ from rosic.core.language import Do, LineContext, Vocabulary, bind, understand
 from rosic.core.robot.alert_config import AlertConfig, RecipientCircle
 from rosic.core.robot.benchmark import DEVIATION
 from rosic.core.robot.profile import RobotId
+from rosic.core.time_units import DAY_S
 from rosic.errors import Refusal
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 STOP, PAUSE, REALLOCATE = "stop", "pause", "reallocate"
 # What a rule may do that is no skill of its robot.
 ACTS = frozenset({STOP, PAUSE, REALLOCATE})
-LONGEST_S = 86_400.0
+LONGEST_S = float(DAY_S)
 ESCALATES_AFTER_S = 10.0
 RUNS_EVERY_S = 10.0
 

@@ -16,8 +16,6 @@ from rosic.core.language.clock_words_elsewhere import shown_when
 from rosic.core.language.time_tokens import TimeTokens, Unclear
 from rosic.core.local_time import (
     LAST_YEAR,
-    MINUTE_NS,
-    MINUTES_A_DAY,
     MONTHS,
     LocalTime,
     date_of,
@@ -26,6 +24,7 @@ from rosic.core.local_time import (
     month_length,
     weekday_of,
 )
+from rosic.core.time_units import DAY_S, HOUR_S, MINUTE_NS, MINUTES_A_DAY
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,7 +34,7 @@ from rosic.core.language.time_tokens import Date
 # Good at any time: none of them is over before somebody taps it.
 EXAMPLES = ("tomorrow 14:00 1h", "mon 9-10", "now 30 min", "every tue 14:00 1h 10 times")
 
-_LONGEST_DELAY_S = 366 * 86_400
+_LONGEST_DELAY_S = 366 * DAY_S
 _CODES = ("MO", "TU", "WE", "TH", "FR", "SA", "SU")
 _A_WEEK = 7
 _A_YEAR = 365
@@ -268,6 +267,6 @@ class _Reckoning:
 def _length_text(length_s: float | None) -> str:
     if not length_s:
         return "1h"
-    hours, rest = divmod(round(length_s), 3600)
+    hours, rest = divmod(round(length_s), HOUR_S)
     minutes = f"{rest // 60} min" if rest >= 60 else "" if hours else "1 min"  # noqa: PLR2004
     return " ".join(part for part in (f"{hours} h" if hours else "", minutes) if part)

@@ -14,7 +14,8 @@ from rosic.core.i18n import said
 from rosic.core.language.clock_words_elsewhere import OTHERWISE
 from rosic.core.language.numbers import read_numeral
 from rosic.core.language.sanitise import clean, fold_word, quote
-from rosic.core.local_time import MINUTES_A_DAY, MONTHS, WEEKDAYS
+from rosic.core.local_time import MONTHS, WEEKDAYS
+from rosic.core.time_units import DAY_S, HOUR_S, MINUTES_A_DAY
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -93,11 +94,11 @@ FILLERS = frozenset({"a", "an", "at", "from", "the", "on", "please", "of", ",", 
 JOINTS = frozenset({"-", "to", "till", "until", "til"})
 UNITS: dict[str, int] = {
     # Longer than any time may be: read so that they are refused for what they are.
-    **dict.fromkeys(("year", "years"), 365 * 86_400),
-    **dict.fromkeys(("month", "months"), 30 * 86_400),
-    **dict.fromkeys(("week", "weeks"), 7 * 86_400),
-    **dict.fromkeys(("d", "day", "days"), 86_400),
-    **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), 3600),
+    **dict.fromkeys(("year", "years"), 365 * DAY_S),
+    **dict.fromkeys(("month", "months"), 30 * DAY_S),
+    **dict.fromkeys(("week", "weeks"), 7 * DAY_S),
+    **dict.fromkeys(("d", "day", "days"), DAY_S),
+    **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), HOUR_S),
     **dict.fromkeys(("m", "min", "mins", "minute", "minutes"), 60),
     **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1),
 }
@@ -371,12 +372,12 @@ class TimeTokens:
         """Read ``90min``, ``1.5 h`` or ``1h30``: seconds, its unit in seconds, how many words."""
         word = self._word(ahead)
         if match := _HOURS_AND_MINUTES.match(word):
-            return int(match[1]) * 3600.0 + int(match[2]) * 60.0, 60, 1
+            return int(match[1]) * float(HOUR_S) + int(match[2]) * 60.0, 60, 1
         if word == "half" and self._word(ahead + 1) in {"a", "an", "hour"}:
             apart = self._word(ahead + 1) != "hour"
             return (1800.0, 60, 2 + apart) if self._word(ahead + 1 + apart) == "hour" else None
         if word == "hour":
-            return 3600.0, 3600, 1
+            return float(HOUR_S), HOUR_S, 1
         numeral = read_numeral(word)
         if numeral is None:
             return None

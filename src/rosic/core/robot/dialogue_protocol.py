@@ -13,15 +13,16 @@ import msgspec
 
 from rosic.core.i18n import said
 from rosic.core.robot.profile import RobotId
+from rosic.core.time_units import DAY_S
 from rosic.errors import NotUnderstood, OutOfBounds
 
 DATA_BYTES: Final = 16_384
 TOPICS_A_ROBOT: Final = 32
 ROBOT_BYTES: Final = 131_072
-KEPT_AT_MOST_S: Final = 7 * 86_400.0
-KEPT_S: Final = 86_400.0
+KEPT_AT_MOST_S: Final = 7.0 * DAY_S
+KEPT_S: Final = float(DAY_S)
 HELP_FOR_S: Final = 600.0
-HELP_AT_MOST_S: Final = 86_400.0
+HELP_AT_MOST_S: Final = float(DAY_S)
 
 _NAME = r"^[a-z][a-z0-9_]{0,31}$"
 Name: TypeAlias = Annotated[str, msgspec.Meta(pattern=_NAME)]

@@ -13,6 +13,7 @@ import msgspec
 
 from rosic.core.i18n import titled
 from rosic.core.robot.benchmark import Benchmark
+from rosic.core.time_units import HOUR_S
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -47,7 +48,7 @@ ACTUATING = frozenset((MOTION, SkillClass.TASK, SkillClass.CONFIG))
 # docs/safety.md gives the reasons; a skill may set its own.
 MOTION_LIFETIME_S = 5.0
 LIFETIME_S = 30.0
-LIFETIME_MAX_S = 3600.0
+LIFETIME_MAX_S = float(HOUR_S)
 COST_MAX = 1_000.0
 MOTION_LIFETIME_NS = int(MOTION_LIFETIME_S * 1e9)
 LIFETIME_NS = int(LIFETIME_S * 1e9)

@@ -21,6 +21,7 @@ from rosic.core.policy.roles import chains
 from rosic.core.policy.scope import RESUME
 from rosic.core.robot.profile import RobotId
 from rosic.core.role_names import role_shown
+from rosic.core.time_units import HOUR_S
 from rosic.errors import NotUnderstood
 from rosic.features.access import messages, request_messages
 from rosic.features.access.invite import length_said
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from rosic.core.policy.permissions import Permissions
     from rosic.core.robot.skill import Skill
 
-LASTS_S: Final = 3600.0
+LASTS_S: Final = float(HOUR_S)
 DIGEST_BYTES: Final = 16
 LONGEST_LINE: Final = 200
 _FOR: Final = "for"

@@ -9,6 +9,7 @@ from rosic.core.i18n import joined
 from rosic.core.language.sanitise import LONGEST_NAME
 from rosic.core.message import Button
 from rosic.core.policy.roles import Grant
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import Expired, NotPermitted, NotUnderstood
 from rosic.features.access import messages, request_messages
 from rosic.features.access.admin_policy import (
@@ -42,7 +43,6 @@ _BACK = re.compile(rf"{BACK}(?: g[0-9a-f]{{16}})+")
 _ID_BYTES = 8
 _LONGEST_NAME = LONGEST_NAME // 2 + 1
 """In words: there is a sign at least between any two."""
-_SECOND_NS = 1_000_000_000
 
 
 class GrantCommands:
@@ -150,7 +150,7 @@ class GrantCommands:
         self, by: PrincipalId, person: Principal, given: InvitedRights
     ) -> tuple[Grant, ...]:
         lasts_s, now_ns = given.lasts_s, self._registry.clock.wall_ns()
-        until_ns = None if lasts_s is None else now_ns + int(lasts_s * _SECOND_NS)
+        until_ns = None if lasts_s is None else now_ns + int(lasts_s * SECOND_NS)
         async with self._registry.changes.turn() as turn:
             self._powers.check_give(by, given)
             if not self._powers.acts(person.id):

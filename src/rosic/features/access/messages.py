@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from rosic.authoriser.messages import DAY_S, given, listed
+from rosic.authoriser.messages import given, listed
 from rosic.core.i18n import filled, joined, said, said_n
 from rosic.core.language.sanitise import quote
 from rosic.core.language.suggestions import OR
 from rosic.core.message import Button
 from rosic.core.policy.limits import limit_in_words
 from rosic.core.role_names import role_shown
+from rosic.core.time_units import DAY_S
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

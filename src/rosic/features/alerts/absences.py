@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core import messages
 from rosic.core.i18n import said
+from rosic.core.time_units import MINUTE_NS, SECOND_NS
 from rosic.errors import StillMoves
 
 if TYPE_CHECKING:
@@ -20,10 +21,10 @@ if TYPE_CHECKING:
 EVERY_S: Final = 0.5
 AT_ONCE: Final = 500
 """So many robots are looked at in one step of the event loop."""
-CONCERNED_NS: Final = 15_000_000_000
+CONCERNED_NS: Final = 15 * SECOND_NS
 """Whoever's order has ended so long ago is not concerned any more: its link's deadline, and more,
 is over."""
-LOOKED_AFTER_NS: Final = 600_000_000_000
+LOOKED_AFTER_NS: Final = 10 * MINUTE_NS
 """A robot that was said to move is followed for so long, or until it is measured at rest."""
 
 

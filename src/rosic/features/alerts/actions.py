@@ -13,6 +13,7 @@ from rosic.core.alerts.rule import PAUSE, REALLOCATE
 from rosic.core.identity import command_id
 from rosic.core.order import Request
 from rosic.core.records import Decided
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotPermitted, RobotBusy, TakeOver, TooManyRequests
 from rosic.features.alerts import messages as words
 from rosic.features.alerts.active_alerts import AlertRun
@@ -163,7 +164,7 @@ class AlertActions:
             return
         past_ns = self._clock.wall_ns() - last.at_ns  # a clock that was set back waits longer
         if past_ns < rule.run_every_ns or last.alarm_ns == alarm_ns:
-            every_s = rule.run_every_ns // 1_000_000_000
+            every_s = rule.run_every_ns // SECOND_NS
             raise TooManyRequests(words.too_soon(length(every_s)), retry_after_s=float(every_s))
 
     async def _act(self, rule: AlertRule, author: PrincipalId) -> None:

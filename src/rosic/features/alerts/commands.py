@@ -12,6 +12,7 @@ from rosic.core.language import clean
 from rosic.core.message import Button
 from rosic.core.messages import no_robot
 from rosic.core.records import Decided
+from rosic.core.time_units import DAY_S, HOUR_S
 from rosic.errors import MessengerFault, NotPermitted, NotUnderstood, OutOfBounds
 from rosic.features.access.invite import length_said
 from rosic.features.alerts import gathered_messages
@@ -39,9 +40,9 @@ if TYPE_CHECKING:
 
 # ---- ``/alerts``, ``/seen``, ``/mute`` and ``/unmute``: what people say about alarms ----
 
-USUAL_S = 3_600.0
+USUAL_S = float(HOUR_S)
 SHORTEST_S = 60.0
-LONGEST_S = 30 * 86_400.0
+LONGEST_S = 30.0 * DAY_S
 ALL = "all"
 LONGEST_LINE = 200
 

@@ -11,6 +11,7 @@ from msgspec.structs import replace
 
 from rosic.core.alerts.state import AlertEvent, AlertWatch
 from rosic.core.records import Decided
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import Refusal, RosicError
 from rosic.features.alerts import gathered_messages
 from rosic.features.alerts import messages as words
@@ -205,7 +206,7 @@ class AlertEvaluator:
         shown = self.shown(rule)
         text = words.raised(rule, shown, now, again=event is AlertEvent.AGAIN)
         if event is AlertEvent.ESCALATED:
-            past_s = max(0, self._clock.wall_ns() - at_ns) // 1_000_000_000
+            past_s = max(0, self._clock.wall_ns() - at_ns) // SECOND_NS
             text = words.escalated(text, length(past_s))
         if event is AlertEvent.RAISED and rule.alert.run:
             text = words.with_run(text, rule.alert.run, rule.alert.author)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.message import Button
 from rosic.core.robot.alert_config import Severity
+from rosic.core.time_units import DAY_S
 from rosic.features.alerts import gathered_messages
 from rosic.features.alerts import messages as words
 from rosic.features.alerts.active_alerts import AlertMessages, packed
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
     Write: TypeAlias = Callable[[Iterable[Record]], None]
 
-BUTTONS_LIVE_S: Final = 86_400.0
+BUTTONS_LIVE_S: Final = float(DAY_S)
 LISTS_AT_MOST: Final = 256
 MANY: Final = "many-"
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.policy.scope import FLEET, GRANT
 from rosic.core.robot.alert_config import CIRCLES, RecipientCircle
+from rosic.core.time_units import SECOND_NS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 # ---- what one person is told at once about alarms, and what is gathered for them ----
 
-WINDOW_NS: Final = 5_000_000_000
+WINDOW_NS: Final = 5 * SECOND_NS
 ALONE: Final = 3
 """So many are told one by one before the others of their window are gathered."""
 

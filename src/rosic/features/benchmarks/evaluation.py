@@ -21,6 +21,7 @@ from rosic.core.robot.benchmark import (
     judge,
 )
 from rosic.core.robot.skill import SkillClass
+from rosic.core.time_units import SECOND_NS
 from rosic.features.benchmarks import commands as words
 from rosic.gateway.transactions import WriteBehind
 
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
     from rosic.linker.linker import Linker
 
 log = logging.getLogger("rosic.benchmarks")
-_NS = 1_000_000_000
 
 
 class BenchmarkedAttempt(msgspec.Struct, frozen=True):
@@ -129,7 +129,7 @@ class BenchmarkEvaluation:
         charge = None if presence is None else _number(presence, benchmark.battery)
         both = attempt.charge is not None and charge is not None
         measured = BenchmarkMeasurement(
-            took_s=max(0, self._clock.monotonic_ns() - attempt.begun_ns) / _NS,
+            took_s=max(0, self._clock.monotonic_ns() - attempt.begun_ns) / SECOND_NS,
             used=max(0.0, attempt.charge - charge) if both else None,  # type: ignore[operator]
             facts=outcome.facts,
             pose=None if presence is None else presence.pose,
@@ -166,7 +166,7 @@ class BenchmarkEvaluation:
         attempt = self._attempts.get(robot)
         if attempt is not None:
             expected_s = attempt.benchmark.expected_s(attempt.order.arguments)
-            gone_s = (self._clock.monotonic_ns() - attempt.begun_ns) / _NS
+            gone_s = (self._clock.monotonic_ns() - attempt.begun_ns) / SECOND_NS
             if expected_s is not None and gone_s > expected_s * attempt.benchmark.late:
                 bound_s = expected_s * attempt.benchmark.late
                 return (Deviation(BenchmarkKind.LATE, gone_s, bound_s, "s"),)

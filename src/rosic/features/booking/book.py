@@ -13,6 +13,7 @@ from rosic.core.language.time_parser import When, read_when
 from rosic.core.message import Button
 from rosic.core.robot.profile import Slots
 from rosic.core.slot import SLOT, BookedSlot, Pattern, read_fact
+from rosic.core.time_units import MINUTE_NS, SECOND_NS
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 from rosic.features.booking import messages as words
 from rosic.features.booking.context import decided
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from rosic.gateway.transactions import UnitOfWork
     from rosic.organiser.timezones import Zone
 
-TO_THE_MINUTE_NS = 60_000_000_000
+TO_THE_MINUTE_NS = MINUTE_NS
 """Whoever has a right for two hours and books two hours means the same."""
 WHERE_FREE = ("where", "free")
 """Said after a time that comes again: what is taken is left out."""
@@ -97,7 +98,7 @@ class BookCommand:
         """
         times = self._times
         ends_ns = times.sides.right_ends_ns(principal, robot)
-        if ends_ns is None or start_ns + length_s * 10**9 <= ends_ns + TO_THE_MINUTE_NS:
+        if ends_ns is None or start_ns + length_s * SECOND_NS <= ends_ns + TO_THE_MINUTE_NS:
             return ""
         zone, shown = times.sides.zone_of(principal), times.shown(robot)
         at = moment(ends_ns, times.clock.wall_ns(), zone)

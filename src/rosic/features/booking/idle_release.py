@@ -10,10 +10,10 @@ from rosic.core.i18n import said
 from rosic.core.identity import OPERATOR
 from rosic.core.message import Button
 from rosic.core.slot import SlotId
+from rosic.core.time_units import SECOND_NS
 from rosic.features.booking import keeper_messages
 from rosic.features.booking import messages as words
 from rosic.features.booking.context import decided
-from rosic.features.booking.slots import SECOND_NS
 from rosic.organiser.calendar_messages import moment
 
 if TYPE_CHECKING:

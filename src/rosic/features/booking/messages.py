@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import joined, said, said_n
 from rosic.core.language.suggestions import OR
-from rosic.core.local_time import MINUTE_NS, MONTHS, WEEKDAYS, LocalTime, weekday_of
+from rosic.core.local_time import MONTHS, WEEKDAYS, LocalTime, weekday_of
+from rosic.core.time_units import MINUTE_NS, SECOND_NS
 from rosic.organiser.calendar_messages import length, moment
 
 if TYPE_CHECKING:
@@ -61,7 +62,7 @@ def span(slot: BookedSlot, zone: Zone) -> str:
         )
     took_ns = slot.end_ns - slot.start_ns
     changed = abs(end.minutes_since(start) * MINUTE_NS - took_ns) > MINUTE_NS
-    return joined(", ", (given, length(took_ns // 1_000_000_000))) if changed else given
+    return joined(", ", (given, length(took_ns // SECOND_NS))) if changed else given
 
 
 def soon(slot: BookedSlot, now_ns: int, zone: Zone) -> str:

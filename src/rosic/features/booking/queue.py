@@ -8,6 +8,7 @@ from rosic.core.i18n import joined, said
 from rosic.core.language.compiled import fold
 from rosic.core.language.keywords import NOTHING
 from rosic.core.message import Button
+from rosic.core.time_units import MINUTE_NS
 from rosic.errors import NotPermitted, NotUnderstood, RobotTaken
 from rosic.features.booking import messages as words
 from rosic.features.booking.context import decided
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 # Said by buttons, with a robot after them.
 TAKE, KEEP = "take", "keep"
 _ENDS = ".,;:!?"
-_SOON_NS = 60_000_000_000
+_SOON_NS = MINUTE_NS
 
 
 class QueueCommands:

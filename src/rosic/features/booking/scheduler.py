@@ -7,13 +7,13 @@ import logging
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
-from rosic.core.local_time import MINUTE_NS
 from rosic.core.message import Button
+from rosic.core.time_units import MINUTE_NS, SECOND_NS
 from rosic.errors import Refusal
 from rosic.features.booking import keeper_messages
 from rosic.features.booking import messages as words
 from rosic.features.booking.idle_release import IdleSlotRelease
-from rosic.features.booking.slots import SECOND_NS, Availability
+from rosic.features.booking.slots import Availability
 from rosic.features.booking.turn_offer import TurnOffers
 from rosic.gateway.scheduling import sleep_or_wake
 from rosic.organiser.calendar_messages import moment

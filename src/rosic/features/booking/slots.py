@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import joined, said
 from rosic.core.language.compiled import fold
 from rosic.core.language.time_parser import When, read_when
-from rosic.core.local_time import MINUTES_A_DAY, LocalTime
+from rosic.core.local_time import LocalTime
 from rosic.core.message import Attachment, Button
 from rosic.core.robot.profile import RobotId, Slots
+from rosic.core.time_units import HOUR_S, MINUTES_A_DAY, SECOND_NS
 from rosic.errors import NotUnderstood
 from rosic.features.booking import messages as words
 from rosic.features.booking.robot_argument import RobotArgument
@@ -32,7 +33,6 @@ MOST_LINES = 20
 FILE = "ics"
 FILE_NAME = "my-times.ics"
 MEDIA = "text/calendar"
-HOUR_S = 3600
 _ENDS = ".,;:!?"
 
 
@@ -145,7 +145,6 @@ class SlotListing:
 
 SHORTEST_TURN_S = 300
 """A gap shorter than the first warning before its end is nobody's turn."""
-SECOND_NS = 1_000_000_000
 
 
 class Availability:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
 from rosic.core.message import Button
+from rosic.core.time_units import SECOND_NS
 from rosic.features.booking import messages as words
-from rosic.features.booking.slots import SECOND_NS
 from rosic.organiser.wait_queue import turn_over, your_turn
 
 if TYPE_CHECKING:

@@ -13,6 +13,7 @@ from rosic.core.language.option_words import option_typed
 from rosic.core.language.time_parser import read_when
 from rosic.core.message import Button
 from rosic.core.robot.profile import Slots
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 from rosic.features.booking import messages, scheduler_messages
 from rosic.features.booking.robot_argument import RobotArgument
@@ -63,7 +64,7 @@ class WishCommand:
         robots, rest = self._naming.robots(asked, "wish", text)
         length_s, when = self._read(principal, robots[0], rest)
         found = occasion(robots[0], when, times.sides.zone_of(principal))
-        window = found.start_ns, found.start_ns + found.length_s * 1_000_000_000
+        window = found.start_ns, found.start_ns + found.length_s * SECOND_NS
         async with times.changes.turn() as turn:
             robots = self._useful(principal, robots)
             facts = times.wishes.put(principal, robots, length_s, window, priority)

@@ -16,6 +16,7 @@ from rosic.contracts.messenger import pictures_of
 from rosic.core.message import Attachment, Button, ChatKind, Outbound
 from rosic.core.robot.profile import RobotId
 from rosic.core.robot.view import Sight
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import NothingToSee, Refusal
 from rosic.features.dashboard import messages as words
 from rosic.features.media.snapshot import SnapshotCommands
@@ -35,7 +36,7 @@ Issue: TypeAlias = "Callable[[Button, PrincipalId, str], Button]"
 
 BUTTONS_AT_MOST: Final = 3
 """So many robots of a card can be looked at by a tap; more buttons than robots help nobody."""
-RENEWED_NS: Final = 20_000_000_000
+RENEWED_NS: Final = 20 * SECOND_NS
 """A button lives for a minute; a card that is edited after so long shows new ones."""
 
 
@@ -43,7 +44,6 @@ LOOKING_S: Final = 180.0
 """For so long after a tap somebody is taken to look."""
 RENEWED_S: Final[dict[ChatKind, float]] = {ChatKind.PRIVATE: 10.0, ChatKind.GROUP: 30.0}
 """From one picture to the next at the least: half of those that somebody may have at all."""
-SECOND_NS: Final = 1_000_000_000
 
 
 class PreviewedCamera(msgspec.Struct, frozen=True):

@@ -17,6 +17,7 @@ from msgspec.structs import replace
 from rosic.contracts.messenger import pictures_of, retract_of, turn_of
 from rosic.core.i18n import in_language
 from rosic.core.message import ChatKind, Weight
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessageGone, MessengerFault, RecordUnavailable, TooManyRequests
 from rosic.features.dashboard import messages as words
 from rosic.features.dashboard.camera_preview import PreviewedCamera
@@ -40,7 +41,6 @@ LOOK_S: Final = 1.0
 CARDS_AT_MOST: Final = 1_000
 TRIES_TO_LEAVE: Final = 8
 LONGEST_WAIT_S: Final = 300.0
-SECOND_NS: Final = 1_000_000_000
 
 log = logging.getLogger("rosic.livecards")
 

@@ -19,6 +19,7 @@ from rosic.container.file_types import SORTS, Sniffer, file_name
 from rosic.container.files import PART_BYTES
 from rosic.core.identity import command_id
 from rosic.core.message import Button, Outbound
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import (
     MessengerFault,
     NotPermitted,
@@ -49,7 +50,7 @@ AT_ONCE: Final = 3
 COMING_OF_ONE: Final = 10
 COMING_OF_ALL: Final = 100
 SHOWN_FROM_BYTES: Final = 1_000_000
-PROGRESS_EVERY_NS: Final = 2_000_000_000
+PROGRESS_EVERY_NS: Final = 2 * SECOND_NS
 SLOWEST_S: Final = 600.0
 SLOWEST_BYTES_S: Final = 500_000
 

@@ -9,6 +9,7 @@ import msgspec
 
 from rosic.core.message import Chat
 from rosic.core.records import Fact, Letter
+from rosic.core.time_units import MINUTE_NS, SECOND_NS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -94,11 +95,11 @@ class TaskTexts:
 
 # ---- who has refused what, and when it is asked again: later each time, and others before it ----
 
-AGAIN_NS: Final = 2_000_000_000
+AGAIN_NS: Final = 2 * SECOND_NS
 """A task that no robot took just now is not offered again at once."""
 FIRST_NS: Final = 4 * AGAIN_NS
 """Longer than the task waits: others are asked before it is this robot's turn again."""
-LONGEST_NS: Final = 300_000_000_000
+LONGEST_NS: Final = 5 * MINUTE_NS
 """Each time that a robot is asked somebody reads that it refuses, and it may do so all night."""
 DOUBLED_AT_MOST: Final = 16
 

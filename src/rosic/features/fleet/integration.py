@@ -8,6 +8,7 @@ from rosic.core.fleet import events as e
 from rosic.core.fleet.task import HELD, FleetMembership, TaskReason, TaskState
 from rosic.core.i18n import joined, said
 from rosic.core.messages import label
+from rosic.core.time_units import SECOND_NS
 from rosic.features.fleet import messages as words
 from rosic.features.fleet.task_parser import given_again
 from rosic.organiser.calendar_messages import length
@@ -90,7 +91,9 @@ class TaskNotifications:
     def _late(self, task: Task, what: str, *, whole: bool) -> str:
         """Return that a task, or all of its mission, is not done by when it was to be."""
         if not whole:
-            return words.task(task.id, what, length(task.due.lasts_ns // 10**9), task.due.cancels)
+            return words.task(
+                task.id, what, length(task.due.lasts_ns // SECOND_NS), task.due.cancels
+            )
         tasks = self._dispatching.fleet.mission(task.mission)
         done = sum(one.state is TaskState.DONE for one in tasks)
         at = self._rooms.organiser.moment("", task.due.at_ns)

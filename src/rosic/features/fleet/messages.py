@@ -8,6 +8,7 @@ from rosic.core.fleet.task import TaskReason, TaskState
 from rosic.core.i18n import filled, joined, said, said_n
 from rosic.core.language.sanitise import echo
 from rosic.core.message import Button
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotPermitted
 from rosic.organiser.calendar_messages import length
 
@@ -90,7 +91,7 @@ def _conditions(task: Task, by: str) -> list[str]:
     if by:
         found.append(said("begun by {time}, or not at all", time=by))
     if task.expected_ns:
-        seconds = max(1, task.expected_ns // 1_000_000_000)
+        seconds = max(1, task.expected_ns // SECOND_NS)
         long = said("{seconds} s", seconds=seconds) if seconds % 60 else length(seconds)
         found.append(said("a step takes {length} at most", length=long))
     if task.priority != 1:

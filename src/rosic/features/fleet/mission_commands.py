@@ -25,9 +25,9 @@ from rosic.core.language.ast import Misunderstood
 from rosic.core.language.option_words import mission_verb
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.time_parser import read_when
-from rosic.core.local_time import MINUTE_NS
 from rosic.core.policy.scope import FLEET
 from rosic.core.records import Decided, Fact
+from rosic.core.time_units import MINUTE_NS
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, Refusal, TooManyRequests
 from rosic.features.fleet import mission_messages as words
 from rosic.features.fleet.dispatch_state import TaskText

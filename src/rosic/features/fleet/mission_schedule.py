@@ -13,6 +13,7 @@ from rosic.core.identity import PrincipalId, command_id
 from rosic.core.local_time import LocalTime
 from rosic.core.message import Chat
 from rosic.core.records import Fact, Letter
+from rosic.core.time_units import DAY_NS, MINUTE_NS
 from rosic.errors import RecordUnavailable, Refusal
 from rosic.features.fleet import mission_messages as words
 from rosic.organiser.recurrence import occurrences, read_rule
@@ -29,10 +30,10 @@ if TYPE_CHECKING:
 KIND: Final = "mission-time"
 PLANS_AT_MOST: Final = 200
 MOST_TIMES: Final = 5_000
-LATE_NS: Final = 600_000_000_000
+LATE_NS: Final = 10 * MINUTE_NS
 """A time that was slept through for longer is left out, and that is said."""
 LOOK_S: Final = 1.0
-AHEAD_NS: Final = 400 * 86_400 * 1_000_000_000
+AHEAD_NS: Final = 400 * DAY_NS
 """Every rule that is read comes again within so long, unless it is over."""
 
 log = logging.getLogger("rosic.fleet")

@@ -13,6 +13,7 @@ from rosic.core.fleet import events as e
 from rosic.core.fleet.candidates import RobotGlance, by_priority, may
 from rosic.core.fleet.task import FleetMembership, Task, TaskReason, TaskState, idle_first
 from rosic.core.robot.profile import Slots
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import RecordUnavailable
 from rosic.organiser.planning.solver import assign, is_loaded, load
 
@@ -76,7 +77,7 @@ class TaskDeadlines:
 # ---- looks at the fleet now and then: who is lost, what is late, what could begin ----
 
 EVERY_S: Final = 0.5
-LOST_AFTER_NS: Final = 3_000_000_000
+LOST_AFTER_NS: Final = 3 * SECOND_NS
 """A robot that is at work and not heard of for so long has lost its task."""
 AT_ONCE: Final = 200
 """So many tasks are weighed at once; a stop does not wait while the others are looked at."""

@@ -8,6 +8,7 @@ import msgspec
 
 from rosic.core.i18n import said
 from rosic.core.records import Fact
+from rosic.core.time_units import DAY_NS
 from rosic.errors import Repeated
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import CommandId
 
 KIND: Final = "task-origin"
-KEPT_NS: Final = 31 * 86_400 * 1_000_000_000
+KEPT_NS: Final = 31 * DAY_NS
 FORGOTTEN_AT_ONCE: Final = 100
 
 _encode = msgspec.msgpack.Encoder().encode

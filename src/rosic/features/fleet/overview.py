@@ -6,6 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet.task import RESTING, FleetMembership, TaskState
+from rosic.core.time_units import SECOND_NS
 from rosic.features.fleet import messages
 from rosic.features.fleet import robot_messages as words
 
@@ -87,7 +88,7 @@ class FleetOverview:
     def _tasks(self, tasks: Sequence[Task], wall_ns: int) -> str:
         fleet = self._dispatching.fleet
         waiting = [task for task in tasks if task.id in fleet.waiting]
-        longest_s = max((wall_ns - task.since_ns for task in waiting), default=0) // 1_000_000_000
+        longest_s = max((wall_ns - task.since_ns for task in waiting), default=0) // SECOND_NS
         resting = sum(task.state in RESTING for task in tasks)
         held = sum(bool(task.robot) for task in tasks)
         return words.tasks_altogether(len(waiting), held, resting, max(0, longest_s))
@@ -259,4 +260,4 @@ class FleetUsage:
     def idle_s(self, name: RobotId) -> int:
         """Return for how long a robot has not been at work; 0 while it is."""
         robot = self._robots.get(name) or _Robot(self._begun_ns)
-        return 0 if robot.works else (self._now_ns() - robot.since_ns) // 1_000_000_000
+        return 0 if robot.works else (self._now_ns() - robot.since_ns) // SECOND_NS

@@ -14,6 +14,7 @@ from rosic.contracts.clock import ClockReading, passed_ns, reading
 from rosic.core.fleet import events as e
 from rosic.core.message import ChatKind
 from rosic.core.records import Decided
+from rosic.core.time_units import MINUTE_NS
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.fleet import handing_messages as words
 from rosic.gateway.builtin_commands import Reply
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.office import CommandContext, CommandRegistry
 
-GOOD_FOR_NS: Final = 600_000_000_000
+GOOD_FOR_NS: Final = 10 * MINUTE_NS
 OPEN_AT_MOST: Final = 100
 
 

@@ -17,6 +17,7 @@ from rosic.core.language import clean_name
 from rosic.core.message import Button, ChatKind, Passage
 from rosic.core.policy.scope import FLEET, GRANT
 from rosic.core.records import Decided
+from rosic.core.time_units import DAY_S
 from rosic.errors import NotPermitted, NotUnderstood, Refusal
 from rosic.features.dashboard.dashboard import key_of
 from rosic.gateway.builtin_commands import Reply
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 VERB: Final = "channel"
 KNOWN_AT_MOST: Final = 100
 OFFERED_AT_MOST: Final = 11
-GOOD_FOR_S: Final = 86_400.0
+GOOD_FOR_S: Final = float(DAY_S)
 ALL: Final = "all"
 CLOSE: Final = "close"
 

@@ -19,6 +19,7 @@ from rosic.core.language import clean, show
 from rosic.core.language.sanitise import quote
 from rosic.core.message import Button
 from rosic.core.order_status import BETWEEN, ended_as
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotPermitted, NotUnderstood, RecordUnavailable, StoreFault
 from rosic.features.personal_data import messages as words
 from rosic.gateway.builtin_commands import Reply
@@ -39,7 +40,7 @@ L = TypeVar("L")
 
 SHOWN: Final = 10
 NAMED_AT_MOST: Final = 5
-AT_ONCE_NS: Final = 1_000_000_000
+AT_ONCE_NS: Final = SECOND_NS
 TASK: Final = "task "
 _STEP: Final = re.compile(r"(.+), step (\d+) of (\d+)")
 """What stands behind an order that belongs to a task, in the record's own English."""

@@ -11,6 +11,7 @@ from rosic.core.language.option_words import option_typed
 from rosic.core.language.sanitise import clean_name
 from rosic.core.language.time_tokens import TimeTokens, Unclear
 from rosic.core.message import Button
+from rosic.core.time_units import DAY_S
 from rosic.errors import NotUnderstood
 from rosic.features.personal_data import messages as words
 from rosic.gateway.builtin_commands import Reply
@@ -31,7 +32,7 @@ BACK: Final = "back"
 LONGEST_LINE: Final = 300
 MOST_LINES: Final = 40
 MOST_BUTTONS: Final = 12
-LONGEST_S: Final = 366 * 86_400.0
+LONGEST_S: Final = 366.0 * DAY_S
 _WITH = re.compile(r"\s+(?:with|mit)\s+", re.IGNORECASE)
 _FROM = re.compile(r"\s+(?:from|von)\s+", re.IGNORECASE)
 _FOR = re.compile(r"\s+(?:for|für)\s+", re.IGNORECASE)

@@ -9,6 +9,7 @@ from rosic.core.language import clean, inert_text
 from rosic.core.language.option_words import option_typed
 from rosic.core.message import Button
 from rosic.core.messages import no_robot
+from rosic.core.time_units import DAY_S
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 from rosic.features.access.invite import length_said
 from rosic.features.robot_to_robot import messages as words
@@ -32,7 +33,7 @@ LINES_AT_MOST = 24
 NAME_WORDS = 4
 USUAL_S = 600.0
 SHORTEST_S = 60.0
-LONGEST_S = 7 * 86_400.0
+LONGEST_S = 7.0 * DAY_S
 FOLLOW, UNFOLLOW = "follow", "unfollow"
 DONE = frozenset({"done", "over"})
 OFF = frozenset({"off", "no", "end", "aus"})

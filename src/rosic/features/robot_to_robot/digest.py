@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.i18n import joined
 from rosic.core.message import Button, Outbound, Weight
+from rosic.core.time_units import HOUR_NS
 from rosic.features.robot_to_robot import messages as words
 from rosic.gateway.delivery.sender import OutgoingMessage
 from rosic.gateway.delivery.translation import translated
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 EVERY_S: Final = 5.0
 LINES_AT_MOST: Final = 12
-BUTTONS_LIVE_NS: Final = 3_600_000_000_000
+BUTTONS_LIVE_NS: Final = HOUR_NS
 
 
 class _Line(NamedTuple):

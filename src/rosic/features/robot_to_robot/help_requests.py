@@ -13,6 +13,7 @@ import msgspec
 from rosic.core.identity import PrincipalId
 from rosic.core.records import Decided, Fact, Letter
 from rosic.core.robot.profile import RobotId
+from rosic.core.time_units import DAY_NS, HOUR_NS
 from rosic.errors import Expired, NotUnderstood, OutOfBounds, TooManyRequests
 from rosic.features.robot_to_robot import messages as words
 
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
 KIND: Final = "robot-help"
 OPEN_OF_ONE: Final = 3
 # Nobody may ever say that the help is over; then it no longer keeps two robots from their tasks.
-ENGAGED_NS: Final = 3_600_000_000_000
-KEPT_NS: Final = 86_400_000_000_000
+ENGAGED_NS: Final = HOUR_NS
+KEPT_NS: Final = DAY_NS
 KEPT_OVER: Final = 500
 
 log = logging.getLogger("rosic.among")

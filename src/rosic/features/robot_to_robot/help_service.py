@@ -12,6 +12,7 @@ from rosic.core.language import clean
 from rosic.core.message import Button
 from rosic.core.policy.scope import ASK, HELP
 from rosic.core.rate_limit import Bucket, RateLimit
+from rosic.core.time_units import DAY_S
 from rosic.errors import NotPermitted, TooManyRequests
 from rosic.features.robot_to_robot import messages as words
 
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 ID_BYTES: Final = 4
 TASKS_WITHIN_S: Final = 10.0
 SENT_AT_MOST: Final = 2
-DAY_S: Final = 86_400.0
 # People are called by each request; a robot that cries wolf is not heard any more.
 CALLS: Final = RateLimit(burst=6.0, per_s=1 / 60)
 
@@ -107,7 +107,7 @@ class HelpService:
     def _offer(self, made: HelpRequest, who: PrincipalId) -> None:
         until = self._rooms.organiser.moment(who, made.until_ns)
         text = words.asks_for_help(self._rights.shown(made.robot), made.what, until)
-        lives_s = min(DAY_S, (made.until_ns - made.at_ns) / 1e9)
+        lives_s = min(float(DAY_S), (made.until_ns - made.at_ns) / 1e9)
         self._reach.tell((who,), text, self.buttons(made, who), lifetime_s=lives_s)
 
     def buttons(self, made: HelpRequest, who: PrincipalId) -> tuple[tuple[Button, ...], ...]:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.contracts.robot import UTTERANCE_BYTES
 from rosic.core.rate_limit import Bucket, RateLimit
+from rosic.core.time_units import HOUR_NS, MINUTE_NS
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -28,7 +29,7 @@ PACE: Final = RateLimit(burst=40.0, per_s=20.0)
 FLOOD_DROPPED: Final = 100
 # What is missing of a token by rounding alone is no time that a clock can wait for.
 SHORTEST_S: Final = 0.001
-CALM_NS: Final = 60_000_000_000
+CALM_NS: Final = MINUTE_NS
 
 log = logging.getLogger("rosic.among")
 
@@ -106,8 +107,8 @@ class Inbox:
 
 HOPS_AT_MOST: Final = 8
 CONVERSATION: Final = RateLimit(burst=20.0, per_s=0.2)
-CUT_NS: Final = 300_000_000_000
-NEWS_AGAIN_NS: Final = 3_600_000_000_000
+CUT_NS: Final = 5 * MINUTE_NS
+NEWS_AGAIN_NS: Final = HOUR_NS
 REMEMBERED: Final = 4_096
 PAIRS_AT_MOST: Final = 4_096
 

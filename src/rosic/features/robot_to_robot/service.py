@@ -21,6 +21,7 @@ from rosic.core.policy.scope import ASK, READ, SHARE
 from rosic.core.records import Decided, Fact
 from rosic.core.robot import dialogue_protocol as said_by
 from rosic.core.robot.dialogue_protocol import Shared, Utterance, mark_of, read_utterance
+from rosic.core.time_units import HOUR_S, SECOND_NS
 from rosic.errors import NotPermitted, NotUnderstood, Refusal, TooManyRequests
 from rosic.features.robot_to_robot import messages as words
 from rosic.features.robot_to_robot.digest import EVERY_S as DIGEST_EVERY_S
@@ -52,7 +53,7 @@ QUIET: Final = "robot-quiet"
 LOOK_EVERY_S: Final = 0.5
 SAVE_EVERY_S: Final = 5.0
 ID_BYTES: Final = 6
-NOTICE_LIVES_S: Final = 3_600.0
+NOTICE_LIVES_S: Final = float(HOUR_S)
 
 log = logging.getLogger("rosic.among")
 
@@ -303,7 +304,7 @@ class RobotMessaging:
         if not circle.guard.cut(robot, other, around.clock.monotonic_ns()):
             return
         shown, shown_other = around.rights.shown(robot), around.rights.shown(other)
-        text = words.cut(shown, shown_other, length(CUT_NS // 1_000_000_000))
+        text = words.cut(shown, shown_other, length(CUT_NS // SECOND_NS))
         self._warn(text, robot, other)
 
     def _flooded(self, robot: RobotId) -> None:

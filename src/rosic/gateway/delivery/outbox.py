@@ -16,6 +16,7 @@ import msgspec
 from rosic.core import messages
 from rosic.core.message import Chat, Outbound, Weight
 from rosic.core.records import Fact, Letter
+from rosic.core.time_units import DAY_NS
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 from rosic.gateway.delivery.translation import translated
 
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 KIND: Final = "unsaid"
 KEY_BYTES: Final = 12
 OWED_AT_MOST: Final = 10_000
-OWED_FOR_NS: Final = 7 * 86_400 * 1_000_000_000
+OWED_FOR_NS: Final = 7 * DAY_NS
 
 log = logging.getLogger("rosic.outbox")
 

@@ -16,6 +16,7 @@ import msgspec
 from rosic.contracts.messenger import retract_of
 from rosic.core.message import Chat
 from rosic.core.records import Fact, Letter
+from rosic.core.time_units import HOUR_NS, SECOND_NS
 from rosic.errors import MessageGone, MessengerFault
 
 if TYPE_CHECKING:
@@ -28,10 +29,10 @@ if TYPE_CHECKING:
 KIND: Final = "retract"
 KEY_BYTES: Final = 12
 KEPT_AT_MOST: Final = 2_000
-LONGEST_NS: Final = 47 * 3_600 * 1_000_000_000
+LONGEST_NS: Final = 47 * HOUR_NS
 """Telegram takes nothing away that is two days old (https://core.telegram.org/bots/api#deletemessage)."""
 LOOK_EVERY_S: Final = 5.0
-AGAIN_NS: Final = 30_000_000_000
+AGAIN_NS: Final = 30 * SECOND_NS
 
 log = logging.getLogger("rosic.retracting")
 

@@ -23,13 +23,13 @@ from rosic.core.message import (
     Spot,
     Standing,
 )
+from rosic.core.time_units import SECOND_NS
 from rosic.messengers.telegram import updates
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 PLATFORM = "telegram"
-SECOND_NS = 1_000_000_000
 
 _ADDRESSED = re.compile(r"(?P<command>/[A-Za-z0-9_]{1,64})@(?P<name>[A-Za-z0-9_]{1,64})(?!\w)")
 _NAMED = re.compile(r"@(?P<name>[A-Za-z0-9_]{1,64})(?!\w)")

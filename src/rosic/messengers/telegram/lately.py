@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
+from rosic.core.time_units import SECOND_NS
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Keep
 
-SECOND_NS: Final = 1_000_000_000
 DIGEST_BYTES: Final = 16
 
 _encode = msgspec.msgpack.Encoder().encode

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from rosic.core.time_units import SECOND_NS
 from rosic.messengers.telegram.errors import NetworkState
 
-SECOND_NS = 1_000_000_000
 GAP_NS = 5 * SECOND_NS
 JUMP_NS = 2 * SECOND_NS
 """Wall and monotonic clock may drift this far apart between two polls. More is a clock that was

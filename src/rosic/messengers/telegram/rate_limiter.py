@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.message import Weight
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.lately import RecentGroupMessages
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Keep
 
-SECOND_NS = 1_000_000_000
 NOT_YET_NS = 2**62
 """Nobody knows when: it depends on others' answers."""
 CHATS_REMEMBERED = 4_096

@@ -16,9 +16,9 @@ import msgspec
 
 from rosic.core.language import is_urgent
 from rosic.core.message import Chat, ChatKind, Passage, Passing
+from rosic.core.time_units import SECOND_NS
 from rosic.messengers.telegram import incoming, updates
 from rosic.messengers.telegram.batch import BatchPause, turns
-from rosic.messengers.telegram.polling_gap import SECOND_NS
 from rosic.messengers.telegram.update_window import AdmittedUpdate, AlikeLines
 
 if TYPE_CHECKING:

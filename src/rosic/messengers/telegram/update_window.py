@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import msgspec
 
 from rosic.core.message import ChatKind, Standing
+from rosic.core.time_units import SECOND_NS
 
 if TYPE_CHECKING:
     from collections import Counter
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 ATTEMPTS = 3
 FIRST_WAIT_S = 0.2
-HELD_NS: Final = 1_000_000_000
+HELD_NS: Final = SECOND_NS
 """If nothing ends for so long while nothing new is given out, what is held up is let go."""
 OVERDUE_AT_MOST: Final = 1_000
 WAITING_AT_MOST: Final = 200

@@ -14,6 +14,7 @@ from rosic.core.i18n import said
 from rosic.core.identity import Address
 from rosic.core.language.cancelling import is_urgent
 from rosic.core.message import Chat, Enclosure, Inbound, Outbound
+from rosic.core.time_units import MINUTE_NS, SECOND_NS
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.terminal.completion import Completer
 from rosic.messengers.terminal.downloads import FILE_BYTES, DownloadFolder
@@ -32,10 +33,10 @@ if TYPE_CHECKING:
 
 # A button is good for 60 s. Until something else is said its number means nothing else for twice
 # that, so that a number typed a moment too late never taps a button that has just been shown.
-RESERVED_NS = 120_000_000_000
+RESERVED_NS = 2 * MINUTE_NS
 AT_MOST = 99
 # Nobody has read and answered something else in so short a time.
-TYPED_WITHIN_NS = 1_000_000_000
+TYPED_WITHIN_NS = SECOND_NS
 
 
 class Choice(NamedTuple):

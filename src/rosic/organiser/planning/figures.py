@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.core.time_units import HOUR_NS
 from rosic.organiser.planning.greedy import FreeTime, without
-from rosic.organiser.planning.problem import ALWAYS_NS, NS_PER_MIN, broken_rules, merged
+from rosic.organiser.planning.problem import ALWAYS_NS, broken_rules, merged
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from rosic.organiser.planning.problem import PlanningProblem, Proposal, Span
-
-NS_PER_H = 60 * NS_PER_MIN
 
 
 class PlanMetrics(msgspec.Struct, frozen=True, kw_only=True):
@@ -64,8 +63,8 @@ def figures_of(problem: PlanningProblem, proposal: Proposal) -> PlanMetrics:
         wishes=len(problem.wishes),
         granted=len(proposal.allocations),
         use=used_ns / total_ns if total_ns else 0.0,
-        idle_h=_length(idle) / NS_PER_H,
-        between_h=sum(_between(problem, free[r], used[r]) for r in problem.robots) / NS_PER_H,
+        idle_h=_length(idle) / HOUR_NS,
+        between_h=sum(_between(problem, free[r], used[r]) for r in problem.robots) / HOUR_NS,
         breaks=sum(len(merged(spans)) for spans in used.values()),
         wait_mean_min=sum(waits) / len(waits),
         wait_worst_min=max(waits),

@@ -6,9 +6,9 @@ from bisect import bisect_left
 from collections import defaultdict
 from typing import TYPE_CHECKING
 
+from rosic.core.time_units import SECOND_NS
 from rosic.organiser.planning.problem import (
     ALWAYS_NS,
-    NS_PER_S,
     Allocation,
     LeftOverReason,
     LeftOverWish,
@@ -47,7 +47,7 @@ class FreeTime:
         That is: at its own earliest time, when the robot becomes free, or on the grid. Without
         the first two, a window or a gap that fits to the minute would be wasted.
         """
-        yield from _starts(self.spans.get(robot, []), wish, grid_s * NS_PER_S)
+        yield from _starts(self.spans.get(robot, []), wish, grid_s * SECOND_NS)
 
     def places(self, wish: Wish, grid_s: int) -> Iterator[Allocation]:
         """Yield every place for a wish."""
@@ -174,7 +174,7 @@ def _why(free: FreeTime, timetable: PlanTimetable, wish: Wish, grid_s: int) -> L
         return LeftOverReason.NO_SUCH_ROBOT
     if wish.latest_ns - wish.earliest_ns < wish.length_ns:
         return LeftOverReason.WINDOW_TOO_SHORT
-    if next(_starts(free.open, wish, grid_s * NS_PER_S), None) is None:
+    if next(_starts(free.open, wish, grid_s * SECOND_NS), None) is None:
         return LeftOverReason.CLOSED
     places = list(free.places(wish, grid_s))
     if not places:

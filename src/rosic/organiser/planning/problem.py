@@ -15,12 +15,11 @@ import msgspec
 
 from rosic.core.identity import PrincipalId
 from rosic.core.robot.profile import RobotId
+from rosic.core.time_units import MINUTE_NS, SECOND_NS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-NS_PER_S = 1_000_000_000
-NS_PER_MIN = 60 * NS_PER_S
 ALWAYS_NS = 2**62
 """Later than any slot: the end of the opening of a place that never closes."""
 
@@ -65,7 +64,7 @@ class Wish(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def length_ns(self) -> int:
         """Return how long the slot is."""
-        return self.length_s * NS_PER_S
+        return self.length_s * SECOND_NS
 
     @property
     def length_min(self) -> float:
@@ -111,7 +110,7 @@ class Allocation(msgspec.Struct, frozen=True):
     @property
     def wait_min(self) -> float:
         """Return the minutes from the earliest wished start to the proposed one."""
-        return (self.start_ns - self.wish.earliest_ns) / NS_PER_MIN
+        return (self.start_ns - self.wish.earliest_ns) / MINUTE_NS
 
 
 class LeftOverReason(StrEnum):
@@ -216,7 +215,7 @@ def _lost(wish: Wish, start_ns: int) -> float:
     slack_ns = wish.latest_ns - wish.earliest_ns - wish.length_ns
     if slack_ns <= 0:
         return 0.0
-    by_the_minute = wish.priority * WAIT_COSTS * wait_ns / NS_PER_MIN
+    by_the_minute = wish.priority * WAIT_COSTS * wait_ns / MINUTE_NS
     full = _full(wish)
     return min(by_the_minute, WAIT_COSTS_AT_MOST * full) + WINDOW_COSTS * full * wait_ns / slack_ns
 

@@ -8,8 +8,9 @@ import re
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.core.local_time import DAY_NS, LAST_YEAR, MINUTES_A_DAY, LocalTime
-from rosic.organiser.planning.problem import NS_PER_MIN, NS_PER_S, PRIORITIES, Wish
+from rosic.core.local_time import LAST_YEAR, LocalTime
+from rosic.core.time_units import DAY_NS, MINUTE_NS, MINUTES_A_DAY, SECOND_NS
+from rosic.organiser.planning.problem import PRIORITIES, Wish
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -185,7 +186,7 @@ def _wish(where: str, row: Mapping[str, object], names: WishNames) -> Wish:
     if latest_ns - earliest_ns > WIDEST_DAYS * DAY_NS:
         raise _Wrong(f"A window may be {WIDEST_DAYS} days wide at most.")
     length_s = _length_s(_text(row, "length"))
-    if length_s * NS_PER_S > latest_ns - earliest_ns:
+    if length_s * SECOND_NS > latest_ns - earliest_ns:
         raise _Wrong(f"The window is shorter than {_text(row, 'length')}.")
     return Wish(
         id=where,
@@ -257,7 +258,7 @@ def _moment(text: str, zone: Zone, *, to_end_of_day: bool) -> int:
     if at.year not in YEARS:
         raise _Wrong(f'"{text}" is too far away.')
     if at.tzinfo:
-        return int(at.timestamp()) // 60 * NS_PER_MIN
+        return int(at.timestamp()) // 60 * MINUTE_NS
     shown = LocalTime(at.year, at.month, at.day, at.hour, at.minute)
     if to_end_of_day and _DAY.fullmatch(text):
         shown = LocalTime.at(shown.day_number + 1)
@@ -270,7 +271,7 @@ def _placed(shown: LocalTime, zone: Zone, text: str) -> int:
     if found.kind == "never":
         raise _Wrong(f'"{text}" does not exist: the clocks go forward then.')
     if found.kind == "twice":
-        utc = datetime.fromtimestamp(found.start_ns // NS_PER_S, UTC)
+        utc = datetime.fromtimestamp(found.start_ns // SECOND_NS, UTC)
         raise _Wrong(
             f'"{text}" comes twice, because the clocks go back. The first is {utc:%H:%M} UTC: '
             f"write {utc:%Y-%m-%d %H:%M}Z for that, or an hour more."

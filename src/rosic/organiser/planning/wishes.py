@@ -14,9 +14,10 @@ from rosic.core.i18n import said, said_n
 from rosic.core.identity import PrincipalId
 from rosic.core.records import Fact
 from rosic.core.robot.profile import RobotId
+from rosic.core.time_units import HOUR_S, MINUTE_NS, SECOND_NS
 from rosic.errors import NotUnderstood, OutOfBounds, TooManyRequests
 from rosic.organiser.calendar_messages import length
-from rosic.organiser.planning.problem import NS_PER_MIN, NS_PER_S, PRIORITIES, Wish
+from rosic.organiser.planning.problem import PRIORITIES, Wish
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -109,7 +110,7 @@ class Wished(msgspec.Struct, frozen=True, kw_only=True):
 
     def over(self, now_ns: int) -> bool:
         """Whether nothing that long fits into what is left of the window."""
-        return self.latest_ns - self.length_s * NS_PER_S < _full_minute(now_ns)
+        return self.latest_ns - self.length_s * SECOND_NS < _full_minute(now_ns)
 
     def wish(self, robots: tuple[RobotId, ...], now_ns: int) -> Wish:
         """Return it as a part of a problem, from now on."""
@@ -211,14 +212,14 @@ class Wishes:
         )
         if priority not in PRIORITIES:
             raise no_such_priority(PRIORITIES[0], PRIORITIES[-1])
-        if length_s * NS_PER_S > latest_ns - earliest_ns:
+        if length_s * SECOND_NS > latest_ns - earliest_ns:
             raise window_too_short(length_s)
         if wished.over(now_ns):
             raise window_over()
         if len(self.of(principal)) >= MOST_EACH:
-            raise TooManyRequests(enough(MOST_EACH), retry_after_s=3600.0)
+            raise TooManyRequests(enough(MOST_EACH), retry_after_s=float(HOUR_S))
         if len(self.everybodys()) >= MOST_OF_ALL:
-            raise TooManyRequests(all_enough(MOST_OF_ALL), retry_after_s=3600.0)
+            raise TooManyRequests(all_enough(MOST_OF_ALL), retry_after_s=float(HOUR_S))
         return (wished.fact(), *self.outdated())
 
     def off(self, principal: PrincipalId, place: int) -> tuple[Wished, tuple[Fact, ...]]:
@@ -250,4 +251,4 @@ def place_of(text: str) -> int:
 
 
 def _full_minute(at_ns: int) -> int:
-    return -(-at_ns // NS_PER_MIN) * NS_PER_MIN
+    return -(-at_ns // MINUTE_NS) * MINUTE_NS

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
 from rosic.core.robot.view import Encoded, Grid, Pose, Raster, Sight, View
+from rosic.core.time_units import DAY_S, SECOND_NS
 from rosic.errors import NothingToSee
 from rosic.robots.ros2.client.topics import LatestMessage, TopicQos
 from rosic.robots.ros2.errors import BadValue, NotSent
@@ -31,12 +32,11 @@ FIRST_WITHIN_S = 5.0
 MOST_BYTES = 64_000_000
 MOST_POINTS = 20_000
 AHEAD_S = 1.0  # clocks that agree do so within this
-OLDEST_S = 86_400.0
+OLDEST_S = float(DAY_S)
 STALE_POSE_S = 2.0
 RAW = "sensor_msgs/msg/Image"
 POSE_ALONE = "geometry_msgs/msg/PoseStamped"
 _FRAME_BYTES = 64
-_NS = 1_000_000_000
 # A map is often sent once and kept for whoever comes later; a subscriber that asks for that hears
 # nobody who does not, so there are two.
 _VOLATILE = TopicQos(reliable=False, depth=1)
@@ -163,8 +163,8 @@ class CameraAndMap:
     def _dated(self, content: Content, message: RosObject, received_ns: int) -> View:
         """Take the time of the stamp, unless it is of another clock than ours."""
         stamp = message.header.stamp
-        age_ns = self._clock.wall_ns() - (int(stamp.sec) * _NS + int(stamp.nanosec))
-        if not -AHEAD_S * _NS <= age_ns <= OLDEST_S * _NS:
+        age_ns = self._clock.wall_ns() - (int(stamp.sec) * SECOND_NS + int(stamp.nanosec))
+        if not -AHEAD_S * SECOND_NS <= age_ns <= OLDEST_S * SECOND_NS:
             return View(content, received_ns, foreign=True)
         now_ns = self._clock.monotonic_ns()
         return View(content, min(received_ns, now_ns - age_ns))

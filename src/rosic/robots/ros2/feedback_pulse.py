@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from typing import Final
 
+from rosic.core.time_units import SECOND_NS
+
 STEADY: Final = 5
 """So many messages are feedback that comes again and again; fewer may be stages."""
 GAPS: Final = 3
 """So many times its longest gap so far is no gap any more."""
 QUIET_S: Final = 1.0
-_NS: Final = 1_000_000_000
 
 
 class FeedbackPulse:
@@ -35,7 +36,7 @@ class FeedbackPulse:
 
     def silent_s(self, now_ns: int) -> float:
         """Return for how long none has come, from the goal's acceptance on."""
-        return (now_ns - self._last_ns) / _NS
+        return (now_ns - self._last_ns) / SECOND_NS
 
     def quiet(self, now_ns: int) -> bool:
         """Tell whether none comes now; whether it will again is not known."""
@@ -51,4 +52,4 @@ class FeedbackPulse:
         return self._count >= STEADY and self._longer_than(within_s, now_ns)
 
     def _longer_than(self, least_s: float, now_ns: int) -> bool:
-        return now_ns - self._last_ns > max(least_s * _NS, GAPS * self._longest_ns)
+        return now_ns - self._last_ns > max(least_s * SECOND_NS, GAPS * self._longest_ns)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from rosic.core.deadman import Break, Cause
 from rosic.core.i18n import said
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import RobotUnreachable, RosicError
 from rosic.robots.ros2.bindings.binding_call import note
 from rosic.robots.ros2.feedback_pulse import FeedbackPulse
@@ -33,7 +34,6 @@ LAST_WORD_S: Final = 1.0
 CANCEL_WITHIN_S: Final = 2.0
 # A robot that is not heard is said to be away at once; it is cancelled again when it is back.
 CANCEL_UNHEARD_WITHIN_S: Final = 0.5
-_NS = 1_000_000_000
 
 
 class Missed(Protocol):
@@ -131,7 +131,7 @@ class GoalWatch:
         Raises:
             RobotUnreachable: It fell silent, or took too long; it was called off.
         """
-        deadline_ns = self.now_ns() + int(limit_s * _NS)
+        deadline_ns = self.now_ns() + int(limit_s * SECOND_NS)
         while self.broken is None and not end.done() and not halted.done():
             await asyncio.wait(
                 {end, halted}, timeout=LOOK_EVERY_S, return_when=asyncio.FIRST_COMPLETED
@@ -162,7 +162,7 @@ class GoalWatch:
         """Return that nobody looked for too long: ROSIC, or the whole machine, stood still."""
         now_ns, before_ns = self.now_ns(), self._looked_ns
         self._looked_ns = now_ns
-        late_s = (now_ns - before_ns) / _NS - LOOK_EVERY_S
+        late_s = (now_ns - before_ns) / SECOND_NS - LOOK_EVERY_S
         return Break(Cause.LATE, late_s) if late_s > self._errand.side.watchdog_s else None
 
     def _look(self) -> Break | None:
@@ -189,7 +189,7 @@ class GoalWatch:
             return None
         if self._unserved_ns is None:
             self._unserved_ns = self.now_ns()
-        unserved_s = (self.now_ns() - self._unserved_ns) / _NS
+        unserved_s = (self.now_ns() - self._unserved_ns) / SECOND_NS
         return Break(why, unserved_s) if unserved_s >= LOOK_EVERY_S else None
 
     async def _give_up(self, goal: Goal, passed_s: float) -> None:
@@ -227,7 +227,7 @@ async def call_off(goal: Goal, within_s: float = CANCEL_WITHIN_S) -> None:
 
 def until_start_s(order: Order, now_ns: int) -> float:
     """Return how long it is to the common start; 0 without one."""
-    return 0.0 if order.start_ns is None else max(0.0, (order.start_ns - now_ns) / _NS)
+    return 0.0 if order.start_ns is None else max(0.0, (order.start_ns - now_ns) / SECOND_NS)
 
 
 def _field(message: RosObject, path: str) -> object:

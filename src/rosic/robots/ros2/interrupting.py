@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.deadman import Break, Cause
 from rosic.core.i18n import joined, said
+from rosic.core.time_units import SECOND_NS
 from rosic.core.units import measured
 from rosic.errors import RobotUnreachable, StillMoves
 
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 LOOK_EVERY_S: Final = 0.2
-_NS: Final = 1_000_000_000
 
 
 def over(broken: Break) -> str:
@@ -76,7 +76,7 @@ async def after_the_end(errand: BindingCall) -> NotAtRest:
     """
     side, sees = errand.side, errand.side.measured
     since_ns = side.clock.monotonic_ns()
-    until_ns = since_ns + int(side.rest_timeout_s * _NS)
+    until_ns = since_ns + int(side.rest_timeout_s * SECOND_NS)
     if not sees.measures_rest or not errand.order.skill.actuates:
         return NotAtRest()
     while errand.allowed():

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+from rosic.core.time_units import SECOND_NS
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
@@ -16,7 +18,6 @@ if TYPE_CHECKING:
     Ends: TypeAlias = Mapping[bytes, str]
     """Ids of ends on the graph to their nodes' full names; empty as long as that is not known."""
 
-_NS: Final = 1_000_000_000
 UNKNOWN: Final = "_NODE_NAME_UNKNOWN_"
 
 
@@ -66,7 +67,7 @@ class Newcomers:
     def __init__(self, first: Ends, patience_s: float) -> None:
         self.first = first
         self.waits = False
-        self._patience_ns = patience_s * _NS
+        self._patience_ns = patience_s * SECOND_NS
         self._since_ns = 0
 
     def nameless(self, now: Ends, now_ns: int) -> bool:

@@ -6,6 +6,7 @@ from math import atan2, dist, isfinite, tau
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.i18n import said
+from rosic.core.time_units import SECOND_NS
 from rosic.robots.ros2.errors import BadName, BadValue
 from rosic.robots.ros2.messages.decode import Plain, compile_path
 
@@ -99,7 +100,6 @@ def _pose(message: RosObject) -> _Pose:
 # ---- what the newest message of a topic says of rest, and what keeps it from saying it (I7) ----
 
 ODOMETRY = "nav_msgs/msg/Odometry"
-_NS = 1_000_000_000
 
 
 class RestReading:
@@ -149,7 +149,7 @@ class RestReading:
         """Return for how long rest, or the lack of it, was not measured; None: it never was."""
         self._read()
         now_ns = self._clock.monotonic_ns()
-        return None if self._read_ns is None else (now_ns - self._read_ns) / _NS
+        return None if self._read_ns is None else (now_ns - self._read_ns) / SECOND_NS
 
     def _rests(self, speeds: Mapping[str, list[float]], left_out: Iterable[str]) -> bool:
         counted = [entries for path, entries in speeds.items() if path not in left_out]

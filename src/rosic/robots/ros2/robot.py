@@ -11,6 +11,7 @@ from rosic.contracts.robot import UTTERANCE_BYTES
 from rosic.core.i18n import said
 from rosic.core.order import Ending, Order, Outcome, Rest, Stop
 from rosic.core.robot.profile import Presence, Profile
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, RosicError
 from rosic.robots.ros2.bindings.action import ActionSkill
 from rosic.robots.ros2.bindings.binding_call import Binding, BindingCall, RobotSide
@@ -125,7 +126,6 @@ DEADLINE_MARGIN_S = 0.1
 CLOSING_REST_S = 3.0
 ROOT = "/"
 UNFIT = "does-not-fit"
-_NS = 1_000_000_000
 
 
 class Ros2Robot:
@@ -353,7 +353,7 @@ class Ros2Robot:
             return await self._brakes.apply(quiet, limit_s=limit_s)
         except Exception:  # noqa: BLE001 - a contract: it never raises
             _log.exception("%s could not be brought to rest", self.profile.id)
-            seconds = (self._clock.monotonic_ns() - begun_ns) / _NS
+            seconds = (self._clock.monotonic_ns() - begun_ns) / SECOND_NS
             return Resting(confirmed=False, seconds=seconds)
 
     def _halted(self, resting: Resting) -> None:
@@ -426,14 +426,14 @@ class Ros2Robot:
     def _early(self) -> bool:
         """Tell whether it is too early to miss anybody."""
         opened_ns = self._opened_ns or 0
-        return self._clock.monotonic_ns() - opened_ns < APPEARS_S * _NS
+        return self._clock.monotonic_ns() - opened_ns < APPEARS_S * SECOND_NS
 
     def _patience_s(self, order: Order) -> float:
         """Return how long an order may wait for an end that discovery has not found yet."""
         self._notice()
         now_ns = self._clock.monotonic_ns()
-        found_s = DISCOVERY_S - (now_ns - self._appeared_ns) / _NS
-        deadline_s = (order.deadline_ns - now_ns) / _NS - DEADLINE_MARGIN_S
+        found_s = DISCOVERY_S - (now_ns - self._appeared_ns) / SECOND_NS
+        deadline_s = (order.deadline_ns - now_ns) / SECOND_NS - DEADLINE_MARGIN_S
         return max(0.0, min(found_s, deadline_s))
 
     def _side(self) -> RobotSide:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import RosicError
 from rosic.robots.ros2.bindings.binding_call import note
 from rosic.robots.ros2.client.topics import TopicQos
@@ -23,7 +24,6 @@ WARNING = 30
 WITHIN_S = 0.5
 # Clocks of two computers that share a graph agree about this well.
 CLOCKS_AGREE_S = 0.5
-_NS = 1_000_000_000
 
 
 class RosoutReasons:
@@ -52,11 +52,11 @@ class RosoutReasons:
         found: asyncio.Future[str] = asyncio.get_running_loop().create_future()
 
         def look(line: RosObject) -> None:
-            at_ns = line.stamp.sec * _NS + line.stamp.nanosec
+            at_ns = line.stamp.sec * SECOND_NS + line.stamp.nanosec
             if (
                 line.level >= WARNING
                 and is_under("/" + line.name.replace(".", "/"), namespace)
-                and at_ns >= sent_ns - CLOCKS_AGREE_S * _NS
+                and at_ns >= sent_ns - CLOCKS_AGREE_S * SECOND_NS
                 and not found.done()
             ):
                 found.set_result(note(line.msg).rstrip("."))

@@ -9,6 +9,8 @@ from __future__ import annotations
 import inspect
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+from rosic.core.time_units import SECOND_NS
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
@@ -18,10 +20,10 @@ if TYPE_CHECKING:
     """What rclpy says of a message: who sent it, and when by the sender's wall clock."""
 
 REMEMBERED: Final = 8
-WINDOW_NS: Final = 30 * 10**9
+WINDOW_NS: Final = 30 * SECOND_NS
 """Clocks drift apart, and are set: how far they are apart counts for so long, and as long again."""
 
-SENDS_WITHIN_NS: Final = 10 * 10**9
+SENDS_WITHIN_NS: Final = 10 * SECOND_NS
 """Who was not heard for so long counts as one of several no more."""
 
 

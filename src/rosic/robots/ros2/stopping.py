@@ -7,6 +7,7 @@ import logging
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.i18n import said
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import RosicError
 from rosic.robots.ros2.bindings.binding_call import BindingAnswer, check_fields
 from rosic.robots.ros2.client.topics import TopicQos
@@ -32,7 +33,6 @@ LOOK_EVERY_S = 0.05
 # What has not answered by then does not keep a measured rest from being believed.
 ANSWER_WITHIN_S = 1.0
 CANCEL_GOALS = "action_msgs/srv/CancelGoal"
-_NS = 1_000_000_000
 
 
 class Resting(NamedTuple):
@@ -159,7 +159,7 @@ class StopController:
     async def measure(self, since_ns: int, limit_s: float) -> Resting:
         """Only wait until rest is measured; seconds count from ``since_ns``."""
         while True:
-            past_s = (self.clock.monotonic_ns() - since_ns) / _NS
+            past_s = (self.clock.monotonic_ns() - since_ns) / SECOND_NS
             if self.measured.at_rest(since_ns):
                 return Resting(confirmed=True, seconds=past_s)
             if past_s >= limit_s or not self.measured.measures_rest:
@@ -191,8 +191,8 @@ class _Attempt:
         begun_ns = clock.monotonic_ns()
         while True:
             now_ns = clock.monotonic_ns()
-            past_s = (now_ns - begun_ns) / _NS
-            if self._round_ns is None or now_ns - self._round_ns >= AGAIN_EVERY_S * _NS:
+            past_s = (now_ns - begun_ns) / SECOND_NS
+            if self._round_ns is None or now_ns - self._round_ns >= AGAIN_EVERY_S * SECOND_NS:
                 self._round_ns = now_ns
                 self._brakes.zero()
                 self._ask()

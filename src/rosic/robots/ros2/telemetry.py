@@ -7,6 +7,7 @@ from contextlib import suppress
 from math import hypot, isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
+from rosic.core.time_units import SECOND_NS
 from rosic.robots.ros2.errors import BadValue
 from rosic.robots.ros2.messages.decode import FieldReader, Plain, compile_path
 from rosic.robots.ros2.messages.text import clean_text
@@ -29,7 +30,6 @@ AWAKE_EVERY_S = 0.25
 _OFTEN = 10
 """After so many more it is known how often something comes."""
 _TEXT_BYTES = 200
-_NS = 1_000_000_000
 
 
 class _Value(NamedTuple):
@@ -139,7 +139,7 @@ class Measurements:
 
     def stale_ns(self) -> int:
         """Return when something was measured that is too old to speak of now."""
-        return self._clock.monotonic_ns() - int(self.within_s * _NS)
+        return self._clock.monotonic_ns() - int(self.within_s * SECOND_NS)
 
     def fresh(self) -> bool:
         """Tell whether rest, or the lack of it, is measured now; else, whether it is heard at all.
@@ -192,7 +192,7 @@ class Measurements:
         now_ns, before_ns = self._clock.monotonic_ns(), self._awake_ns
         self._awake_ns = now_ns
         watchdog_s = self._profile.watchdog_s or self._profile.link.heartbeat_s
-        if before_ns is not None and now_ns - before_ns > (AWAKE_EVERY_S + watchdog_s) * _NS:
+        if before_ns is not None and now_ns - before_ns > (AWAKE_EVERY_S + watchdog_s) * SECOND_NS:
             self._cut_ns = now_ns
 
     def at_rest(self, since_ns: int) -> bool | None:
@@ -243,7 +243,7 @@ class Measurements:
                     await source.newer(source.received, timeout_s=within_s)
         if not begun or source.received == begun:
             return None
-        return ((source.received_ns or 0) - begun_ns) / _NS / (source.received - begun)
+        return ((source.received_ns or 0) - begun_ns) / SECOND_NS / (source.received - begun)
 
     async def next_word(self, timeout_s: float) -> None:
         """Wait until the topic that shows rest says something, at most so long."""

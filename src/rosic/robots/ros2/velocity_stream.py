@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.deadman import Break, Cause, DeadMan
+from rosic.core.time_units import SECOND_NS
 from rosic.robots.ros2.errors import NotSent
 from rosic.robots.ros2.rebirths import Newcomers, born_anew
 from rosic.robots.ros2.way import MeasuredWay, told_m_s
@@ -13,8 +14,6 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.bindings.binding_call import BindingCall
     from rosic.robots.ros2.client.topics import Publisher
     from rosic.robots.ros2.messages.encode import Values
-
-_NS = 1_000_000_000
 
 
 class StreamPace(NamedTuple):
@@ -72,7 +71,7 @@ class VelocityStream:
         sent = False
         while True:
             now_ns = clock.monotonic_ns()
-            broken, past_s = self._look(dead_man, now_ns), (now_ns - self._begun_ns) / _NS
+            broken, past_s = self._look(dead_man, now_ns), (now_ns - self._begun_ns) / SECOND_NS
             if broken is not None or past_s >= self._pace.duration_s or not errand.allowed():
                 self._ended(broken, dead_man.last_ns)
                 return broken
@@ -136,5 +135,5 @@ class VelocityStream:
     def _ended(self, broken: Break | None, last_ns: int) -> None:
         unknown = {Cause.SILENT, Cause.UNMEASURED}
         silent_s = broken.seconds if broken is not None and broken.cause in unknown else 0.0
-        self.sent_s = (last_ns - self._begun_ns) / _NS
+        self.sent_s = (last_ns - self._begun_ns) / SECOND_NS
         self.seconds = max(0.0, self.sent_s - silent_s)

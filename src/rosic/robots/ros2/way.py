@@ -5,12 +5,13 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING, Final
 
+from rosic.core.time_units import SECOND_NS
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from rosic.robots.ros2.telemetry import MeasuredPose, Measurements
 
-_NS: Final = 1_000_000_000
 AT_MOST: Final = 2.0
 """So many times faster than it is told to be, and than it says that it is, nothing drives."""
 SLACK_S: Final = 0.1
@@ -58,12 +59,12 @@ class MeasuredWay:
         self.jumped = before is not None and self._jumps(past_m, before, now)
         self._metres = None if self.jumped else (self._metres or 0.0) + past_m
         if before is not None:
-            self._meant_m += now.speed_m_s * (now.at_ns - before.at_ns) / _NS
+            self._meant_m += now.speed_m_s * (now.at_ns - before.at_ns) / SECOND_NS
         self._at = now
 
     def _jumps(self, past_m: float, before: MeasuredPose, now: MeasuredPose) -> bool:
         speed_m_s = max(self._told_m_s, before.speed_m_s, now.speed_m_s)
-        past_s = (now.at_ns - before.at_ns) / _NS + SLACK_S
+        past_s = (now.at_ns - before.at_ns) / SECOND_NS + SLACK_S
         return now.births != before.births or past_m > AT_MOST * speed_m_s * past_s + SLACK_M
 
 

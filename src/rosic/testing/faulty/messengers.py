@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rosic.core.identity import Address
+from rosic.core.time_units import HOUR_S, MINUTE_NS
 from rosic.errors import MessageGone, MessengerFault
 from rosic.testing.messengers import MessengerConformance
 
@@ -126,7 +127,7 @@ class DatesTheFuture(Tampers):
 
     def tamper(self, inbound: Inbound) -> Inbound:
         """Date it after its arrival."""
-        return replace(inbound, sent_ns=inbound.received_ns + 60_000_000_000)
+        return replace(inbound, sent_ns=inbound.received_ns + MINUTE_NS)
 
 
 class ConfirmsAtOnce(FaultyMessenger):
@@ -174,7 +175,7 @@ class LeavesATask(FaultyMessenger):
 
     async def run(self, receive: Receive) -> None:
         """Start what nobody ends."""
-        self.forgotten = asyncio.create_task(asyncio.sleep(3600))
+        self.forgotten = asyncio.create_task(asyncio.sleep(HOUR_S))
         await self.honest.run(receive)
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import msgspec
 
+from rosic.core.time_units import DAY_S, HOUR_S
+
 
 class Limits(msgspec.Struct, frozen=True, kw_only=True):
     """Flood limits of https://core.telegram.org/bots/faq#my-bot-is-hitting-limits-how-do-i-avoid-this.
@@ -59,10 +61,10 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     bot_name: str = "Robot gateway"
     bot_username: str = "rosic_test_bot"
     privacy: bool = True
-    update_lifetime_s: float = 86_400.0
+    update_lifetime_s: float = float(DAY_S)
     press_lifetime_s: float = 150.0
     answer_window_s: float = 15.0
     conflict_pause_s: float = 3.0
-    link_lifetime_s: float = 3600.0
+    link_lifetime_s: float = float(HOUR_S)
     local_folder: str = ""
     idle_poll_s: float = 0.0

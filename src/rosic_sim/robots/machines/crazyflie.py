@@ -6,6 +6,7 @@ from math import hypot, isfinite, pi
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
+from rosic.core.time_units import HOUR_S
 from rosic.core.units import measured, number_in_units
 from rosic_sim.robots.machines.activity import ActivityFailed, ActivityState, CannotDo
 from rosic_sim.robots.machines.battery import Battery
@@ -72,7 +73,7 @@ class Peers:
 # Bitcraze "Datasheet Crazyflie 2.1": flight time with the stock battery 7 minutes.
 FLIGHT_LASTS_S = 420.0
 # Assumed: electronics on, motors off.
-IDLE_LASTS_S = 4 * 3600.0
+IDLE_LASTS_S = 4.0 * HOUR_S
 LOWEST_TAKEOFF = 0.20
 LOWEST_FLIGHT = 0.10
 # Assumed: the room.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
 from rosic.core.language.formatting import show_choice
+from rosic.core.time_units import HOUR_S
 from rosic.core.units import measured
 from rosic_sim.robots.machines.activity import ActivityState, CannotDo
 from rosic_sim.robots.machines.battery import Battery
@@ -48,7 +49,7 @@ ARM_POSES: Mapping[str, tuple[float, ...]] = MappingProxyType(
 ARM_SHARE = 0.5
 
 # 24 V, 5 Ah, about 90 minutes (KUKA youBot User Manual); the split over the loads is assumed.
-IDLE_LASTS_S = 4 * 3600.0
+IDLE_LASTS_S = 4.0 * HOUR_S
 MOVING_LASTS_S = 5400.0
 LOWEST_BATTERY = 0.05
 

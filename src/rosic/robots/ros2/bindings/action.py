@@ -9,6 +9,7 @@ from rosic.core.deadman import INTERRUPTED, Cause
 from rosic.core.i18n import joined, said
 from rosic.core.order import Ending, Outcome
 from rosic.core.synchronised_start import begins_ns
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import RobotUnreachable
 from rosic.robots.ros2.bindings.binding_call import DECLINED, BindingAnswer
 from rosic.robots.ros2.bindings.goal_fields import GoalFields
@@ -33,7 +34,6 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.goal_watch import Missed
 
 ACCEPT_WITHIN_S = 5.0
-_NS = 1_000_000_000
 
 
 class ActionSkill:
@@ -122,8 +122,8 @@ class ActionSkill:
         start_ns = begins_ns(errand.order, clock.monotonic_ns())
         if self._binding.start and start_ns is not None:
             at_ns = start_ns + ahead_ns(clock.wall_ns, clock.monotonic_ns)
-            values[f"{self._binding.start}.sec"] = at_ns // _NS
-            values[f"{self._binding.start}.nanosec"] = at_ns % _NS
+            values[f"{self._binding.start}.sec"] = at_ns // SECOND_NS
+            values[f"{self._binding.start}.nanosec"] = at_ns % SECOND_NS
         return values
 
     async def _end(

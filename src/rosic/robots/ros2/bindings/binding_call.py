@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from rosic.core.i18n import said
 from rosic.core.order import Stage, StageReport
 from rosic.core.synchronised_start import TOO_LATE_NS, begins_ns, misses_start
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.client.services import wait_until
 from rosic.robots.ros2.errors import BadName, NotSent
@@ -36,7 +37,6 @@ NOTE_BYTES = 240
 DECLINED = "robot-declined"
 _MOST_FACTS = 64
 JUST_AFTER_S = 0.001
-_NS = 1_000_000_000
 # What robots' own words are called: by most, by Nav2, by ros2_control.
 MESSAGES = ("message", "error_msg", "error_string")
 
@@ -139,7 +139,7 @@ class BindingCall:
         if start_ns is None:
             return self._patience_s
         return max(
-            0.0, min(self._patience_s, (start_ns + TOO_LATE_NS - now_ns) / _NS + JUST_AFTER_S)
+            0.0, min(self._patience_s, (start_ns + TOO_LATE_NS - now_ns) / SECOND_NS + JUST_AFTER_S)
         )
 
     def offline(self) -> RobotOffline:

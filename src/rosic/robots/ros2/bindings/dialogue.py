@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
 from rosic.core.order import Ending, Outcome
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import RosicError
 from rosic.robots.ros2.bindings.binding_call import DECLINED
 from rosic.robots.ros2.client.topics import TopicQos
@@ -32,7 +33,6 @@ NOT_REACHABLE = said("robot not reachable")
 ANSWER_WITHIN_S = 5.0
 LOOK_EVERY_S = 0.1
 DEPTH = 50
-_NS = 1_000_000_000
 
 
 class DialogueBinding:
@@ -101,7 +101,7 @@ class DialogueBinding:
     def age_s(self) -> float | None:
         """Return seconds since the robot last said something; None if it never did."""
         heard_ns = self.heard_ns
-        return None if heard_ns is None else (self._clock.monotonic_ns() - heard_ns) / _NS
+        return None if heard_ns is None else (self._clock.monotonic_ns() - heard_ns) / SECOND_NS
 
     async def carry(self, errand: BindingCall) -> Outcome:
         """Say a person's words to the robot."""
@@ -156,7 +156,7 @@ class DialogueBinding:
     async def _greet(self) -> None:
         """Send the greeting as soon as somebody is there, and wait for any answer, for a while."""
         self.answered = None
-        deadline_ns = self._clock.monotonic_ns() + int(ANSWER_WITHIN_S * _NS)
+        deadline_ns = self._clock.monotonic_ns() + int(ANSWER_WITHIN_S * SECOND_NS)
         greeted = False
         while self._unanswered() and self._clock.monotonic_ns() < deadline_ns:
             if not greeted and self._there():

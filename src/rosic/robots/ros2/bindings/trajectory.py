@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import said
 from rosic.core.order import Ending, Outcome
 from rosic.core.robot.joints import Joints, Move, OutOfReach, plan
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, RobotOffline
 from rosic.robots.ros2.bindings.binding_call import check_fields
 from rosic.robots.ros2.bindings.goal_fields import MadeGoal
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 OUT_OF_REACH = "out-of-bounds"
 # An arm may have been moved by hand since; a report that is older does not say where it is.
 FRESH_S = 1.0
-_NS = 1_000_000_000
 
 
 class TrajectoryGoal:
@@ -118,11 +118,14 @@ class TrajectoryGoal:
         raise BadValue("A speed is a share of the joints' own, above 0 and at most 1.")
 
     def _values(self, move: Move) -> dict[str, object]:
-        duration_ns = round(move.duration_s * _NS)
+        duration_ns = round(move.duration_s * SECOND_NS)
         point = {
             "positions": list(move.goal),
             "velocities": [0.0] * len(move.goal),
-            "time_from_start": {"sec": duration_ns // _NS, "nanosec": duration_ns % _NS},
+            "time_from_start": {
+                "sec": duration_ns // SECOND_NS,
+                "nanosec": duration_ns % SECOND_NS,
+            },
         }
         return {"trajectory.joint_names": list(self._names), "trajectory.points": [point]}
 

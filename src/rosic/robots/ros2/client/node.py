@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary, proxy
 
 from rosic.core.i18n import said
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, RosicError
 from rosic.robots.ros2.client.graph import GraphSnapshot, snapshot
 from rosic.robots.ros2.client.rclpy_import import find_interfaces
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 LOOK_EVERY_S = 1.0
-SAY_EVERY_NS = 20 * 10**9
+SAY_EVERY_NS = 20 * SECOND_NS
 
 
 class ChatInterfaceNode:
@@ -165,7 +166,6 @@ def station_of(clock: Clock) -> ChatInterfaceNode:
 TOPIC = "link"
 TYPE = "std_msgs/msg/Header"
 EVERY_S = 0.25
-_NS = 1_000_000_000
 
 
 class Heartbeat:
@@ -204,7 +204,7 @@ class Heartbeat:
         while True:
             if publisher.listeners:
                 now_ns = self._clock.wall_ns()
-                stamp = {"stamp.sec": now_ns // _NS, "stamp.nanosec": now_ns % _NS}
+                stamp = {"stamp.sec": now_ns // SECOND_NS, "stamp.nanosec": now_ns % SECOND_NS}
                 try:
                     publisher.publish({**stamp, "frame_id": sender})
                 except RosicError as fault:

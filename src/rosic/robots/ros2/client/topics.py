@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
 
+from rosic.core.time_units import SECOND_NS
 from rosic.robots.ros2.errors import BadValue, NotSent
 from rosic.robots.ros2.messages.encode import to_message, type_of
 from rosic.robots.ros2.rebirths import ends_of
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.senders import About
 
 HEADER = "std_msgs/Header"
-_NS = 1_000_000_000
 
 ON_ITS_WAY_S = 0.25
 """A message is kept by its publisher until every subscriber has it. Acknowledgements would tell,
@@ -228,7 +228,7 @@ class LatestMessage(Subscription):
     def age_s(self) -> float | None:
         """Seconds since the newest message came here; None when none ever has."""
         newest = self._newest
-        return None if newest is None else (self._runtime.now_ns() - newest.received_ns) / _NS
+        return None if newest is None else (self._runtime.now_ns() - newest.received_ns) / SECOND_NS
 
     @property
     def received_ns(self) -> int | None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from rosic.core.time_units import HOUR_S
 from rosic.testing.telegram import entities, keyboards, markup, objects
 from rosic.testing.telegram.methods.call import (
     ADMINS,
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 MAX_TEXT = 4096
 MAX_CAPTION = 1024
-DELETABLE_S = 48 * 3600
+DELETABLE_S = 48 * HOUR_S
 CREATIONS = frozenset(
     {
         "group_chat_created",
