@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.app.people import person_of
 from rosic.app.policy import key_of
-from rosic.authoriser.abuse import AbuseDetector, AbuseLimits
+from rosic.authoriser.abuse import COUNTED_AS, RULE, SUSPICIOUS, AbuseDetector, AbuseLimits
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.counters import Counters
 from rosic.authoriser.directory import Directory
@@ -18,9 +19,11 @@ from rosic.authoriser.locks import Locks
 from rosic.authoriser.security_report import SecurityReports
 from rosic.authoriser.two_factor import TwoFactor
 from rosic.core.deferred import Deferred
+from rosic.core.policy.scope import FLEET
 from rosic.core.records import Enrolled, KeyIssued, KeyRevoked
+from rosic.core.robot.skill import SkillClass
 from rosic.core.slot import SERIES, SLOT
-from rosic.errors import Refusal
+from rosic.errors import NotPermitted, Refusal, TooManyRequests
 from rosic.features.dashboard.dashboard import KIND as CARD
 from rosic.gateway.transactions import Transactions
 from rosic.organiser.access_requests import PETITION, AccessRequests
@@ -33,13 +36,16 @@ from rosic.organiser.wait_queue import WAITING, WaitingList
 
 if TYPE_CHECKING:
     from rosic.app.policy import PolicyService
+    from rosic.authoriser.abuse import Invalidate
     from rosic.authoriser.invitations import InvitedRights
     from rosic.authoriser.monotonic_clock import MonotonicWallClock
     from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.store import Store
-    from rosic.core.identity import PrincipalId
+    from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.message import Chat
     from rosic.core.records import Fact, Memory
     from rosic.core.stop_registry import StopRegistry
+    from rosic.gateway.delivery.notifier import Notifier
     from rosic.organiser.calendar import Calendar
     from rosic.organiser.organiser import Organiser
 
@@ -158,7 +164,7 @@ class AccessFeature:
         if not behind:
             board.not_later(self.time.wall_ns())
         self._authority.moved()
-        self._authority.when_changed()
+        self._authority.when_changed.emit()
 
     def _paused(self, organiser: Organiser, ns: int) -> None:
         organiser.leases.age(ns)
@@ -178,7 +184,7 @@ class AccessFeature:
         key = self._authoriser.directory.key(fact.key)
         if key is not None:
             self._authoriser.forget(key.principal)
-        self._authority.when_changed()
+        self._authority.when_changed.emit()
 
     def _enrolled(self, record: Enrolled) -> None:
         self._authoriser.directory.enrol(person_of(record))
@@ -189,7 +195,7 @@ class AccessFeature:
         self.keys.apply(record)
         self._authoriser.directory.add_key(record.key)
         self._authoriser.forget(record.key.principal)
-        self._authority.when_changed()
+        self._authority.when_changed.emit()
 
     def _revoked(self, record: KeyRevoked) -> None:
         self.keys.apply(record)
@@ -222,3 +228,48 @@ class AccessFeature:
             if ADMIN in person.roles and directory.has_good_key(person.id) and not locked(person.id)
         ]
         return admins == [principal]
+
+
+# ---- misuse: what refusals and second factors that were used come to ----
+
+
+def admins_of(organiser: Organiser) -> tuple[PrincipalId, ...]:
+    """Return who looks after people."""
+    return organiser.rights.givers(FLEET, organiser.wall_ns())
+
+
+class MisuseFollower:
+    """Lets the rules about misuse hear of what people try, and does what they ask for."""
+
+    def __init__(self, access: AccessFeature, organiser: Organiser, reach: Notifier) -> None:
+        self._stepup, self._tally, self._misuse = access.stepup, access.tally, access.misuse
+        self._changes, self._keys = access.changes, access.keys
+        self._organiser, self._reach = organiser, reach
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def proof_used(self, principal: PrincipalId, chat: Chat) -> None:
+        """Begin the idle hour of a second factor anew; what has let pass has let pass."""
+        with suppress(NotPermitted):  # the hour may have ended since it was asked
+            self._stepup.use(principal, chat)
+
+    def refused(self, caller: Caller, refusal: Refusal) -> None:
+        """Let the rules about misuse hear of refusals; what is only late is none."""
+        if refusal.code not in SUSPICIOUS:
+            return
+        if not refusal.counted:
+            self._tally.count(COUNTED_AS.get(refusal.code, refusal.code))
+        if isinstance(refusal, TooManyRequests) and not refusal.own:
+            return
+        said = self._misuse.attempted(caller.principal, SkillClass.MOTION, refusal.code)
+        if said is not None:
+            task = asyncio.create_task(self._invalidate(caller, said))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+
+    async def _invalidate(self, caller: Caller, said: Invalidate) -> None:
+        """End a key by rule: at once, written as soon as it can be, and both sides are told."""
+        if not said.spare:
+            async with self._changes.turn() as turn:
+                await turn.act(self._keys.revoke(caller.key, RULE).records)
+            self._reach.tell((caller.principal,), said.to_person)
+        self._reach.tell(admins_of(self._organiser), said.to_admins, urgent=True)

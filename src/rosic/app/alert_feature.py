@@ -184,7 +184,7 @@ def furnish_seeing(
         clock=clock,
     )
     employ_clerks(pipeline.reception.office, seeing)
-    pipeline.reception.sights = lambda robot: sights(seeing, robot)
+    pipeline.reception.sights.bind(partial(sights, seeing))
     for profile in profiles.values():
         enlist_seen(seeing, pipeline, profile)
     return seeing

@@ -150,7 +150,7 @@ class DataFeature:
             rooms.container.usual = self._usual
         furnishing.admitting.forget = erasing.stranger
         self.receiving = FileUpload(holdings, pipeline.answer, pipeline.plain)
-        pipeline.reception.enclosed = self.receiving.take
+        pipeline.reception.enclosed.bind(self.receiving.take)
         self._aside = BackgroundTransfer(pipeline.answer, pipeline.plain, self._clock)
         handing = handing_of(rooms, holdings, pipeline, self._aside, self._folders)
         filing.take_time(self._aside, pipeline.plain)

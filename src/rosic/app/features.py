@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import asyncio
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from rosic.app.access import admins_of
 from rosic.app.alert_feature import AlertFeature
 from rosic.app.fleet_feature import BenchmarkContext as Askers
 from rosic.app.fleet_feature import FleetFeature, furnish_benchmarks, show_benchmarks
-from rosic.authoriser.abuse import COUNTED_AS, RULE, SUSPICIOUS
 from rosic.authoriser.invite_codes import telegram_link
 from rosic.core.i18n import joined
 from rosic.core.language import clean_name
 from rosic.core.message import Outbound
 from rosic.core.policy.scope import FLEET
-from rosic.core.robot.skill import SkillClass
-from rosic.errors import NotPermitted, TooManyRequests
 from rosic.features.access.access_request import AccessRequestCommands
 from rosic.features.access.access_request_parser import RequestPlaces
 from rosic.features.access.admin_policy import AdminPolicy
@@ -42,11 +38,8 @@ from rosic.features.dashboard.dashboard import RobotSnapshots
 from rosic.features.dashboard.dashboards import Dashboards
 from rosic.features.dashboard.rendering import DashboardQueries as CardSides
 from rosic.features.fleet.by_rule import RuleTasks
-from rosic.gateway.confirmation import Confirmation
-from rosic.gateway.delivery.notifier import Notifier
 from rosic.gateway.delivery.redaction import SecretRedaction
 from rosic.gateway.delivery.sender import OutgoingMessage
-from rosic.gateway.go_to_location import GoToLocation
 from rosic.gateway.handover import LeaseHandover
 from rosic.organiser.calendar_messages import moment
 
@@ -56,18 +49,16 @@ if TYPE_CHECKING:
     from rosic.app.access import AccessFeature
     from rosic.app.policy import PolicyEnforcer, PolicyService
     from rosic.app.settings import GatewaySettings
-    from rosic.authoriser.abuse import Invalidate
     from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.messenger import Messenger
-    from rosic.core.identity import Caller, PrincipalId
-    from rosic.core.message import Chat
+    from rosic.core.identity import PrincipalId
     from rosic.core.order_status import Face
     from rosic.core.records import Memory
     from rosic.core.robot.profile import RobotId
     from rosic.core.secret import Secret
-    from rosic.errors import Refusal
     from rosic.gateway import Pipeline
     from rosic.gateway.components import Components
+    from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.delivery.sender import ChatSender
     from rosic.gateway.stop import StopLane
 
@@ -105,12 +96,10 @@ class FeatureSetup:
         self._stop_lane = stop_lane
         self._teller = teller
         self._enforcer = enforcer
-        self._tasks: set[asyncio.Task[None]] = set()
 
     def furnish(
         self,
-        authority: PolicyService,
-        messengers: Sequence[Messenger],
+        reach: Notifier,
         clock: Clock,
         entropy: Entropy,
         zone: str,
@@ -118,36 +107,21 @@ class FeatureSetup:
         """Put everything in its place.
 
         Args:
-            authority: Keeps the rights in force.
-            messengers: Through which people are reached.
+            reach: Speaks to people who have not just asked.
             clock: Of the gateway.
             entropy: Of the gateway.
             zone: Of the place, in which times are said to whoever has set no other.
         """
         rooms, reception = self._rooms, self._pipeline.reception
-        self.reach = Notifier(rooms.authoriser, self._teller, messengers)
+        self.reach, messengers = reach, reach.messengers
         self.handover = LeaseHandover(
             rooms, self._pipeline.lives, self._stop_lane, self.reach, clock
         )
-        self.consent = Confirmation(
-            rooms.organiser,
-            self.reach,
-            self._pipeline.agreements,
-            clock,
-            entropy,
-            self._access.stepup.is_set_up,
-        )
+        self.consent = self._pipeline.consent
         self._say_times_in(zone)
-        reception.consent = self.consent
         self._pipeline.cancels.also(self.consent.withdraw)
-        going = GoToLocation(rooms, self._teller.subjects)
-        answer = self._pipeline.answer
-        reception.placed = lambda m, sent, who: answer(m, sent, who, going.ask(m, sent, who))
-        reception.stepped_up = self._access.stepup.fresh
-        reception.proof_used = self._proof_used
-        reception.refused = self._refused
         self._furnish_times(clock)
-        self._furnish_people(authority, messengers, clock, entropy)
+        self._furnish_people(self._enforcer.policy, messengers, clock, entropy)
         self._furnish_cards(messengers, clock)
         reception.office.employ("take", self.handover.take)
         reception.office.employ("end", self.handover.give_back)
@@ -254,10 +228,9 @@ class FeatureSetup:
             self.rolemaking,
         )
         hire(self._pipeline.reception.office, clerks, self.consent)
-        self._pipeline.reception.newcomer = joining.take
-        self._pipeline.reception.outdated = ApprovalReminders(
-            self.reach, self.admitting, self.petitioning
-        ).remind
+        self._pipeline.reception.newcomer.bind(joining.take)
+        reminding = ApprovalReminders(self.reach, self.admitting, self.petitioning)
+        self._pipeline.reception.outdated.connect(reminding.remind)
 
     def _mind_secrets(self, clock: Clock, entropy: Entropy) -> None:
         """Have what holds a secret taken out of chats once it is worth nothing."""
@@ -377,39 +350,9 @@ class FeatureSetup:
             return frozenset()
         return organiser.visible(principal)
 
-    # ---- misuse ----
-
-    def _proof_used(self, principal: PrincipalId, chat: Chat) -> None:
-        """Begin the idle hour of a second factor anew; what has let pass has let pass."""
-        with suppress(NotPermitted):  # the hour may have ended since it was asked
-            self._access.stepup.use(principal, chat)
-
-    def _refused(self, caller: Caller, refusal: Refusal) -> None:
-        """Let the rules about misuse hear of refusals; what is only late is none."""
-        if refusal.code not in SUSPICIOUS:
-            return
-        if not refusal.counted:
-            self._access.tally.count(COUNTED_AS.get(refusal.code, refusal.code))
-        if isinstance(refusal, TooManyRequests) and not refusal.own:
-            return
-        said = self._access.misuse.attempted(caller.principal, SkillClass.MOTION, refusal.code)
-        if said is not None:
-            task = asyncio.create_task(self._invalidate(caller, said))
-            self._tasks.add(task)
-            task.add_done_callback(self._tasks.discard)
-
-    async def _invalidate(self, caller: Caller, said: Invalidate) -> None:
-        """End a key by rule: at once, written as soon as it can be, and both sides are told."""
-        if not said.spare:
-            async with self._access.changes.turn() as turn:
-                await turn.act(self._access.keys.revoke(caller.key, RULE).records)
-            self.reach.tell((caller.principal,), said.to_person)
-        self.reach.tell(self.admins(), said.to_admins, urgent=True)
-
     def admins(self) -> tuple[PrincipalId, ...]:
         """Return who looks after people here."""
-        organiser = self._rooms.organiser
-        return organiser.rights.givers(FLEET, organiser.wall_ns())
+        return admins_of(self._rooms.organiser)
 
 
 def _link(messenger: Messenger, code: Secret) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.app.access import AccessFeature, authoriser_of
+from rosic.app.access import AccessFeature, MisuseFollower, authoriser_of
 from rosic.app.added_robots import KIND as ENLISTED
 from rosic.app.added_robots import newcomers_of, with_enlisted
 from rosic.app.alert_feature import furnish_seeing
@@ -38,9 +38,12 @@ from rosic.features.dashboard.camera_preview import DashboardCamera
 from rosic.features.personal_data.context import ContainerStore
 from rosic.gateway import Pipeline
 from rosic.gateway.components import Components
+from rosic.gateway.confirmation import Confirmation
+from rosic.gateway.delivery.notifier import Notifier
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 from rosic.gateway.delivery.translation import ChatLanguages
 from rosic.gateway.order_execution import inert_words
+from rosic.gateway.reception import PipelineHooks
 from rosic.gateway.recovery import Recovery
 from rosic.gateway.resume import ResumeHandler
 from rosic.gateway.stop import StopLane
@@ -57,6 +60,7 @@ if TYPE_CHECKING:
     from rosic.core.records import Memory
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.features.media.context import MediaContext
+    from rosic.gateway.confirmation import Resolver
 
 __all__ = ["Gateway", "GatewayParts", "GatewaySettings"]
 
@@ -198,12 +202,12 @@ class Gateway:
             self.rooms, self.access, self.enforcer, parts.clock, languages, self._own
         )
         self._messengers = self.holding.record(parts.messengers, parts.store)
-        self.pipeline = Pipeline(self.rooms, self.stop_lane, self._teller, parts.clock, parts.face)
+        reach = Notifier(authoriser, self._teller, self._messengers)
+        self.pipeline = self._pipeline(self._teller, reach)
         self.furnishing = FeatureSetup(
             self.rooms, self.pipeline, self.access, self.stop_lane, self._teller, self.enforcer
         )
-        zone = self._settings.zone
-        self.furnishing.furnish(authority, self._messengers, time, parts.entropy, zone)
+        self.furnishing.furnish(reach, time, parts.entropy, self._settings.zone)
         self.seeing = furnish_seeing(
             self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
         )
@@ -222,6 +226,23 @@ class Gateway:
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
             newcomers_of(self)
+
+    def _pipeline(self, teller: ChatSender, reach: Notifier) -> Pipeline:
+        """Make the way of an order, with everything that decides beside it."""
+        parts, access, organiser = self._parts, self.access, self.rooms.organiser
+        misuse = MisuseFollower(access, organiser, reach)
+
+        def consent_of(resolver: Resolver) -> Confirmation:
+            is_set_up = access.stepup.is_set_up
+            return Confirmation(organiser, reach, resolver, access.time, parts.entropy, is_set_up)
+
+        reception = PipelineHooks(
+            consent_of=consent_of,
+            stepped_up=access.stepup.fresh,
+            proof_used=misuse.proof_used,
+            refused=misuse.refused,
+        )
+        return Pipeline(self.rooms, self.stop_lane, teller, parts.clock, parts.face, reception)
 
     async def _authority(self, authoriser: Authoriser, memory: Memory) -> PolicyService:
         """Make everybody known, of the record and of the configuration; return their rights."""

@@ -54,7 +54,7 @@ class Maintenance:
         self._clock = clock
         self._behind = False
         self._woken = asyncio.Event()
-        enforcer.policy.when_changed = self._woken.set
+        enforcer.policy.when_changed.connect(self._woken.set)
 
     async def run(self) -> None:
         """Mind until cancelled. What fails is logged and tried again."""

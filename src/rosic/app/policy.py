@@ -10,11 +10,12 @@ from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.permissions import Permissions, PolicyInForce
 from rosic.core.policy.query import PolicyKey
 from rosic.core.policy.scope import Scope
+from rosic.core.signal import Signal
 from rosic.organiser.grants import GRANT, Grants
 from rosic.organiser.roles import ROLE, CustomRoles
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from rosic.authoriser.authoriser import Authoriser
     from rosic.contracts.clock import Clock
@@ -49,7 +50,7 @@ class PolicyService:
         roster: Everybody's roles and grants.
         rolebook: What the roles are.
         in_force: What whoever decides by the rights holds.
-        when_changed: Called when what ends by the clock has changed: grants, keys, the clock.
+        when_changed: Tells when what ends by the clock has changed: grants, keys, the clock.
 
     Args:
         own_limits: Returns what somebody has set for themselves, as the texts of limits.
@@ -64,7 +65,7 @@ class PolicyService:
         own_limits: OwnLimits,
     ) -> None:
         self.roster = Grants(clock, own_limits)
-        self.when_changed: Callable[[], object] = _nothing
+        self.when_changed: Signal[[]] = Signal()
         self.rolebook = CustomRoles(rulebook)
         self._fleet = fleet_of(profiles)
         self._convert = unit_converter(units)
@@ -99,7 +100,7 @@ class PolicyService:
         principal = self.roster.apply(fact)
         if principal is not None:
             self.renew(principal)
-        self.when_changed()
+        self.when_changed.emit()
 
     def ruled(self, fact: Fact) -> None:
         """A role was made, replaced or taken back: every table is drawn up anew."""
@@ -192,10 +193,6 @@ class PolicyEnforcer:
         for robot in ended:
             organiser.release(robot)
         return tuple(ended)
-
-
-def _nothing() -> None:
-    return None
 
 
 def key_of(authoriser: Authoriser, key_id: KeyId) -> PolicyKey | None:

@@ -40,6 +40,7 @@ from rosic.gateway.button_expiry import ButtonExpiry
 from rosic.gateway.cancel import CancelLane
 from rosic.gateway.command_builder import CommandBuilder
 from rosic.gateway.end_buttons import EndButtons
+from rosic.gateway.go_to_location import GoToLocation
 from rosic.gateway.limit_clamping import LimitClamping
 from rosic.gateway.message_context import MessageContext
 from rosic.gateway.office import CommandContext
@@ -146,6 +147,7 @@ class Pipeline:
         lives: The orders under way.
         audience: Who hears what robots say of their own accord.
         reception: Who receives what is no order.
+        consent: Asks for confirmations.
         resuming: Undoes stops.
         cancels: Ends what people have under way themselves.
         arrears: Answers to what was sent while nobody listened.
@@ -155,7 +157,13 @@ class Pipeline:
     """
 
     def __init__(
-        self, rooms: Components, stop_lane: StopLane, teller: ChatSender, clock: Clock, face: Face
+        self,
+        rooms: Components,
+        stop_lane: StopLane,
+        teller: ChatSender,
+        clock: Clock,
+        face: Face,
+        reception: PipelineHooks,
     ) -> None:
         organiser, container, linker = rooms.organiser, rooms.container, rooms.linker
         self._rooms = rooms
@@ -184,13 +192,13 @@ class Pipeline:
         self.arrears = self._replies.arrears
         self.lives = OrderExecutor(organiser, container, linker, teller, clock)
         self.audience, self._busy = RobotFollowers(organiser), BusyRobots(rooms, self.lives)
-        self.reception = PipelineHooks()
+        self.reception, self.consent = reception, reception.consent_of(self.agreements)
+        self._going = GoToLocation(rooms, teller.subjects)
         self.ends = EndButtons(rooms, self.agreements, self.reception)
         self.cancels = CancelLane(
             rooms, self.lives, stop_lane, self._replies, self.reception.office, clock
         )
-        self._stop_lane = stop_lane
-        self._urgent = UrgentLane(stop_lane, self.cancels, self.lives)
+        self._stop_lane, self._urgent = stop_lane, UrgentLane(stop_lane, self.cancels, self.lives)
         self._desk = BuiltinCommands(rooms, self._choosing, self.reception, resuming)
 
     async def receive(self, messenger: Messenger, inbound: Inbound) -> None:
@@ -231,7 +239,7 @@ class Pipeline:
             said = MessageContext(messenger, inbound, caller, arrived_ns, self.reception.stepped_up)
             self._rooms.organiser.check_unlocked(caller)
             if inbound.brings:
-                self.reception.take_in(said, self._rooms.organiser.charge)
+                self._take_in(said)
             typed = inbound.nonce is None
             await (self._lines(said, inbound.text) if typed else self._tapped(said))
         except Unrecognised as stranger:
@@ -242,6 +250,23 @@ class Pipeline:
         except Exception:
             log.exception("a message could not be handled")
             self._replies.say(messenger, inbound, FAULT)
+
+    def _take_in(self, said: MessageContext) -> None:
+        """Take in what came that is no words: a file or a place.
+
+        Only in private: in a group, nobody meant it for ROSIC.
+
+        Raises:
+            Refusal: It is not taken; what was written beneath is not followed either.
+        """
+        messenger, inbound, caller = said.messenger, said.inbound, said.caller
+        if inbound.chat.kind is not ChatKind.PRIVATE:
+            return
+        self._rooms.organiser.charge(caller)
+        if inbound.enclosed is not None:
+            self.reception.enclosed(messenger, inbound, caller)
+        if inbound.place is not None:
+            self.answer(messenger, inbound, caller, self._going.ask(messenger, inbound, caller))
 
     async def _stranger(self, messenger: Messenger, inbound: Inbound, who: Unrecognised) -> None:
         """Answer somebody unknown: whoever brings a good code is let in."""
@@ -265,7 +290,7 @@ class Pipeline:
         else:
             if command.startswith(CONFIRMED):
                 said.confirmed = True
-                command, said.second = self.reception.redeem(command[1:], caller, said.act)
+                command, said.second = self.consent.redeem(command[1:], caller, said.act)
             elif command.startswith(BEHIND):
                 visible = self._rooms.organiser.visible(caller.principal)
                 lines = self._reader.lines(command[1:], "", visible)
@@ -276,7 +301,7 @@ class Pipeline:
         """Show again what still waits for an answer, if that may have been the question."""
         if isinstance(void.__cause__, Expired) and said.inbound.chat.kind is ChatKind.PRIVATE:
             self._rooms.organiser.charge(said.caller)
-            self.reception.outdated(said.caller.principal)
+            self.reception.outdated.emit(said.caller.principal)
 
     async def _lines(self, said: MessageContext, text: str) -> None:
         caller, inbound = said.caller, said.inbound
@@ -351,8 +376,6 @@ class Pipeline:
 
     async def _brought_a_code(self, messenger: Messenger, inbound: Inbound) -> bool:
         """Whether somebody brought an invitation, or showed one in a group; then it is answered."""
-        if self.reception.newcomer is None:
-            return False
         reply = await self.reception.newcomer(messenger, inbound, inbound.text)
         if reply is None:
             return False
@@ -361,11 +384,10 @@ class Pipeline:
 
     def _ask_for(self, said: MessageContext, line: Line, needed: FirstNeeded) -> None:
         """Say what has to come before something that is permitted."""
-        consent = self.reception.consent
-        if consent is None or not isinstance(line, Do):
+        if not isinstance(line, Do):
             self._replies.say(said.messenger, said.inbound, needed.sentence)
             return
-        reply = consent.ask(said.caller, line, needed)
+        reply = self.consent.ask(said.caller, line, needed)
         self._replies.offer(said.messenger, said.inbound, said.caller, reply.text, reply.buttons)
 
     def _repeated(self, cid: CommandId) -> bool:

@@ -1,6 +1,6 @@
 """Who receives what is no order: errands, newcomers, questions before something dangerous.
 
-Made empty; the composition root says who does what.
+What decides is there from the first moment; what only adds something is said later.
 """
 
 from __future__ import annotations
@@ -9,85 +9,65 @@ import re
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, TypeAlias
 
-from rosic.core.i18n import said
+from rosic.core.deferred import Deferred
 from rosic.core.identity import Caller, PrincipalId
-from rosic.core.message import Button, Chat, ChatKind
-from rosic.core.robot.profile import RobotId
-from rosic.errors import Expired, Refusal
+from rosic.core.message import Button, Chat
+from rosic.core.signal import Signal
+from rosic.errors import Refusal
 from rosic.gateway.office import CommandRegistry
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.message import Inbound
+    from rosic.core.robot.profile import RobotId
     from rosic.gateway.builtin_commands import Reply
-    from rosic.gateway.confirmation import Confirmation
-    from rosic.gateway.message_context import MessageContext
+    from rosic.gateway.confirmation import Confirmation, Resolver
 
 _dashed = re.compile("[-\u2013\u2014\u2212]").search  # phones turn a hyphen into a longer line
 
 SteppedUp: TypeAlias = Callable[[PrincipalId, Chat], bool]
 ProofUsed: TypeAlias = Callable[[PrincipalId, Chat], None]
-Newcomer: TypeAlias = "Callable[[Messenger, Inbound, str], Awaitable[Reply | None]]"
-Enclosed: TypeAlias = "Callable[[Messenger, Inbound, Caller], None]"
-Sights: TypeAlias = Callable[[RobotId], list[Button]]
 Refused: TypeAlias = Callable[[Caller, Refusal], None]
-Outdated: TypeAlias = Callable[[PrincipalId], None]
 
 
 class PipelineHooks:
     """The doors beside the way of an order.
 
+    Until `newcomer`, `enclosed` and `sights` are bound nobody is let in, nothing is taken and
+    nothing is shown.
+
     Attributes:
         office: Who does which errand.
-        consent: Asks for confirmations; None: nothing here wants any.
-        stepped_up: Whether somebody has shown a second factor lately, in a chat.
-        proof_used: Hears that this has let something dangerous pass.
         newcomer: Answers somebody unknown who may have brought a code; None: it was no code.
-        refused: Hears of every refusal, for rules about misuse.
-        enclosed: Takes in files that people send; None: none are taken.
-        placed: Asks about places that people send; None: they mean nothing.
+        enclosed: Takes in files that people send.
         outdated: Hears, in private, of a tap on a button that is no good any more.
         sights: Buttons for what can be seen of a robot, for its menu.
+
+    Args:
+        consent_of: Returns what asks for confirmations, made with what says what words come to.
+        stepped_up: Whether somebody has shown a second factor lately, in a chat.
+        proof_used: Has what this has let pass count for its idle time.
+        refused: Follows the rules about misuse; told of every refusal.
     """
 
-    def __init__(self) -> None:
+    def __init__(
+        self,
+        *,
+        consent_of: Callable[[Resolver], Confirmation],
+        stepped_up: SteppedUp,
+        proof_used: ProofUsed,
+        refused: Refused,
+    ) -> None:
         self.office = CommandRegistry()
-        self.consent: Confirmation | None = None
-        self.stepped_up: SteppedUp = _never
-        self.proof_used: ProofUsed = _unused
-        self.newcomer: Newcomer | None = None
-        self.refused: Refused = _ignore
-        self.enclosed: Enclosed | None = None
-        self.placed: Enclosed | None = None
-        self.outdated: Outdated = _nothing
-        self.sights: Sights = _unseen
-
-    def take_in(self, said: MessageContext, charge: Callable[[Caller], object]) -> None:
-        """Take in what came that is no words: a file or a place.
-
-        Only in private: in a group, nobody meant it for ROSIC.
-
-        Raises:
-            Refusal: It is not taken; what was written beneath is not followed either.
-        """
-        inbound = said.inbound
-        if inbound.chat.kind is not ChatKind.PRIVATE:
-            return
-        charge(said.caller)
-        if inbound.enclosed is not None and self.enclosed is not None:
-            self.enclosed(said.messenger, inbound, said.caller)
-        if inbound.place is not None and self.placed is not None:
-            self.placed(said.messenger, inbound, said.caller)
-
-    def redeem(self, command: str, caller: Caller, act: bytes) -> tuple[str, PrincipalId | None]:
-        """Return what a button that confirms says, and who has agreed to it.
-
-        Raises:
-            Expired: It was agreed to too long ago, or nobody was ever asked to agree.
-        """
-        if self.consent is None:
-            raise Expired(said("That question is settled already. Nothing was done."))
-        return self.consent.redeem(command, caller, act)
+        self.consent_of = consent_of
+        self.stepped_up = stepped_up
+        self.proof_used = proof_used
+        self.refused = refused
+        self.newcomer: Deferred[[Messenger, Inbound, str], Awaitable[Reply | None]]
+        self.newcomer = Deferred(_no_code)
+        self.enclosed: Deferred[[Messenger, Inbound, Caller], None] = Deferred(_left)
+        self.sights: Deferred[[RobotId], list[Button]] = Deferred(_unseen)
+        self.outdated: Signal[[PrincipalId]] = Signal()
 
 
 def may_bring_a_code(inbound: Inbound) -> bool:
@@ -102,21 +82,14 @@ def may_bring_a_code(inbound: Inbound) -> bool:
     return _dashed(text) is not None or text.startswith("/start ")
 
 
-def _never(_principal: PrincipalId, _chat: Chat) -> bool:
-    return False
-
-
-def _unused(_principal: PrincipalId, _chat: Chat) -> None:
+async def _no_code(_messenger: Messenger, _inbound: Inbound, _text: str) -> Reply | None:
+    """Let nobody in: what codes are good is not known yet."""
     return None
 
 
-def _nothing(_principal: PrincipalId) -> None:
-    return None
+def _left(_messenger: Messenger, _inbound: Inbound, _caller: Caller) -> None:
+    """Take no file: there is nowhere to keep it."""
 
 
 def _unseen(_robot: RobotId) -> list[Button]:
     return []
-
-
-def _ignore(_caller: Caller, _refusal: Refusal) -> None:
-    return None

@@ -13,6 +13,7 @@ from rosic.container.archive import NOBODY, Archive, Author
 from rosic.container.files import FileStore
 from rosic.container.preferences import Caps, PreferenceBook
 from rosic.container.shared_data import SharedData
+from rosic.core.deferred import Deferred
 from rosic.core.identity import Address, Caller, Principal
 from rosic.core.language import CommandLine, skills_of
 from rosic.core.message import Chat, ChatKind, Inbound
@@ -140,7 +141,7 @@ class Ward(Place):
         self.erasing = ErasureCommands(self.holdings, self.sides())
         filing = employ_clerks(gateway.pipeline.reception.office, self.holdings, self.erasing)
         self.receiving = FileUpload(self.holdings, gateway.pipeline.answer, gateway.pipeline.plain)
-        gateway.pipeline.reception.enclosed = self.receiving.take
+        gateway.pipeline.reception.enclosed = Deferred(self.receiving.take)
         self.aside = BackgroundTransfer(gateway.pipeline.answer, gateway.pipeline.plain, clock)
         filing.take_time(self.aside, gateway.pipeline.plain)
         handing = handing_of(rooms, self.holdings, gateway.pipeline, self.aside, folders_of(rooms))
