@@ -1,10 +1,9 @@
-"""Days and wall clocks as numbers: the Gregorian calendar without zones, without a clock.
-
-The arithmetic is that of Howard Hinnant's "chrono-compatible low-level date algorithms": exact,
-and without a loop.
-"""
+"""Days and wall clocks: the Gregorian calendar without zones. Nothing here asks what time it is."""
 
 from __future__ import annotations
+
+from calendar import monthrange
+from datetime import date
 
 import msgspec
 
@@ -38,56 +37,43 @@ MONTHS = (
     said("Dec"),
 )
 
-_LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
-_THURSDAY = 3  # 1 January 1970
-_FEBRUARY = 2
-
-
-def is_leap(year: int) -> bool:
-    """Whether February has 29 days."""
-    return year % 4 == 0 and (year % 100 != 0 or year % 400 == 0)
+_EPOCH = date(1970, 1, 1).toordinal()
 
 
 def month_length(year: int, month: int) -> int:
     """Return how many days a month (1 to 12) has."""
-    return 29 if month == _FEBRUARY and is_leap(year) else _LENGTHS[month - 1]
+    return monthrange(year, month)[1]
 
 
 def is_date(year: int, month: int, day: int) -> bool:
     """Whether there is such a day, in the years that are kept here."""
-    return (
-        FIRST_YEAR <= year <= LAST_YEAR
-        and 1 <= month <= len(_LENGTHS)
-        and 1 <= day <= month_length(year, month)
-    )
+    try:
+        return FIRST_YEAR <= date(year, month, day).year <= LAST_YEAR
+    except (ValueError, OverflowError):
+        return False
 
 
 def day_number(year: int, month: int, day: int) -> int:
     """Return how many days after 1 January 1970 a date is."""
-    shifted = year - (month <= _FEBRUARY)
-    era, year_of_era = divmod(shifted, 400)
-    day_of_year = (153 * ((month + 9) % 12) + 2) // 5 + day - 1
-    return (
-        era * 146_097 + year_of_era * 365 + year_of_era // 4 - year_of_era // 100 + day_of_year
-    ) - 719_468
+    return date(year, month, day).toordinal() - _EPOCH
 
 
 def date_of(number: int) -> tuple[int, int, int]:
-    """Return year, month and day of a day number: the inverse of `day_number`."""
-    era, day_of_era = divmod(number + 719_468, 146_097)
-    year_of_era = (
-        day_of_era - day_of_era // 1460 + day_of_era // 36_524 - day_of_era // 146_096
-    ) // 365
-    day_of_year = day_of_era - (365 * year_of_era + year_of_era // 4 - year_of_era // 100)
-    shifted_month = (5 * day_of_year + 2) // 153
-    month = shifted_month + 3 if shifted_month < 10 else shifted_month - 9  # noqa: PLR2004
-    day = day_of_year - (153 * shifted_month + 2) // 5 + 1
-    return year_of_era + era * 400 + (month <= _FEBRUARY), month, day
+    """Return year, month and day of a day number: the inverse of `day_number`.
+
+    Raises:
+        ValueError: Further away than any calendar goes.
+    """
+    try:
+        found = date.fromordinal(number + _EPOCH)
+    except (ValueError, OverflowError):
+        raise ValueError("there is no such day") from None
+    return found.year, found.month, found.day
 
 
 def weekday_of(number: int) -> int:
     """Return the weekday of a day number, Monday being 0."""
-    return (number + _THURSDAY) % 7
+    return date.fromordinal(number + _EPOCH).weekday()
 
 
 class LocalTime(msgspec.Struct, frozen=True, gc=False, order=True):
