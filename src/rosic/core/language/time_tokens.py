@@ -434,3 +434,23 @@ class TimeTokens:
         if half == "pm" and not ends_in and start is not None and start < late <= MINUTES_A_DAY:
             self.end = late
         return True
+
+
+# ---- how long something is for, at the head of other words ----
+
+_NEXT_OPTION = frozenset({"for", "code"})
+"""What begins the next length of the same line."""
+
+
+def length_said(low: list[str]) -> tuple[float, int]:
+    """Return the length that the first words say, and how many words: as many as go."""
+    ends = next((at for at, word in enumerate(low) if word in _NEXT_OPTION), len(low))
+    for used in range(ends, 0, -1):
+        try:
+            said = TimeTokens(" ".join(low[:used]))
+        except Unclear:
+            continue
+        other = (said.start, said.end, said.day, said.date, said.delay_s, said.count, said.until)
+        if said.length_s is not None and not said.weekdays and all(o is None for o in other):
+            return said.length_s, used
+    return 0.0, 0

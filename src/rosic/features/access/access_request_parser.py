@@ -15,6 +15,7 @@ from rosic.core.language import Vocabulary, clean
 from rosic.core.language.keywords import ALIASES
 from rosic.core.language.sanitise import fold_word
 from rosic.core.language.suggestions import did_you_mean
+from rosic.core.language.time_tokens import length_said
 from rosic.core.messages import named_of, spoken
 from rosic.core.policy.limits import limit_in_words
 from rosic.core.policy.roles import chains
@@ -24,7 +25,6 @@ from rosic.core.role_names import role_shown
 from rosic.core.time_units import HOUR_S
 from rosic.errors import NotUnderstood
 from rosic.features.access import messages, request_messages
-from rosic.features.access.invite import length_said
 from rosic.gateway.office import CommandContext, check_length
 from rosic.organiser.access_requests import WantedRight
 from rosic.organiser.timezones import Zone

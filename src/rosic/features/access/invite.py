@@ -17,7 +17,7 @@ from rosic.core.language import clean, clean_name
 from rosic.core.language.option_words import decimals_typed, option_typed
 from rosic.core.language.sanitise import fold_word
 from rosic.core.language.suggestions import did_you_mean
-from rosic.core.language.time_tokens import TimeTokens, Unclear
+from rosic.core.language.time_tokens import length_said
 from rosic.core.message import Attachment
 from rosic.core.policy.roles import Grant
 from rosic.core.policy.scope import FLEET, READ
@@ -272,20 +272,6 @@ def _limits_a_scope(low: list[str], at: int) -> bool:
     """Whether a single right stands here only for what limits it: ``with omni:move speed <= 1``."""
     after_with = at > 0 and low[at - 1] == _WITH and bool(_SCOPE.match(low[at]))
     return after_with and at + 1 < len(low) and _begins_limit(low, at + 1)
-
-
-def length_said(low: list[str]) -> tuple[float, int]:
-    """Return the length that the first words say, and how many words: as many as go."""
-    ends = next((at for at, word in enumerate(low) if word in {_LASTS, _CODE}), len(low))
-    for used in range(ends, 0, -1):
-        try:
-            said = TimeTokens(" ".join(low[:used]))
-        except Unclear:
-            continue
-        other = (said.start, said.end, said.day, said.date, said.delay_s, said.count, said.until)
-        if said.length_s is not None and not said.weekdays and all(o is None for o in other):
-            return said.length_s, used
-    return 0.0, 0
 
 
 # ---- ``/invite operator kuka1 for 2h``: a link and a code, for one person, once ----

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from rosic.contracts.messenger import reactions_of
 from rosic.core.i18n import joined
 from rosic.core.language import clean
+from rosic.core.language.time_tokens import length_said
 from rosic.core.message import Button
 from rosic.core.messages import no_robot
 from rosic.core.records import Decided
 from rosic.core.time_units import DAY_S, HOUR_S
 from rosic.errors import MessengerFault, NotPermitted, NotUnderstood, OutOfBounds
-from rosic.features.access.invite import length_said
 from rosic.features.alerts import gathered_messages
 from rosic.features.alerts import messages as words
 from rosic.features.alerts.active_alerts import Silence

@@ -11,8 +11,8 @@ import msgspec
 from rosic.core.fleet.task import PRIORITIES, STEPS_AT_MOST, FleetMembership
 from rosic.core.language import bind, clean
 from rosic.core.language.time_parser import When, read_when
+from rosic.core.language.time_tokens import length_said
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
-from rosic.features.access.invite import length_said
 from rosic.features.fleet import messages as words
 from rosic.features.fleet.alternatives import TaskAlternatives, read_step
 from rosic.features.fleet.robot_messages import is_retired

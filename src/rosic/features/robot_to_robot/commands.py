@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import joined
 from rosic.core.language import clean, inert_text
 from rosic.core.language.option_words import option_typed
+from rosic.core.language.time_tokens import length_said
 from rosic.core.message import Button
 from rosic.core.messages import no_robot
 from rosic.core.time_units import DAY_S
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
-from rosic.features.access.invite import length_said
 from rosic.features.robot_to_robot import messages as words
 from rosic.features.robot_to_robot.subscriptions import Subscriber, SubscriberChat
 from rosic.gateway.builtin_commands import Reply
