@@ -31,7 +31,6 @@ from rosic.features.access.second_factor import AUTHENTICATOR, SecondFactorComma
 from rosic.features.alerts.actions import AlertActionServices
 from rosic.features.booking.commands import employ_clerks
 from rosic.features.booking.context import BookingContext, BookingQueries
-from rosic.features.booking.robot_argument import RobotArgument
 from rosic.features.booking.scheduler import BookingScheduler
 from rosic.features.dashboard.commands import DashboardCommands
 from rosic.features.dashboard.dashboard import RobotSnapshots
@@ -41,6 +40,7 @@ from rosic.features.fleet.by_rule import RuleTasks
 from rosic.gateway.delivery.redaction import SecretRedaction
 from rosic.gateway.delivery.sender import OutgoingMessage
 from rosic.gateway.handover import LeaseHandover
+from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_messages import moment
 
 if TYPE_CHECKING:

@@ -50,12 +50,12 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import Profile
     from rosic.features.alerts.actions import AlertActionServices
     from rosic.features.alerts.evaluator import AlertEvaluator
-    from rosic.features.booking.robot_argument import RobotArgument
     from rosic.features.dashboard.dashboard import RobotSnapshots
     from rosic.features.dashboard.dashboards import Dashboards
     from rosic.features.dashboard.rendering import DashboardQueries as CardSides
     from rosic.gateway import Pipeline
     from rosic.gateway.components import Components
+    from rosic.gateway.robot_argument import RobotArgument
     from rosic.gateway.transactions import Transactions
 
 

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from rosic.core.robot.benchmark import Deviation
     from rosic.core.robot.profile import RobotId
     from rosic.features.benchmarks.evaluation import BenchmarkEvaluation, BenchmarkVerdict
-    from rosic.features.booking.robot_argument import RobotArgument
     from rosic.gateway.components import Components
     from rosic.gateway.office import CommandContext
+    from rosic.gateway.robot_argument import RobotArgument
 
 
 # ---- what people read about benchmarks, and about how a robot is set ----

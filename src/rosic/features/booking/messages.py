@@ -157,31 +157,14 @@ def not_booked(shown: str) -> str:
 # ---- which robot ----
 
 
-def too_many_words(count: int, most: int) -> str:
-    """Return that more was said than is read."""
-    return said(
-        "That line has {low} words; I read at most {most}. Nothing was done.", low=count, most=most
-    )
-
-
 def nothing_so_called(name: str) -> str:
     """Return that what is to be cancelled is neither a robot nor a time."""
     return said("I know no robot and no time called {name}. Nothing has changed.", name=name)
 
 
-def which_robot() -> str:
-    """None was named."""
-    return said("Which robot?")
-
-
 def only_a_name() -> str:
     """More was said than the robot to wait for."""
     return said("Say only which robot you wait for; to have it at a time, book it.")
-
-
-def which_of(group: str) -> str:
-    """A group was named where one robot is meant."""
-    return said("{group} is several robots. Which one?", group=group)
 
 
 # ---- seeing ----

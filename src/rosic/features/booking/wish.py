@@ -16,8 +16,8 @@ from rosic.core.robot.profile import Slots
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 from rosic.features.booking import messages, scheduler_messages
-from rosic.features.booking.robot_argument import RobotArgument
 from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_conflicts import SlotTaken
 from rosic.organiser.planning.problem import PRIORITIES
 from rosic.organiser.planning.wish_file import length_of

@@ -10,12 +10,12 @@ from rosic.core.language.compiled import fold
 from rosic.core.message import Button
 from rosic.core.robot.view import Curve, PathView
 from rosic.errors import NothingToSee, NotUnderstood
-from rosic.features.booking.robot_argument import RobotArgument
 from rosic.features.media import messages as words
 from rosic.features.media.render_queue import RenderJob
 from rosic.features.media.snapshot import ANSWERED_LATER, LOW, PICTURE_COST
 from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.button_rows import rows
+from rosic.gateway.robot_argument import RobotArgument
 
 if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId

@@ -14,10 +14,10 @@ from rosic.core.language.compiled import fold
 from rosic.core.message import Button
 from rosic.core.robot.view import Clip, Encoded, Grid, Raster, Sight, View
 from rosic.errors import NothingToSee, NotUnderstood
-from rosic.features.booking.robot_argument import RobotArgument
 from rosic.features.media import messages as words
 from rosic.features.media.render_queue import RenderJob
 from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.robot_argument import RobotArgument
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable

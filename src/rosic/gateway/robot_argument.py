@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
-from rosic.core import messages as core_words
+from rosic.core.i18n import said
 from rosic.core.language.compiled import fold
 from rosic.core.language.keywords import FILLERS
 from rosic.core.language.syntax_errors import Misunderstanding
+from rosic.core.messages import NOTHING_VISIBLE
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
-from rosic.features.booking import messages as words
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -81,7 +81,7 @@ class RobotArgument:
         """
         visible = self._sides.visible(asked.caller.principal)
         if not visible:
-            raise NotPermitted(core_words.NOTHING_VISIBLE)
+            raise NotPermitted(NOTHING_VISIBLE)
         raw = _split(text)
         low = [fold(word) for word in raw]
         begin = next((i for i, word in enumerate(low) if word not in FILLERS), len(low))
@@ -90,7 +90,7 @@ class RobotArgument:
         if len(robots) == 1:
             return robots[0], rest
         if robots:
-            raise NotUnderstood(words.which_of(name), offers=_offers(verb, robots, rest))
+            raise NotUnderstood(which_of(name), offers=_offers(verb, robots, rest))
         if begin < len(low) and not nameless:
             heard = ([verb, *raw], [verb, *low])
             # What comes after the name is read by the verb.
@@ -167,7 +167,7 @@ class RobotArgument:
             return chosen
         if len(visible) == 1:
             return next(iter(visible))
-        raise NotUnderstood(words.which_robot(), offers=_offers(verb, tuple(sorted(visible)), text))
+        raise NotUnderstood(which_robot(), offers=_offers(verb, tuple(sorted(visible)), text))
 
 
 def _split(text: str) -> list[str]:
@@ -176,11 +176,31 @@ def _split(text: str) -> list[str]:
     Raises:
         OutOfBounds: They are too many.
     """
-    said = text.split()
-    if len(said) > MOST_WORDS:
-        raise OutOfBounds(words.too_many_words(len(said), MOST_WORDS))
-    return said
+    found = text.split()
+    if len(found) > MOST_WORDS:
+        raise OutOfBounds(too_many_words(len(found), MOST_WORDS))
+    return found
 
 
 def _offers(verb: str, robots: tuple[RobotId, ...], rest: str) -> tuple[str, ...]:
     return tuple(f"{verb} {robot} {rest}".strip() for robot in robots[:MOST_ROBOTS])
+
+
+# ---- the sentences ----
+
+
+def too_many_words(count: int, most: int) -> str:
+    """Return that more was said than is read."""
+    return said(
+        "That line has {low} words; I read at most {most}. Nothing was done.", low=count, most=most
+    )
+
+
+def which_robot() -> str:
+    """None was named."""
+    return said("Which robot?")
+
+
+def which_of(group: str) -> str:
+    """A group was named where one robot is meant."""
+    return said("{group} is several robots. Which one?", group=group)
