@@ -34,7 +34,7 @@ from rosic.container.messages import SETTINGS_DAMAGED
 from rosic.core.language import Vocabulary, inert_text
 from rosic.core.message import Outbound
 from rosic.errors import ConfigurationError
-from rosic.features.dashboard.camera_preview import DashboardCamera
+from rosic.features.media.snapshot import DashboardCamera
 from rosic.features.personal_data.context import ContainerStore
 from rosic.gateway import Pipeline
 from rosic.gateway.components import Components

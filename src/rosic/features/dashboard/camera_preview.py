@@ -15,21 +15,15 @@ import msgspec
 from rosic.contracts.messenger import pictures_of
 from rosic.core.message import Attachment, Button, ChatKind, Outbound
 from rosic.core.robot.profile import RobotId
-from rosic.core.robot.view import Sight
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import NothingToSee, Refusal
 from rosic.features.dashboard import messages as words
-from rosic.features.media.snapshot import SnapshotCommands
 
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.features.dashboard.dashboard import Dashboard
     from rosic.features.dashboard.dashboards import Dashboards
-    from rosic.features.media.context import MediaContext
     from rosic.gateway.office import CommandContext
-
-
-# ---- the last picture on a card: asked for by a tap, shown in place, as old as the card says ----
 
 Deliver: TypeAlias = Callable[[int, Outbound], Awaitable[None]]
 Issue: TypeAlias = "Callable[[Button, PrincipalId, str], Button]"
@@ -189,33 +183,3 @@ class CameraPreviews:
     def renewed_for_ns(self, card: Dashboard) -> int:
         """Return for how long a card's picture is renewed by itself."""
         return 0 if card.watched is None else max(0, card.watched.until_ns - self._now_ns())
-
-
-# ---- looking at a robot for a live card ----
-
-
-class DashboardCamera:
-    """What live cards look through."""
-
-    def __init__(self, seeing: MediaContext) -> None:
-        self._seeing = seeing
-        self._looking = SnapshotCommands(seeing)
-
-    def offers(self, robot: RobotId) -> bool:
-        """Whether anybody may look through its camera, and something can be drawn."""
-        return self._seeing.studio.works and self._seeing.profiles[robot].offers(Sight.PICTURE)
-
-    def look(
-        self,
-        asked: CommandContext,
-        robot: RobotId,
-        deliver: Callable[[int, Outbound], Awaitable[None]],
-        *,
-        unasked: bool = False,
-    ) -> None:
-        """Make a picture within the bounds of all pictures, and hand it over.
-
-        Raises:
-            Refusal: Not now; nothing was begun.
-        """
-        self._looking.picture_for(asked, robot, deliver, unasked=unasked)

@@ -220,3 +220,33 @@ def _coarser(verb: str, robot: RobotId, *, low: bool) -> tuple[Button, ...]:
 
 def _size(view: View) -> int:
     return len(view.content.data) if isinstance(view.content, (Encoded, Raster)) else 0
+
+
+# ---- looking at a robot for a live card ----
+
+
+class DashboardCamera:
+    """What live cards look through."""
+
+    def __init__(self, seeing: MediaContext) -> None:
+        self._seeing = seeing
+        self._looking = SnapshotCommands(seeing)
+
+    def offers(self, robot: RobotId) -> bool:
+        """Whether anybody may look through its camera, and something can be drawn."""
+        return self._seeing.studio.works and self._seeing.profiles[robot].offers(Sight.PICTURE)
+
+    def look(
+        self,
+        asked: CommandContext,
+        robot: RobotId,
+        deliver: Callable[[int, Outbound], Awaitable[None]],
+        *,
+        unasked: bool = False,
+    ) -> None:
+        """Make a picture within the bounds of all pictures, and hand it over.
+
+        Raises:
+            Refusal: Not now; nothing was begun.
+        """
+        self._looking.picture_for(asked, robot, deliver, unasked=unasked)
