@@ -20,8 +20,8 @@ from rosic.features.benchmarks.evaluation import (
     follow,
 )
 from rosic.features.dashboard.commands import DashboardCommands
+from rosic.features.dashboard.fleet_dashboard import FLEET_CARD, FleetCards
 from rosic.features.fleet.attempt import TaskAttempts, TaskRecall, attempt_id
-from rosic.features.fleet.cards import FLEET_CARD, FleetCards
 from rosic.features.fleet.dispatch_state import KIND as LETTER
 from rosic.features.fleet.dispatcher import TaskDispatcher
 from rosic.features.fleet.integration import TaskNotifications
