@@ -39,10 +39,10 @@ if TYPE_CHECKING:
     from rosic.core.records import Fact, Memory
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.core.robot.view import Drawing, Scene, Subject
-    from rosic.features.alerts.actions import AlertActionServices
     from rosic.gateway import Pipeline
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.sender import ChatSender
+    from rosic.gateway.order_services import OrderServices
 
 
 # ---- puts the rules about alarms in their place: read once, with who stands for each ----
@@ -60,7 +60,7 @@ class AlertFeature:
     """
 
     def __init__(
-        self, rooms: Components, access: AccessFeature, clock: Clock, hands: AlertActionServices
+        self, rooms: Components, access: AccessFeature, clock: Clock, hands: OrderServices
     ) -> None:
         self._rooms = rooms
         self._access = access

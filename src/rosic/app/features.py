@@ -28,7 +28,6 @@ from rosic.features.access.reminding import ApprovalReminders
 from rosic.features.access.revoke_lock import AccessNotices, RevokeLockCommands
 from rosic.features.access.roles import RoleCommands
 from rosic.features.access.second_factor import AUTHENTICATOR, SecondFactorCommands
-from rosic.features.alerts.actions import AlertActionServices
 from rosic.features.booking.commands import employ_clerks
 from rosic.features.booking.context import BookingContext, BookingQueries
 from rosic.features.booking.scheduler import BookingScheduler
@@ -40,6 +39,7 @@ from rosic.features.fleet.by_rule import RuleTasks
 from rosic.gateway.delivery.redaction import SecretRedaction
 from rosic.gateway.delivery.sender import OutgoingMessage
 from rosic.gateway.handover import LeaseHandover
+from rosic.gateway.order_services import OrderServices
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_messages import moment
 
@@ -131,7 +131,7 @@ class FeatureSetup:
     ) -> AlertFeature:
         """Return what follows the rules about alarms, as the record left them; tasks likewise."""
         lives, ends = self._pipeline.lives, self._pipeline.ends
-        hands = AlertActionServices(
+        hands = OrderServices(
             lives, self._stop_lane, self.handover, self._teller, self.reach, face, ends
         )
         alarms = AlertFeature(self._rooms, self._access, clock, hands)

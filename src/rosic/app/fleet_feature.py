@@ -48,13 +48,13 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Fact, Memory
     from rosic.core.robot.profile import Profile
-    from rosic.features.alerts.actions import AlertActionServices
     from rosic.features.alerts.evaluator import AlertEvaluator
     from rosic.features.dashboard.dashboard import RobotSnapshots
     from rosic.features.dashboard.dashboards import Dashboards
     from rosic.features.dashboard.rendering import DashboardQueries as CardSides
     from rosic.gateway import Pipeline
     from rosic.gateway.components import Components
+    from rosic.gateway.order_services import OrderServices
     from rosic.gateway.robot_argument import RobotArgument
     from rosic.gateway.transactions import Transactions
 
@@ -83,7 +83,7 @@ class FleetFeature:
     """
 
     def __init__(
-        self, rooms: Components, changes: Transactions, clock: Clock, hands: AlertActionServices
+        self, rooms: Components, changes: Transactions, clock: Clock, hands: OrderServices
     ) -> None:
         self._rooms = rooms
         self._changes = changes

@@ -6,7 +6,7 @@ for nobody and confirms nothing: what would want a person's tap is not done, and
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from rosic.container.records import ReplyTo
 from rosic.core.alerts.rule import PAUSE, REALLOCATE
@@ -17,9 +17,10 @@ from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotPermitted, RobotBusy, TakeOver, TooManyRequests
 from rosic.features.alerts import messages as words
 from rosic.features.alerts.active_alerts import AlertRun
+from rosic.gateway.order_services import AutomatedRequester, no_tasks
 from rosic.gateway.order_status import OrderMessage
 from rosic.organiser.calendar_messages import length
-from rosic.organiser.organiser import NOTHING, AuthContext
+from rosic.organiser.organiser import NOTHING
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -29,29 +30,11 @@ if TYPE_CHECKING:
     from rosic.core.identity import Caller, CommandId, PrincipalId
     from rosic.core.language import Do
     from rosic.core.order import Permit
-    from rosic.core.order_status import Face
     from rosic.core.robot.profile import RobotId
     from rosic.features.alerts.active_alerts import AlertLog
     from rosic.gateway.components import Components
-    from rosic.gateway.delivery.notifier import Notifier
-    from rosic.gateway.delivery.sender import ChatSender
-    from rosic.gateway.end_buttons import EndButtons
-    from rosic.gateway.handover import LeaseHandover
-    from rosic.gateway.order_execution import OrderExecutor
-    from rosic.gateway.stop import StopLane
+    from rosic.gateway.order_services import OrderServices
     from rosic.gateway.transactions import Transactions
-
-
-class AlertActionServices(NamedTuple):
-    """What an order of a rule goes through, besides the rooms, and how people hear of it."""
-
-    lives: OrderExecutor
-    stop_lane: StopLane
-    handover: LeaseHandover
-    teller: ChatSender
-    reach: Notifier
-    face: Face
-    ends: EndButtons
 
 
 class AlertTasks(Protocol):
@@ -74,21 +57,6 @@ class AlertTasks(Protocol):
         ...
 
 
-class RuleRequester:
-    """Who asks when a rule does: its author, who has shown and confirmed nothing.
-
-    Attributes:
-        caller: The author.
-    """
-
-    def __init__(self, caller: Caller) -> None:
-        self.caller = caller
-
-    def grounds(self) -> AuthContext:
-        """Return that nothing counts besides who it is."""
-        return NOTHING
-
-
 class AlertActions:
     """Gives the orders of rules: once an occurrence, and not more often than a rule says.
 
@@ -100,7 +68,7 @@ class AlertActions:
     def __init__(
         self,
         rooms: Components,
-        hands: AlertActionServices,
+        hands: OrderServices,
         changes: Transactions,
         clock: Clock,
         book: AlertLog,
@@ -189,7 +157,7 @@ class AlertActions:
 
     async def _reallocate(self, rule: AlertRule, author: PrincipalId) -> None:
         if self.tasks is None:
-            raise NotPermitted(words.no_tasks(self._rooms.profiles[rule.robot].shown))
+            raise NotPermitted(no_tasks(self._rooms.profiles[rule.robot].shown))
         refusal = self._rooms.organiser.why_not_move(author, rule.robot)
         if refusal is not None:
             raise refusal
@@ -256,7 +224,7 @@ class AlertActions:
         card.after = hands.ends[rule.robot, request.text, catalogue]
         titled = str(words.order_title(f"{shown}: {order.words}", rule))
         life = card.add(order.cid, shown, titled, self._clock.wall_ns())
-        hands.lives.begin(order, RuleRequester(caller), card, life)
+        hands.lives.begin(order, AutomatedRequester(caller), card, life)
         hands.teller.show(card)
 
 

@@ -233,11 +233,6 @@ def paused(rule: AlertRule) -> str:
     return said("the rule {rule} paused it", rule=rule.alert.name)
 
 
-def no_tasks(shown: str) -> str:
-    """Return that there is no other robot to give a task to."""
-    return said("{robot} has no task that another robot could take.", robot=shown)
-
-
 def not_at_rest(shown: str) -> str:
     """Return that a robot did not come to rest for a rule."""
     return said(

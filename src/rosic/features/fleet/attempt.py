@@ -28,10 +28,10 @@ from rosic.errors import (
     RobotStopped,
     Unrecognised,
 )
-from rosic.features.alerts.actions import RuleRequester
 from rosic.features.fleet import messages as words
 from rosic.features.fleet.task_parser import step_for
 from rosic.gateway.limit_clamping import LimitClamping
+from rosic.gateway.order_services import AutomatedRequester
 from rosic.gateway.order_status import OrderMessage, stop_button
 from rosic.gateway.requests import RequestFactory
 from rosic.gateway.resting import comes_to_rest
@@ -50,9 +50,9 @@ if TYPE_CHECKING:
     from rosic.core.order import Order, Permit
     from rosic.core.order_status import Face, StatusTexts
     from rosic.core.robot.profile import RobotId
-    from rosic.features.alerts.actions import AlertActionServices
     from rosic.features.fleet.dispatch_state import TaskText
     from rosic.gateway.components import Components
+    from rosic.gateway.order_services import OrderServices
 
 
 # ---- one attempt at a step of a task: an order like any other, as the task's author ----
@@ -115,7 +115,7 @@ class TaskRequester(NamedTuple):
 class TaskAttempts:
     """Gives the orders of tasks."""
 
-    def __init__(self, rooms: Components, hands: AlertActionServices, clock: Clock) -> None:
+    def __init__(self, rooms: Components, hands: OrderServices, clock: Clock) -> None:
         self._rooms = rooms
         self._hands = hands
         self._clock = clock
@@ -236,9 +236,11 @@ class TaskAttempts:
         wanted = asker.wanted()
         if wanted:
             life.over = partial(asker.over, order)
-            hands.lives.begin(order, RuleRequester(caller), card, life)
+            hands.lives.begin(order, AutomatedRequester(caller), card, life)
         else:
-            hands.lives.forgo(order, RuleRequester(caller), card, life, OrderVoid(words.NOT_WANTED))
+            hands.lives.forgo(
+                order, AutomatedRequester(caller), card, life, OrderVoid(words.NOT_WANTED)
+            )
         hands.teller.show(card)
         return wanted
 
@@ -301,7 +303,7 @@ CUT_OFF: Final = frozenset({TaskReason.LOST})
 class TaskRecall:
     """Ends what a robot does for a task, and nothing else that it does."""
 
-    def __init__(self, rooms: Components, hands: AlertActionServices, clock: Clock) -> None:
+    def __init__(self, rooms: Components, hands: OrderServices, clock: Clock) -> None:
         self._rooms = rooms
         self._hands = hands
         self._clock = clock

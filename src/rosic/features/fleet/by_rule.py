@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.core.fleet import events as e
 from rosic.core.fleet.task import FleetMembership, TaskReason
 from rosic.errors import RobotBusy
-from rosic.features.alerts import messages as words
+from rosic.gateway.order_services import no_tasks
 
 if TYPE_CHECKING:
     from rosic.core.fleet.task import Task
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class RuleTasks:
-    """Pauses a task, or takes it to another robot. See ``alerts.running.Tasks``."""
+    """Pauses a task, or takes it to another robot. See ``alerts.actions.AlertTasks``."""
 
     def __init__(self, rooms: Components, dispatching: TaskDispatcher) -> None:
         self._rooms = rooms
@@ -48,7 +48,7 @@ class RuleTasks:
                 e.Deviated(task.id, task.attempt, TaskReason.LATE), happened=True
             )
         ):
-            raise RobotBusy(words.no_tasks(self._rooms.profiles[robot].shown))
+            raise RobotBusy(no_tasks(self._rooms.profiles[robot].shown))
 
     def _others(self, task: Task, robot: RobotId) -> bool:
         """Whether another robot might take a task, if not now; without one it would only fail."""

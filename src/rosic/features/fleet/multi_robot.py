@@ -41,11 +41,11 @@ if TYPE_CHECKING:
     from rosic.core.order import Order, Outcome, Permit, Request
     from rosic.core.robot.profile import RobotId
     from rosic.core.robot.skill import Argument
-    from rosic.features.alerts.actions import AlertActionServices
     from rosic.features.fleet.dispatcher import TaskDispatcher
     from rosic.gateway.components import Components
     from rosic.gateway.office import CommandContext, CommandRegistry
     from rosic.gateway.order_execution import OrderExecutor
+    from rosic.gateway.order_services import OrderServices
     from rosic.gateway.reception import PipelineHooks
 
 AT_THE_END: Final = frozenset({SHUT_DOWN, NEVER_BEGUN})
@@ -118,7 +118,7 @@ class MultiRobotCommands:
         self,
         rooms: Components,
         dispatching: TaskDispatcher,
-        hands: AlertActionServices,
+        hands: OrderServices,
         clock: Clock,
         reception: PipelineHooks,
     ) -> None:
