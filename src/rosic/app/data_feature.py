@@ -21,6 +21,7 @@ from rosic.core.policy.scope import FLEET, GRANT
 from rosic.errors import Refusal
 from rosic.features.access.admin_policy import everybody_called
 from rosic.features.files.background import BackgroundTransfer
+from rosic.features.files.commands import FileCommands
 from rosic.features.files.transfer import FileTransfer, TransferWays
 from rosic.features.files.upload import FileUpload
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
@@ -143,7 +144,9 @@ class DataFeature:
         holdings = holdings_of(around, vault, self.archive, parts, self._room)
         self.holdings = holdings
         erasing = self.erasing = ErasureCommands(holdings, self._sides(pipeline, furnishing))
-        filing = employ_clerks(pipeline.reception.office, holdings, erasing)
+        office, filing = pipeline.reception.office, FileCommands(holdings)
+        employ_clerks(office, holdings, erasing)
+        filing.employ(office)
         take_over(memory.facts, holdings, erasing)
         self._follow_settings()
         if memory.facts.get(PREFERENCE):

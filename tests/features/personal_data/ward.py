@@ -21,6 +21,7 @@ from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.scope import FLEET
 from rosic.errors import Refusal
 from rosic.features.files.background import BackgroundTransfer
+from rosic.features.files.commands import FileCommands
 from rosic.features.files.upload import FileUpload
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
 from rosic.features.personal_data.commands import employ_clerks, take_over
@@ -139,7 +140,9 @@ class Ward(Place):
             tell=gateway.furnishing.reach.tell,
         )
         self.erasing = ErasureCommands(self.holdings, self.sides())
-        filing = employ_clerks(gateway.pipeline.reception.office, self.holdings, self.erasing)
+        office, filing = gateway.pipeline.reception.office, FileCommands(self.holdings)
+        employ_clerks(office, self.holdings, self.erasing)
+        filing.employ(office)
         self.receiving = FileUpload(self.holdings, gateway.pipeline.answer, gateway.pipeline.plain)
         gateway.pipeline.reception.enclosed = Deferred(self.receiving.take)
         self.aside = BackgroundTransfer(gateway.pipeline.answer, gateway.pipeline.plain, clock)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rosic.features.files.transfer import FileTransfer
     from rosic.features.files.upload import Plain
     from rosic.features.personal_data.context import ContainerContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.office import CommandContext, CommandRegistry
 
 Part: TypeAlias = "Callable[[CommandContext, str], Awaitable[Reply]]"
 
@@ -48,6 +48,10 @@ class FileCommands:
             "delete": self._delete,
             "löschen": self._delete,
         }
+
+    def employ(self, office: CommandRegistry) -> None:
+        """Take the errand."""
+        office.employ("files", self.files)
 
     def take_time(self, aside: BackgroundTransfer, plain: Plain) -> None:
         """Let large files go beside the chat."""

@@ -19,7 +19,6 @@ from rosic.container import (
 from rosic.container.files import PART
 from rosic.core.message import Button
 from rosic.errors import ConfigurationError, NotUnderstood, RecordUnavailable, StoreFault
-from rosic.features.files.commands import FileCommands
 from rosic.features.personal_data import erasure as erasing_of
 from rosic.features.personal_data import messages as words
 from rosic.features.personal_data.archive_commands import ArchiveCommands, handed_over
@@ -175,8 +174,8 @@ class MyDataCommands:
 
 def employ_clerks(
     office: CommandRegistry, holdings: ContainerContext, erasing: ErasureCommands
-) -> FileCommands:
-    """Let what people ask about what is kept be done: settings, mydata, history, files, ..."""
+) -> None:
+    """Let what people ask about what is kept be done: settings, mydata, history, archive, ..."""
     settings, mine = SettingsCommands(holdings), MyDataCommands(holdings, erasing)
     office.employ("settings", settings.settings)
     office.employ("language", settings.language)
@@ -188,9 +187,6 @@ def employ_clerks(
     sharing = ShareCommands(holdings)
     office.employ("share", sharing.share)
     office.employ("shelf", sharing.shelf)
-    filing = FileCommands(holdings)
-    office.employ("files", filing.files)
-    return filing
 
 
 def keepers(
