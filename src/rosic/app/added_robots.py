@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Button
     from rosic.core.robot.profile import Profile
     from rosic.features.files.upload import Offer
-    from rosic.features.personal_data.context import ContainerContext
+    from rosic.gateway.container_context import ContainerContext
     from rosic.gateway.office import CommandContext
     from rosic.organiser.organiser import Organiser
 

@@ -26,9 +26,9 @@ from rosic.features.files.transfer import FileTransfer, TransferWays
 from rosic.features.files.upload import FileUpload
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
 from rosic.features.personal_data.commands import employ_clerks, take_over, tidy
-from rosic.features.personal_data.context import ContainerContext, ContainerStore
 from rosic.features.personal_data.erasure import ErasureCommands, ErasureQueries
 from rosic.features.personal_data.messages import YOU
+from rosic.gateway.container_context import ContainerContext
 from rosic.robots.file_folders import RobotFolders
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from rosic.container.history import CommandHistory
     from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.messenger import Messenger
-    from rosic.contracts.store import Store
+    from rosic.contracts.store import ContainerStore, Store
     from rosic.core.identity import PrincipalId
     from rosic.core.language import UnitTable, Vocabulary
     from rosic.core.message import Chat

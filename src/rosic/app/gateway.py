@@ -31,11 +31,11 @@ from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.translations import LANGUAGES, catalogue, whose
 from rosic.container.container import Containers
 from rosic.container.messages import SETTINGS_DAMAGED
+from rosic.contracts.store import ContainerStore
 from rosic.core.language import Vocabulary, inert_text
 from rosic.core.message import Outbound
 from rosic.errors import ConfigurationError
 from rosic.features.media.snapshot import DashboardCamera
-from rosic.features.personal_data.context import ContainerStore
 from rosic.gateway import Pipeline
 from rosic.gateway.components import Components
 from rosic.gateway.confirmation import Confirmation

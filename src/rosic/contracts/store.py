@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rosic.core.records import Memory, Record
+    from rosic.core.history import HistoryEntry, HistoryQuery
+    from rosic.core.records import Fact, Memory, Record
     from rosic.core.robot.profile import RobotId
 
 
@@ -54,6 +55,34 @@ class Store(Protocol):
 
     def note(self, *records: Record) -> None:
         """Write soon, in order, without waiting; lost if the process dies before. Never raises."""
+        ...
+
+
+@runtime_checkable
+class ContainerStore(Protocol):
+    """What a record owes to whoever looks into containers; both stores keep it.
+
+    Every method raises StoreFault when the record cannot be read now, or changed.
+    """
+
+    async def facts(self, kind: str, after: str, limit: int) -> tuple[Fact, ...]:
+        """Return at most so many facts of a kind, by key, from behind a key on."""
+        ...
+
+    async def belongings(self, container: str) -> tuple[Fact, ...]:
+        """Return everything in a container, unsealed."""
+        ...
+
+    async def history(self, query: HistoryQuery) -> tuple[HistoryEntry, ...]:
+        """Return commands, the newest first."""
+        ...
+
+    async def containers(self) -> tuple[str, ...]:
+        """Return whose containers there are."""
+        ...
+
+    async def shred(self, container: str) -> None:
+        """Erase the key of a container; doing it again is safe."""
         ...
 
 

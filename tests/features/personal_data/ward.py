@@ -25,9 +25,9 @@ from rosic.features.files.commands import FileCommands
 from rosic.features.files.upload import FileUpload
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
 from rosic.features.personal_data.commands import employ_clerks, take_over
-from rosic.features.personal_data.context import ContainerContext
 from rosic.features.personal_data.erasure import ErasureCommands, ErasureQueries
 from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.container_context import ContainerContext
 from rosic.gateway.office import CommandContext
 from rosic.organiser.timezones import zone_named
 from rosic.stores.database import DatabaseStore

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from rosic.core.language import Vocabulary
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.features.access.revoke_lock import AccessNotices
-    from rosic.features.personal_data.context import ContainerContext
     from rosic.features.personal_data.erasure import ErasureCommands
+    from rosic.gateway.container_context import ContainerContext
     from rosic.organiser.organiser import Organiser
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from rosic.app.admin.api import AdminContext, Ask
-    from rosic.features.personal_data.context import ContainerContext
+    from rosic.gateway.container_context import ContainerContext
 
 LISTED_AT_ONCE = 500
 NONE_HERE = "There are no containers to look into here."

@@ -22,6 +22,7 @@ from rosic.config.profiles import known_units
 from rosic.container.archive import Archive
 from rosic.container.files import FileQuota
 from rosic.container.history import CommandHistory
+from rosic.contracts.store import ContainerStore
 from rosic.core.i18n import plain
 from rosic.core.language import Vocabulary, clean
 from rosic.core.policy.roles import DEFAULT_ROLES, Assurance, RoleRules
@@ -29,7 +30,6 @@ from rosic.core.rate_limit import RateLimit
 from rosic.core.stop_registry import StopRegistry, not_known_yet
 from rosic.errors import ConfigurationError
 from rosic.features.personal_data.commands import books_kept
-from rosic.features.personal_data.context import ContainerStore
 from rosic.organiser.organiser import Organiser
 from rosic.organiser.rate_limits import RateLimits
 from rosic.organiser.timezones import UNIVERSAL
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from rosic.core.language import UnitTable
     from rosic.core.records import Fact, Memory
     from rosic.core.robot.profile import Profile, RobotId
-    from rosic.features.personal_data.context import ContainerContext
+    from rosic.gateway.container_context import ContainerContext
 
 _encode = msgspec.json.Encoder(enc_hook=plain).encode
 

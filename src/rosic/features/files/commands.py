@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rosic.features.files.background import BackgroundTransfer
     from rosic.features.files.transfer import FileTransfer
     from rosic.features.files.upload import Plain
-    from rosic.features.personal_data.context import ContainerContext
+    from rosic.gateway.container_context import ContainerContext
     from rosic.gateway.office import CommandContext, CommandRegistry
 
 Part: TypeAlias = "Callable[[CommandContext, str], Awaitable[Reply]]"

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncGenerator
 
     from rosic.container.files import StoredFile
-    from rosic.features.personal_data.context import ContainerStore
+    from rosic.contracts.store import ContainerStore
 
 AT_ONCE: Final = 4
 IN_PIECES_FROM: Final = 1_000_000

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import RobotId
-    from rosic.features.personal_data.context import ContainerContext
+    from rosic.gateway.container_context import ContainerContext
 
 
 class OutboxFolders(Protocol):

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from rosic.features.files.background import BackgroundTransfer, Saying, Work
     from rosic.features.files.robot_outbox import OutboxFolders
     from rosic.features.files.upload import Plain
-    from rosic.features.personal_data.context import ContainerContext
+    from rosic.gateway.container_context import ContainerContext
     from rosic.gateway.office import CommandContext
     from rosic.organiser.organiser import Organiser
 

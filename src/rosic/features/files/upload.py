@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.message import Enclosure, Inbound
-    from rosic.features.personal_data.context import ContainerContext
+    from rosic.gateway.container_context import ContainerContext
 
 Tell: TypeAlias = "Callable[[Messenger, Inbound, Caller, Reply], None]"
 Plain: TypeAlias = "Callable[[Inbound, str], str]"

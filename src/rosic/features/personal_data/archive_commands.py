@@ -19,7 +19,6 @@ from rosic.errors import (
     StoreFault,
 )
 from rosic.features.personal_data import messages as words
-from rosic.features.personal_data.context import all_facts
 from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.calendar_messages import moment
@@ -28,7 +27,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from rosic.container.archive_records import ChatKey
-    from rosic.features.personal_data.context import ContainerContext, ContainerStore
+    from rosic.contracts.store import ContainerStore
+    from rosic.core.records import Fact
+    from rosic.gateway.container_context import ContainerContext
     from rosic.gateway.office import CommandContext
 
 
@@ -79,6 +80,7 @@ def newest(lines: Sequence[str], room: int, command: str) -> str:
 # ---- ``/archive``: whether the messages of this chat are kept, and how they are taken out ----
 
 SURE = b"erase this archive"
+PAGE: Final = 500
 TEXT = "text"
 
 
@@ -182,6 +184,23 @@ def _days(said: Sequence[str]) -> int:
     if not (said[0].isascii() and said[0].isdecimal()) or unit not in {"", "day", "days"}:
         raise NotUnderstood(words.HOW_TO_ARCHIVE, offers=("/archive on",))
     return int(said[0][:6])
+
+
+async def all_facts(vault: ContainerStore, kind: str, prefix: str) -> tuple[Fact, ...]:
+    """Return every fact of a kind whose key begins so; in pages, so that writes pass between.
+
+    Raises:
+        StoreFault: They cannot be read now.
+    """
+    found: list[Fact] = []
+    after = prefix
+    while True:
+        page = await vault.facts(kind, after, PAGE)
+        ours = [fact for fact in page if fact.key.startswith(prefix)]
+        found += ours
+        if len(ours) < PAGE:
+            return tuple(found)
+        after = page[-1].key
 
 
 async def rows_of(vault: ContainerStore, key: ChatKey) -> list[export.ArchiveRow]:

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from rosic.container.shared_data import SharedValue
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Fact
-    from rosic.features.personal_data.context import ContainerContext
     from rosic.features.personal_data.erasure import ErasureCommands
+    from rosic.gateway.container_context import ContainerContext
     from rosic.gateway.office import CommandContext, CommandRegistry
 
 

@@ -20,7 +20,7 @@ from rosic.errors import NotPermitted, NotUnderstood, RecordUnavailable, RobotBu
 from rosic.features.personal_data import messages as words
 
 if TYPE_CHECKING:
-    from rosic.features.personal_data.context import ContainerContext
+    from rosic.gateway.container_context import ContainerContext
 
 KIND: Final = "erased"
 REST_WITHIN_S: Final = 10.0

@@ -14,16 +14,15 @@ from rosic.core.i18n import said, said_n
 from rosic.core.records import Decided
 from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.features.personal_data import messages as words
-from rosic.features.personal_data.archive_commands import rows_of
-from rosic.features.personal_data.context import all_facts
+from rosic.features.personal_data.archive_commands import all_facts, rows_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Fact
-    from rosic.features.personal_data.context import ContainerContext
     from rosic.features.personal_data.erasure import ErasureCommands
+    from rosic.gateway.container_context import ContainerContext
 
 
 # ---- every sentence and every table that the operator is shown about containers ----

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from rosic.core.language.compiled import CompiledSkill
     from rosic.core.robot.profile import RobotId
     from rosic.core.robot.skill import Argument
-    from rosic.features.personal_data.context import ContainerContext
+    from rosic.gateway.container_context import ContainerContext
     from rosic.gateway.office import CommandContext
 
 L = TypeVar("L")

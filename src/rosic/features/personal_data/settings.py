@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Fact
-    from rosic.features.personal_data.context import ContainerContext
+    from rosic.gateway.container_context import ContainerContext
     from rosic.gateway.office import CommandContext
 
 LANGUAGE, UNITS, ROBOT, SPEED, ZONE = "language", "units", "robot", "speed", "zone"

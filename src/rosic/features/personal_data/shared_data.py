@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosic.container.shared_data import SharedValue
     from rosic.container.shared_data_access import SharedDataGrant
     from rosic.core.identity import PrincipalId
-    from rosic.features.personal_data.context import ContainerContext
+    from rosic.gateway.container_context import ContainerContext
     from rosic.gateway.office import CommandContext
 
 BACK: Final = "back"

@@ -1,10 +1,9 @@
-"""What the clerks of containers work with, as the composition root made it."""
+"""What is asked of containers is done with this, as the composition root made it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from collections.abc import Set as AbstractSet
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import msgspec
 
@@ -14,45 +13,12 @@ from rosic.container.history import CommandHistory
 from rosic.container.preferences import PreferenceBook
 from rosic.container.shared_data import SharedData
 from rosic.contracts.clock import Clock
+from rosic.contracts.store import ContainerStore
 from rosic.core.identity import PrincipalId
 from rosic.core.language import Vocabulary
 from rosic.core.robot.profile import RobotId
 from rosic.gateway.transactions import Transactions
 from rosic.organiser.timezones import Zone
-
-if TYPE_CHECKING:
-    from rosic.core.history import HistoryEntry, HistoryQuery
-    from rosic.core.records import Fact
-
-PAGE = 500
-
-
-@runtime_checkable
-class ContainerStore(Protocol):
-    """What a record owes to whoever looks into containers; both stores keep it.
-
-    Every method raises StoreFault when the record cannot be read now, or changed.
-    """
-
-    async def facts(self, kind: str, after: str, limit: int) -> tuple[Fact, ...]:
-        """Return at most so many facts of a kind, by key, from behind a key on."""
-        ...
-
-    async def belongings(self, container: str) -> tuple[Fact, ...]:
-        """Return everything in a container, unsealed."""
-        ...
-
-    async def history(self, query: HistoryQuery) -> tuple[HistoryEntry, ...]:
-        """Return commands, the newest first."""
-        ...
-
-    async def containers(self) -> tuple[str, ...]:
-        """Return whose containers there are."""
-        ...
-
-    async def shred(self, container: str) -> None:
-        """Erase the key of a container; doing it again is safe."""
-        ...
 
 
 def _nobody(_name: str) -> tuple[PrincipalId, ...]:
@@ -98,20 +64,3 @@ class ContainerContext(msgspec.Struct, frozen=True, kw_only=True):
     robots: AbstractSet[RobotId]
     find: Callable[[str], tuple[PrincipalId, ...]] = _nobody
     tell: Callable[[tuple[PrincipalId, ...], str], object] = _silence
-
-
-async def all_facts(vault: ContainerStore, kind: str, prefix: str) -> tuple[Fact, ...]:
-    """Return every fact of a kind whose key begins so; in pages, so that writes pass between.
-
-    Raises:
-        StoreFault: They cannot be read now.
-    """
-    found: list[Fact] = []
-    after = prefix
-    while True:
-        page = await vault.facts(kind, after, PAGE)
-        ours = [fact for fact in page if fact.key.startswith(prefix)]
-        found += ours
-        if len(ours) < PAGE:
-            return tuple(found)
-        after = page[-1].key
