@@ -7,8 +7,8 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 from rosic.core.message import Chat, ChatKind, Passage, Passing
-from rosic.features.dashboard.dashboard import key_of
 from rosic.features.groups.channels import NONE, ChannelDisplays
+from rosic.gateway.chat_dashboards import key_of
 from tests.pace import pace
 
 CHANNEL = Chat("telegram", "-100", ChatKind.CHANNEL)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
 import msgspec
@@ -15,6 +14,7 @@ from rosic.core.records import Fact, Letter
 from rosic.core.robot.profile import RobotId, Slots
 from rosic.features.dashboard import messages as words
 from rosic.features.dashboard.camera_preview import PreviewedCamera
+from rosic.gateway.chat_dashboards import key_of
 
 if TYPE_CHECKING:
     import asyncio
@@ -176,12 +176,6 @@ def read_fact(fact: Fact) -> tuple[DashboardBody, DashboardPlace] | None:
     if not fact.body or fact.letter is None:
         return None
     return _body(fact.body), _place(fact.letter.content)
-
-
-def key_of(messenger: Messenger, chat: Chat) -> str:
-    """Return the key of a chat's card, which names nobody."""
-    said = "\0".join((messenger.name, chat.platform, chat.id))
-    return blake2b(said.encode(), digest_size=16).hexdigest()
 
 
 def chat_of(place: DashboardPlace) -> Chat:

@@ -21,8 +21,9 @@ from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessageGone, MessengerFault, RecordUnavailable, TooManyRequests
 from rosic.features.dashboard import messages as words
 from rosic.features.dashboard.camera_preview import PreviewedCamera
-from rosic.features.dashboard.dashboard import KIND, Dashboard, chat_of, key_of, read_fact
+from rosic.features.dashboard.dashboard import KIND, Dashboard, chat_of, read_fact
 from rosic.features.dashboard.rendering import ROBOTS_AT_MOST, DashboardRendering, in_order, pace_of
+from rosic.gateway.chat_dashboards import key_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.features.dashboard.dashboard import RobotSnapshots
     from rosic.features.dashboard.rendering import DashboardQueries
+    from rosic.gateway.chat_dashboards import ChatDashboard
     from rosic.gateway.transactions import Transactions
 
 LOOK_S: Final = 1.0
@@ -165,7 +167,7 @@ class Dashboards:
         self._cards[card.key] = card
         self.run()
 
-    async def end(self, card: Dashboard) -> None:
+    async def end(self, card: ChatDashboard) -> None:
         """End a card because somebody said so.
 
         Raises:

@@ -19,9 +19,9 @@ from rosic.core.policy.scope import FLEET, GRANT
 from rosic.core.records import Decided
 from rosic.core.time_units import DAY_S
 from rosic.errors import NotPermitted, NotUnderstood, Refusal
-from rosic.features.dashboard.dashboard import key_of
 from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.button_rows import rows
+from rosic.gateway.chat_dashboards import key_of
 from rosic.gateway.delivery.notifier import Notification
 from rosic.gateway.office import check_private
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.message import Chat, Passing
     from rosic.core.robot.profile import RobotId
-    from rosic.features.dashboard.dashboards import Dashboards
+    from rosic.gateway.chat_dashboards import ChatDashboards
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.office import CommandContext, CommandRegistry
@@ -50,7 +50,7 @@ class ChannelDisplays:
     """Every channel that this place may show robots in."""
 
     def __init__(
-        self, live: Dashboards, rooms: Components, changes: Transactions, reach: Notifier
+        self, live: ChatDashboards, rooms: Components, changes: Transactions, reach: Notifier
     ) -> None:
         self._live = live
         self._rooms = rooms

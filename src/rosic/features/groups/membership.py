@@ -18,7 +18,7 @@ from rosic.core.message import ChatKind, Outbound, Passage
 from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.records import Fact
 from rosic.errors import Refusal
-from rosic.features.dashboard.dashboards import Dashboards
+from rosic.gateway.chat_dashboards import ChatDashboards
 from rosic.gateway.components import Components
 from rosic.gateway.delivery.notifier import Notifier
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Principal
     from rosic.core.message import Chat, Passing
-    from rosic.features.dashboard.dashboard import Dashboard
+    from rosic.gateway.chat_dashboards import ChatDashboard
 
 KIND: Final = "deaf"
 RULE: Final = "rule"
@@ -61,7 +61,7 @@ class GroupQueries(msgspec.Struct, frozen=True, kw_only=True):
     clock: Clock
     place: str
     admins: Callable[[], Sequence[PrincipalId]]
-    cards: Dashboards
+    cards: ChatDashboards
 
 
 class GroupMembership:
@@ -184,7 +184,7 @@ class GroupMembership:
                 days = keeping.switch.days
                 await turn.write(archive.begin(messenger.name, new, RULE, days=days))
 
-    async def _move_card(self, card: Dashboard, new: Chat) -> None:
+    async def _move_card(self, card: ChatDashboard, new: Chat) -> None:
         """Go on with a live card in a new message: what was said in the old group stays there."""
         cards, pinned = self._around.cards, card.pinned or card.wanted_pinned
         await cards.end(card)
