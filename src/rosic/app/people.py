@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.identity import OPERATOR, Address, AuthorisationKey, Principal, PrincipalId
+from rosic.core.identity import (
+    OPERATOR,
+    RECORD_ID_BYTES,
+    Address,
+    AuthorisationKey,
+    Principal,
+    PrincipalId,
+)
 from rosic.core.records import Enrolled, KeyIssued, Letter, Memory, PersonRecord, Record, Seeded
 
 if TYPE_CHECKING:
@@ -17,7 +24,6 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.store import Store
 
-ID_BYTES = 8
 
 _encode_card = msgspec.msgpack.Encoder().encode
 _decode_card = msgspec.msgpack.Decoder(PersonRecord).decode
@@ -97,9 +103,9 @@ def admitted(
     person: Seed, clock: Clock, entropy: Entropy, by: PrincipalId = OPERATOR
 ) -> tuple[Principal, AuthorisationKey, list[Record]]:
     """Return who becomes known, under which key given by whom, and all that makes it so."""
-    principal, now_ns = f"p{entropy.token(ID_BYTES).hex()}", clock.wall_ns()
+    principal, now_ns = f"p{entropy.token(RECORD_ID_BYTES).hex()}", clock.wall_ns()
     key = AuthorisationKey(
-        id=f"k{entropy.token(ID_BYTES).hex()}",
+        id=f"k{entropy.token(RECORD_ID_BYTES).hex()}",
         principal=principal,
         issuer=by,
         issued_ns=now_ns,

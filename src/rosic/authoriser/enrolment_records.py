@@ -10,7 +10,7 @@ import msgspec
 from rosic.authoriser import messages as words
 from rosic.authoriser.invitations import InvitedRights
 from rosic.authoriser.invite_codes import shared_words
-from rosic.core.identity import Address, AuthorisationKey, Principal, PrincipalId
+from rosic.core.identity import RECORD_ID_BYTES, Address, AuthorisationKey, Principal, PrincipalId
 from rosic.core.language.sanitise import clean_name, drawn
 from rosic.core.policy.roles import Grant
 from rosic.core.records import Decided, Enrolled, Fact, KeyIssued, Letter, PersonRecord, Record
@@ -146,7 +146,6 @@ Answer: TypeAlias = CodeRedeemed | ApplicantWaits | TurnedAway
 
 # ---- making somebody known, or giving a known person more: the records of it ----
 
-ID_BYTES: Final = 8
 PENDING_S: Final = float(DAY_S)
 GUEST: Final = "guest"
 
@@ -255,7 +254,7 @@ class EnrolmentRecords:
         return key.revoked_ns is None and not ended
 
     def _new_id(self, letter: str) -> str:
-        return f"{letter}{self._entropy.token(ID_BYTES).hex()}"
+        return f"{letter}{self._entropy.token(RECORD_ID_BYTES).hex()}"
 
     def _decided(self, act: str, by: PrincipalId, about: str) -> Decided:
         return Decided(act=act, by=by, about=about, at_ns=self._time.wall_ns())

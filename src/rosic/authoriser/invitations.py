@@ -20,7 +20,7 @@ from rosic.authoriser.invite_codes import (
     reads_as_stop,
 )
 from rosic.core.i18n import said
-from rosic.core.identity import OPERATOR, PrincipalId
+from rosic.core.identity import OPERATOR, RECORD_ID_BYTES, PrincipalId
 from rosic.core.language.sanitise import clean_name
 from rosic.core.policy.limits import parse_limit
 from rosic.core.policy.roles import Grant
@@ -170,7 +170,6 @@ class NewInvitation(msgspec.Struct, frozen=True):
 
 KIND: Final = "invitation"
 PEPPER: Final = "code-key"
-ID_BYTES: Final = 8
 OPEN_AT_MOST: Final = 1_000
 CODE_TTL_MAX_S: Final = 7.0 * DAY_S
 FIRST_ADMIN_TTL_S: Final = float(DAY_S)
@@ -260,7 +259,7 @@ class Invitations:
         now_ns = self._time.wall_ns()
         needs = wanted.needs_confirmation
         made = Invitation(
-            id=f"i{self._entropy.token(ID_BYTES).hex()}",
+            id=f"i{self._entropy.token(RECORD_ID_BYTES).hex()}",
             digest=kept,
             given=wanted.given,
             issuer=by,

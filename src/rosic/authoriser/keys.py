@@ -9,7 +9,7 @@ import msgspec
 
 from rosic.authoriser import keys_messages as words
 from rosic.core.i18n import said
-from rosic.core.identity import AuthorisationKey, KeyId, PrincipalId
+from rosic.core.identity import RECORD_ID_BYTES, AuthorisationKey, KeyId, PrincipalId
 from rosic.core.records import Decided, Fact, KeyIssued, KeyRevoked, Record
 from rosic.core.time_units import DAY_S
 from rosic.errors import NotUnderstood, OutOfBounds, Unrecognised
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Entropy
 
 KIND: Final = "key-end"
-ID_BYTES: Final = 8
 GRACE_MAX_S: Final = 30.0 * DAY_S
 NEAR_S: Final = 7.0 * DAY_S
 
@@ -227,7 +226,7 @@ class KeyRing:
         self, principal: PrincipalId, by: PrincipalId, scopes: tuple[str, ...], ends_ns: int | None
     ) -> AuthorisationKey:
         return AuthorisationKey(
-            id=f"k{self._entropy.token(ID_BYTES).hex()}",
+            id=f"k{self._entropy.token(RECORD_ID_BYTES).hex()}",
             principal=principal,
             issuer=by,
             issued_ns=self.time.wall_ns(),

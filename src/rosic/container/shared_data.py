@@ -13,7 +13,7 @@ import msgspec
 
 from rosic.container import messages as words
 from rosic.container.shared_data_access import LOAN, SharedDataAccess
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import RECORD_ID_BYTES, PrincipalId
 from rosic.core.language.sanitise import clean, clean_name
 from rosic.core.records import Fact, Letter
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, TooManyRequests
@@ -27,7 +27,6 @@ KIND: Final = "shelf"
 QUOTA: Final = "shelf-quota"
 LONGEST_NAME: Final = 64
 LONGEST_VALUE: Final = 1_000
-_ID_BYTES: Final = 8
 
 Owner: TypeAlias = str
 """Whose container it is: a principal's or a robot's id."""
@@ -191,7 +190,7 @@ class SharedData:
             raise TooManyRequests(sentence, retry_after_s=0.0)
         fresh = Fact(
             kind=KIND,
-            key=self._entropy.token(_ID_BYTES).hex(),
+            key=self._entropy.token(RECORD_ID_BYTES).hex(),
             body=_encode(_Body(owner, sender, self._clock.wall_ns())),
             letter=Letter(owner, _encode(_Content(name, value))),
         )

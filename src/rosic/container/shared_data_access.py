@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import msgspec
 
 from rosic.core.i18n import said, said_n
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import RECORD_ID_BYTES, PrincipalId
 from rosic.core.language.sanitise import quote
 from rosic.core.records import Fact, Letter
 from rosic.errors import NotUnderstood, TooManyRequests
@@ -38,7 +38,6 @@ def not_lent(name: str) -> str:
 
 LOAN: Final = "shelf-loan"
 LOANS_MOST: Final = 64
-_ID_BYTES: Final = 8
 
 Reader: TypeAlias = str
 """Who may read: a principal's id, or a robot's, which stands for everybody who sees it."""
@@ -131,7 +130,7 @@ class SharedDataAccess:
             raise TooManyRequests(lent_enough(LOANS_MOST), retry_after_s=0.0)
         fresh = Fact(
             kind=LOAN,
-            key=self._entropy.token(_ID_BYTES).hex(),
+            key=self._entropy.token(RECORD_ID_BYTES).hex(),
             body=_encode(_Body(owner, reader, until_ns)),
             letter=Letter(owner, _encode(name)),
         )

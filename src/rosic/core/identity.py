@@ -6,7 +6,7 @@ Identity is the platform's immutable id. A username or a display name is never c
 from __future__ import annotations
 
 from hashlib import blake2b
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 import msgspec
 
@@ -14,7 +14,15 @@ PrincipalId: TypeAlias = str
 KeyId: TypeAlias = str
 CommandId: TypeAlias = bytes
 
-COMMAND_ID_BYTES = 16
+COMMAND_ID_BYTES: Final = 16
+RECORD_ID_BYTES: Final = 8
+"""Of what is on record for long: people, keys, rights, invitations, bookings, shared data."""
+REQUEST_ID_BYTES: Final = 6
+"""Of what waits for an answer: a confirmation, a request for access, a wish, a notice."""
+TYPED_ID_BYTES: Final = 4
+"""Of a robot's request for help, which people type."""
+OUTBOX_KEY_BYTES: Final = 12
+"""Of what is still to be said, or to be taken out of a chat: the names under which it is stored."""
 
 OPERATOR: PrincipalId = "operator"
 """Whoever owns the machine: seeds people, uses the control socket. No chat speaks for them."""

@@ -9,7 +9,7 @@ import msgspec
 
 from rosic.contracts.clock import ClockReading, passed_ns, reading
 from rosic.core.i18n import joined, said
-from rosic.core.identity import Caller, PrincipalId
+from rosic.core.identity import REQUEST_ID_BYTES, Caller, PrincipalId
 from rosic.core.language import Do
 from rosic.core.language.suggestions import OR
 from rosic.core.message import Button
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 ASKED_FOR_S = 300.0
 ASKED_AT_MOST = 1_000
 PEOPLE_ASKED = 5
-ID_BYTES = 6
 SECONDED = "@"
 # What keeps somebody from having a robot now, and not from agreeing that another moves it.
 _NOT_THEIRS_NOW = frozenset(
@@ -137,7 +136,7 @@ class Confirmation:
                 "{needed} Nobody else here may do exactly that, so nobody can agree.",
                 needed=needed.sentence,
             )
-        number = f"s{self._entropy.token(ID_BYTES).hex()}"
+        number = f"s{self._entropy.token(REQUEST_ID_BYTES).hex()}"
         self._requests[number] = PendingConfirmation(caller, line, act, asks, reading(self._clock))
         if len(self._requests) > ASKED_AT_MOST:
             self._requests.popitem(last=False)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import REQUEST_ID_BYTES, PrincipalId
 from rosic.core.records import Decided, Fact
 from rosic.core.robot.profile import RobotId
 from rosic.core.time_units import DAY_S, HOUR_S, SECOND_NS
@@ -33,7 +33,6 @@ LONGEST_S: Final = 7.0 * DAY_S
 MOST_OPEN: Final = 3
 MOST_AN_HOUR: Final = 5
 MOST_OF_ALL: Final = 300
-_ID_BYTES: Final = 6
 
 log = logging.getLogger("rosic.organiser")
 
@@ -157,7 +156,7 @@ class AccessRequests:
         self._check_new(mine, want, now_ns)
         self._check_often(mine, now_ns)
         petition = AccessRequest(
-            id=f"a{self._entropy.token(_ID_BYTES).hex()}",
+            id=f"a{self._entropy.token(REQUEST_ID_BYTES).hex()}",
             principal=principal,
             want=want,
             asked_ns=now_ns,

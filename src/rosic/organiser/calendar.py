@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import msgspec
 
+from rosic.core.identity import RECORD_ID_BYTES
 from rosic.core.slot import BookedSlot, Pattern, Series, SeriesId, SlotId
 from rosic.core.time_units import DAY_NS, DAY_S, SECOND_NS
 from rosic.errors import Expired, NotPermitted, NotUnderstood, OutOfBounds, TooManyRequests
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
     from rosic.organiser.timezones import Zone
 
 Named: TypeAlias = Callable[[str], str]
-
-_ID_BYTES = 8
 
 
 class Calendar(CalendarIndex):
@@ -152,7 +151,7 @@ class Calendar(CalendarIndex):
     def _new_id(self, *parts: str) -> str:
         """Return an id that no slot had before, even if the clock stands still."""
         numbered = (*parts, str(next(self._count)))
-        return blake2b(ascii(numbered).encode(), digest_size=_ID_BYTES).hexdigest()
+        return blake2b(ascii(numbered).encode(), digest_size=RECORD_ID_BYTES).hexdigest()
 
     def _check_length(self, length_s: int) -> None:
         limits = self.limits

@@ -6,6 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import joined
+from rosic.core.identity import RECORD_ID_BYTES
 from rosic.core.language.sanitise import LONGEST_NAME
 from rosic.core.message import Button
 from rosic.core.policy.roles import Grant
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
 BACK = "back"
 # Only ids of grants may follow: somebody may be called "Back".
 _BACK = re.compile(rf"{BACK}(?: g[0-9a-f]{{16}})+")
-_ID_BYTES = 8
 _LONGEST_NAME = LONGEST_NAME // 2 + 1
 """In words: there is a sign at least between any two."""
 
@@ -76,7 +76,7 @@ class GrantCommands:
         Raises:
             NotUnderstood: They have too many rights already; nothing changed.
         """
-        ids = iter(lambda: f"g{self._entropy.token(_ID_BYTES).hex()}", "")
+        ids = iter(lambda: f"g{self._entropy.token(RECORD_ID_BYTES).hex()}", "")
         grants = tuple(
             Grant(
                 id=next(ids),

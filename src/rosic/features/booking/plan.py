@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from rosic.core.i18n import joined, said
+from rosic.core.identity import RECORD_ID_BYTES
 from rosic.core.message import Button
 from rosic.errors import NotPermitted, Refusal, TooManyRequests
 from rosic.features.booking import scheduler_messages as words
@@ -33,7 +34,6 @@ LIMIT_S = 5.0
 MOST_LINES = 40
 # Said by buttons, the first with the proposal's id after it.
 BOOK, LEAVE = "book", "leave"
-_ID_BYTES = 8
 
 
 class WeighedProposal(NamedTuple):
@@ -208,7 +208,7 @@ def _weigh(problem: PlanningProblem) -> WeighedProposal:
 
 
 def _id(given: tuple[Allocation, ...]) -> str:
-    digest = blake2b(digest_size=_ID_BYTES)
+    digest = blake2b(digest_size=RECORD_ID_BYTES)
     for place in given:
         digest.update(ascii((place.wish.id, place.robot, place.start_ns)).encode())
     return digest.hexdigest()

@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import joined
+from rosic.core.identity import TYPED_ID_BYTES
 from rosic.core.language import clean
 from rosic.core.message import Button
 from rosic.core.policy.scope import ASK, HELP
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from rosic.features.robot_to_robot.context import RobotToRobotContext
     from rosic.features.robot_to_robot.help_requests import HelpRequest, HelpRequests
 
-ID_BYTES: Final = 4
 TASKS_WITHIN_S: Final = 10.0
 SENT_AT_MOST: Final = 2
 # People are called by each request; a robot that cries wolf is not heard any more.
@@ -71,7 +71,7 @@ class HelpService:
             if same is not None:
                 return same
             self._charge(robot)
-            ident = self._entropy.token(ID_BYTES).hex()
+            ident = self._entropy.token(TYPED_ID_BYTES).hex()
             made, fact = self.book.ask(ident, robot, what, for_s)
             await turn.write((fact,))
         self._tell_robots(made)

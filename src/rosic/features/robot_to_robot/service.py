@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import msgspec
 
 from rosic.contracts.robot import UTTERANCE_BYTES
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import REQUEST_ID_BYTES, PrincipalId
 from rosic.core.message import Button
 from rosic.core.messages import no_robot
 from rosic.core.policy.scope import ASK, READ, SHARE
@@ -52,7 +52,6 @@ if TYPE_CHECKING:
 QUIET: Final = "robot-quiet"
 LOOK_EVERY_S: Final = 0.5
 SAVE_EVERY_S: Final = 5.0
-ID_BYTES: Final = 6
 NOTICE_LIVES_S: Final = float(HOUR_S)
 
 log = logging.getLogger("rosic.among")
@@ -221,7 +220,7 @@ class RobotMessaging:
         self.around.post.send(robot, {"kind": "result", "ref": ref, **said})
 
     def _new_id(self) -> str:
-        return self.around.entropy.token(ID_BYTES).hex()
+        return self.around.entropy.token(REQUEST_ID_BYTES).hex()
 
     # ---- shareData, getSharedData ----
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.core.i18n import joined
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import REQUEST_ID_BYTES, PrincipalId
 from rosic.core.language.option_words import parameter_typed
 from rosic.core.language.strategy_arguments import checked, spoken
 from rosic.core.policy.scope import STRATEGY
@@ -29,7 +29,6 @@ BACK: Final = "back"
 LOOK_EVERY_S: Final = 0.2
 IDLE_WITHIN_S: Final = 600.0
 ANSWER_WITHIN_S: Final = 10.0
-ID_BYTES: Final = 6
 
 log = logging.getLogger("rosic.among")
 
@@ -123,7 +122,7 @@ class Strategies:
         if before is not None and before.task is not None and not before.sent:
             before.task.cancel()
             self._tell(before, words.strategy_replaced(*self._named(before)))
-        made = _Change(caller, robot, chosen, self._entropy.token(ID_BYTES).hex())
+        made = _Change(caller, robot, chosen, self._entropy.token(REQUEST_ID_BYTES).hex())
         self._changing[robot] = made
         made.task = asyncio.create_task(self._carry_out(made, idle=idle))
         shown, what = self._named(made)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.core import messages
+from rosic.core.identity import OUTBOX_KEY_BYTES
 from rosic.core.message import Chat, Outbound, Weight
 from rosic.core.records import Fact, Letter
 from rosic.core.time_units import DAY_NS
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
 
 KIND: Final = "unsaid"
-KEY_BYTES: Final = 12
 OWED_AT_MOST: Final = 10_000
 OWED_FOR_NS: Final = 7 * DAY_NS
 
@@ -150,7 +150,7 @@ class Outbox:
     def _fact(
         self, to: PrincipalId, messenger: Messenger, outbound: Outbound, matter: bytes = b""
     ) -> tuple[str, Fact]:
-        key = self._entropy.token(KEY_BYTES).hex()
+        key = self._entropy.token(OUTBOX_KEY_BYTES).hex()
         self._owed[key] = to
         held = _Words(messenger.name, outbound.chat, str(outbound.text), outbound.reply_to, matter)
         body = _encode(_Owed(self._clock.wall_ns(), int(outbound.weight)))

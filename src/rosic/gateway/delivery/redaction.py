@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.contracts.messenger import retract_of
+from rosic.core.identity import OUTBOX_KEY_BYTES
 from rosic.core.message import Chat
 from rosic.core.records import Fact, Letter
 from rosic.core.time_units import HOUR_NS, SECOND_NS
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
 
 KIND: Final = "retract"
-KEY_BYTES: Final = 12
 KEPT_AT_MOST: Final = 2_000
 LONGEST_NS: Final = 47 * HOUR_NS
 """Telegram takes nothing away that is two days old (https://core.telegram.org/bots/api#deletemessage)."""
@@ -117,7 +117,7 @@ class SecretRedaction:
         """
         if retract_of(messenger) is None or not message or len(self._kept) >= KEPT_AT_MOST:
             return
-        key = self._entropy.token(KEY_BYTES).hex()
+        key = self._entropy.token(OUTBOX_KEY_BYTES).hex()
         at_ns = min(at_ns, self._clock.wall_ns() + LONGEST_NS)
         kept = KeptSecret(messenger.name, chat, message, secret)
         self._messengers.setdefault(messenger.name, messenger)

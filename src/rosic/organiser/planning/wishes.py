@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.i18n import said, said_n
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import REQUEST_ID_BYTES, PrincipalId
 from rosic.core.records import Fact
 from rosic.core.robot.profile import RobotId
 from rosic.core.time_units import HOUR_S, MINUTE_NS, SECOND_NS
@@ -75,7 +75,6 @@ def no_such_wish(count: int) -> str:
 WISH = "wish"
 MOST_EACH = 10
 MOST_OF_ALL = 300
-_ID_BYTES = 6
 
 log = logging.getLogger("rosic.organiser")
 
@@ -199,7 +198,7 @@ class Wishes:
         now_ns = self._wall_ns()
         earliest_ns, latest_ns = window
         number = self._number + 1
-        digest = blake2b(ascii((principal, number, now_ns)).encode(), digest_size=_ID_BYTES)
+        digest = blake2b(ascii((principal, number, now_ns)).encode(), digest_size=REQUEST_ID_BYTES)
         wished = Wished(
             id=digest.hexdigest(),
             number=number,
