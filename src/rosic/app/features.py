@@ -9,6 +9,7 @@ from rosic.app.alert_feature import AlertFeature
 from rosic.app.fleet_feature import BenchmarkContext as Askers
 from rosic.app.fleet_feature import FleetFeature, furnish_benchmarks, show_benchmarks
 from rosic.authoriser.invite_codes import telegram_link
+from rosic.contracts.messenger import bot_name_of
 from rosic.core.i18n import joined
 from rosic.core.language import clean_name
 from rosic.core.message import Outbound
@@ -357,5 +358,5 @@ class FeatureSetup:
 
 def _link(messenger: Messenger, code: Secret) -> str:
     """Return the link that brings a code to a bot; empty on a messenger without such links."""
-    bot = getattr(messenger, "bot_name", "")
+    bot = bot_name_of(messenger)
     return telegram_link(bot, code) if bot else ""

@@ -6,7 +6,7 @@ does no I/O, opening does.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -47,6 +47,13 @@ class RobotFactory(Protocol):
         ...
 
 
+@runtime_checkable
+class StopsItself(Protocol):
+    """A kind of robot that says whether it is stopped without a word in its profile."""
+
+    stops_itself: bool
+
+
 def stops_itself(factory: RobotFactory) -> bool:
     """Whether robots of a kind are stopped and measured at rest without a word in the profile."""
-    return bool(getattr(factory, "stops_itself", False))
+    return isinstance(factory, StopsItself) and factory.stops_itself

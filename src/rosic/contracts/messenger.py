@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, runtime_checkable
 
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Enclosure, Inbound, Menu, Outbound, Passing, Reaction, Weight
@@ -116,6 +116,153 @@ class Messenger(Protocol):
         ...
 
 
+# ---- what a messenger may be able to do besides ----
+
+
+@runtime_checkable
+class TakesTurns(Protocol):
+    """Its platform takes only so much at a time; see `turn_of`."""
+
+    async def turn(self, chat: Chat, weight: Weight) -> None:
+        """Wait until something of this weight may be said in this chat."""
+
+
+@runtime_checkable
+class RaisesAlarms(Protocol):
+    """It can be taken over; see `alarm_to`."""
+
+    on_alarm: Alarm
+
+
+@runtime_checkable
+class AsksToConfirm(Protocol):
+    """It asks before it confirms anything to its platform; see `settle_with`."""
+
+    def settle_with(self, settle: Settle) -> None:
+        """Ask this from now on."""
+
+
+@runtime_checkable
+class WaitsForDisk(Protocol):
+    """It says whether it confirms only what is on disk; see `waits_for_disk`."""
+
+    settles: bool
+
+
+@runtime_checkable
+class NamesAdmins(Protocol):
+    """It can say who looks after a chat of many; see `admins_of`."""
+
+    async def admins(self, chat: Chat) -> tuple[Address, ...]:
+        """Return the accounts of those people."""
+
+
+@runtime_checkable
+class HasAccount(Protocol):
+    """It has an account with an id; see `account_of`."""
+
+    @property
+    def account(self) -> str:
+        """Return the platform's immutable id."""
+
+
+@runtime_checkable
+class HasBotName(Protocol):
+    """Its account has a name that others find it by; see `bot_name_of`."""
+
+    @property
+    def bot_name(self) -> str:
+        """Return that name."""
+
+
+@runtime_checkable
+class DatesAccount(Protocol):
+    """Identities of its messages hold its account, or once did not; see `account_since`."""
+
+    def account_since(self, since_ns: int, *, several: bool) -> None:
+        """Name the account in what was sent since."""
+
+
+@runtime_checkable
+class KeepsPace(Protocol):
+    """Its platform counts what is said; see `keep_pace_with`."""
+
+    def keep_pace(self, kept: Mapping[str, bytes], keep: Keep) -> None:
+        """Go on with what an earlier run has said."""
+
+
+@runtime_checkable
+class ReadsKnownFirst(Protocol):
+    """It receives much at once; see `know_with`."""
+
+    def know_with(self, known: Knows) -> None:
+        """Read first what people known here sent."""
+
+
+@runtime_checkable
+class CatchesUp(Protocol):
+    """It brings what was sent while it did not listen; see `catching_up`."""
+
+    def catching_up(self) -> bool:
+        """Return whether such messages may still come."""
+
+
+@runtime_checkable
+class ChecksAccounts(Protocol):
+    """It can tell that an account cannot exist; see `is_account`."""
+
+    def is_account(self, account: str) -> bool:
+        """Return whether one can, by its id alone."""
+
+
+@runtime_checkable
+class WatchesChats(Protocol):
+    """It has chats of many; see `watch_chats`."""
+
+    def watch_chats(self, passed: Passed) -> None:
+        """Tell what happens to them."""
+
+
+@runtime_checkable
+class WatchesReactions(Protocol):
+    """People react to messages there; see `watch_reactions`."""
+
+    def watch_reactions(self, reacted: Reacted) -> None:
+        """Tell when they do."""
+
+
+@runtime_checkable
+class Reacts(Protocol):
+    """It can react to a message itself; see `reactions_of`."""
+
+    async def react(self, chat: Chat, message: str, emoji: str) -> None:
+        """Put an emoji beside a message."""
+
+
+@runtime_checkable
+class PutsPictures(Protocol):
+    """A message of it can be made to show a picture; see `pictures_of`."""
+
+    async def put_picture(self, message: str, outbound: Outbound) -> None:
+        """Make a message show one."""
+
+
+@runtime_checkable
+class Retracts(Protocol):
+    """It can take messages out of a chat; see `retract_of`."""
+
+    async def retract(self, chat: Chat, message: str) -> None:
+        """Take one out."""
+
+
+@runtime_checkable
+class OffersMenus(Protocol):
+    """It offers commands while somebody types; see `menus_of`."""
+
+    async def set_menus(self, menus: Sequence[Menu]) -> None:
+        """Make each of these menus look as given."""
+
+
 def turn_of(messenger: Messenger) -> Turn | None:
     """Return what a messenger calls ``turn``, if its platform takes only so much at a time.
 
@@ -123,8 +270,7 @@ def turn_of(messenger: Messenger) -> Turn | None:
     next waits for nothing more, so its words can be chosen last. It raises ``MessengerFault`` when
     there was no room in time; cancelling it takes no turn. None: there is always room.
     """
-    turn: Turn | None = getattr(messenger, "turn", None)
-    return turn
+    return messenger.turn if isinstance(messenger, TakesTurns) else None
 
 
 def alarm_to(messenger: Messenger, alarm: Alarm) -> None:
@@ -133,7 +279,7 @@ def alarm_to(messenger: Messenger, alarm: Alarm) -> None:
     Called once per occurrence, on the event loop, after motion from this messenger was frozen, and
     once when that has ended.
     """
-    if hasattr(messenger, "on_alarm"):
+    if isinstance(messenger, RaisesAlarms):
         messenger.on_alarm = alarm
 
 
@@ -145,11 +291,15 @@ def settle_with(messenger: Messenger, settle: Settle) -> bool:
     it has nobody to ask. Return whether it will ask: one that does not is given nothing that is
     not settled.
     """
-    take: Callable[[Settle], None] | None = getattr(messenger, "settle_with", None)
-    if take is None:
+    if not isinstance(messenger, AsksToConfirm):
         return False
-    take(settle)
+    messenger.settle_with(settle)
     return True
+
+
+def waits_for_disk(messenger: Messenger) -> bool:
+    """Whether a messenger waits for what is being written before it confirms what it received."""
+    return isinstance(messenger, WaitsForDisk) and messenger.settles
 
 
 def admins_of(messenger: Messenger) -> Admins | None:
@@ -158,13 +308,17 @@ def admins_of(messenger: Messenger) -> Admins | None:
     It takes a chat and returns the accounts of people, those who stay anonymous there included. It
     raises ``MessengerFault`` when that is not told, or cannot be known now.
     """
-    found: Admins | None = getattr(messenger, "admins", None)
-    return found
+    return messenger.admins if isinstance(messenger, NamesAdmins) else None
 
 
 def account_of(messenger: Messenger) -> str:
     """Return our own account there, by the platform's immutable id; empty: there is one only."""
-    return str(getattr(messenger, "account", ""))
+    return messenger.account if isinstance(messenger, HasAccount) else ""
+
+
+def bot_name_of(messenger: Messenger) -> str:
+    """Return the name of our account that its links hold; empty: there is none, or none yet."""
+    return messenger.bot_name if isinstance(messenger, HasBotName) else ""
 
 
 def account_since(messenger: Messenger, since_ns: int, *, several: bool) -> None:
@@ -179,9 +333,8 @@ def account_since(messenger: Messenger, since_ns: int, *, several: bool) -> None
         several: This gateway has other accounts on its platform: what two of them hear is one
             message, whatever number each of them gives it.
     """
-    take: Callable[..., None] | None = getattr(messenger, "account_since", None)
-    if take is not None:
-        take(since_ns, several=several)
+    if isinstance(messenger, DatesAccount):
+        messenger.account_since(since_ns, several=several)
 
 
 def keep_pace_with(messenger: Messenger, kept: Mapping[str, bytes], keep: Keep) -> None:
@@ -192,10 +345,8 @@ def keep_pace_with(messenger: Messenger, kept: Mapping[str, bytes], keep: Keep) 
         kept: What it kept, by a name that says nothing of the chat.
         keep: Keeps something under a name, soon and in order; nothing: forgets it.
     """
-    take: Callable[[Mapping[str, bytes], Keep], None] | None
-    take = getattr(messenger, "keep_pace", None)
-    if take is not None:
-        take(kept, keep)
+    if isinstance(messenger, KeepsPace):
+        messenger.keep_pace(kept, keep)
 
 
 def know_with(messenger: Messenger, known: Knows) -> None:
@@ -204,9 +355,8 @@ def know_with(messenger: Messenger, known: Knows) -> None:
     Whom it asks about is a look-up. Nothing is lost or given up by it: what strangers sent comes
     later, so that however much that is, nobody's stop waits behind it.
     """
-    take: Callable[[Knows], None] | None = getattr(messenger, "know_with", None)
-    if take is not None:
-        take(known)
+    if isinstance(messenger, ReadsKnownFirst):
+        messenger.know_with(known)
 
 
 def serve_with(messenger: Messenger, serves: Serves) -> None:
@@ -225,14 +375,12 @@ def catching_up(messenger: Messenger) -> bool:
 
     One that cannot say brings nothing of the kind.
     """
-    ask: Callable[[], bool] | None = getattr(messenger, "catching_up", None)
-    return ask is not None and ask()
+    return isinstance(messenger, CatchesUp) and messenger.catching_up()
 
 
 def is_account(messenger: Messenger, account: str) -> bool:
     """Whether an account can exist there, as far as a messenger can tell by its id alone."""
-    ask: Callable[[str], bool] | None = getattr(messenger, "is_account", None)
-    return ask is None or ask(account)
+    return not isinstance(messenger, ChecksAccounts) or messenger.is_account(account)
 
 
 def watch_chats(messenger: Messenger, passed: Passed) -> None:
@@ -241,9 +389,8 @@ def watch_chats(messenger: Messenger, passed: Passed) -> None:
     Called on the event loop while the messenger listens, each time at least once; first, after
     every start of listening, with whether this account hears everything in groups.
     """
-    watch: Callable[[Passed], None] | None = getattr(messenger, "watch_chats", None)
-    if watch is not None:
-        watch(passed)
+    if isinstance(messenger, WatchesChats):
+        messenger.watch_chats(passed)
 
 
 def watch_reactions(messenger: Messenger, reacted: Reacted) -> None:
@@ -252,9 +399,8 @@ def watch_reactions(messenger: Messenger, reacted: Reacted) -> None:
     Called on the event loop while the messenger listens, each time at least once, as soon as it
     arrives: nothing that must not be lost, and nothing that moves, may hang on it.
     """
-    watch: Callable[[Reacted], None] | None = getattr(messenger, "watch_reactions", None)
-    if watch is not None:
-        watch(reacted)
+    if isinstance(messenger, WatchesReactions):
+        messenger.watch_reactions(reacted)
 
 
 def reactions_of(messenger: Messenger) -> React | None:
@@ -263,8 +409,7 @@ def reactions_of(messenger: Messenger) -> React | None:
     It takes a chat, the id of a message there and an emoji, and raises ``MessengerFault`` when the
     emoji is not there afterwards, or it cannot be known: then say it in words.
     """
-    found: React | None = getattr(messenger, "react", None)
-    return found
+    return messenger.react if isinstance(messenger, Reacts) else None
 
 
 def pictures_of(messenger: Messenger) -> PutPicture | None:
@@ -274,8 +419,7 @@ def pictures_of(messenger: Messenger) -> PutPicture | None:
     a picture and the text beneath it. Once a message shows one it does so for good, and holds no
     more text than goes beneath a picture. It raises what ``Messenger.edit`` raises.
     """
-    found: PutPicture | None = getattr(messenger, "put_picture", None)
-    return found
+    return messenger.put_picture if isinstance(messenger, PutsPictures) else None
 
 
 def retract_of(messenger: Messenger) -> Retract | None:
@@ -286,8 +430,7 @@ def retract_of(messenger: Messenger) -> Retract | None:
     take away what others wrote there), and ``MessengerFault`` when it may succeed later. Whoever
     has read it has read it: nothing may hang on its being gone.
     """
-    found: Retract | None = getattr(messenger, "retract", None)
-    return found
+    return messenger.retract if isinstance(messenger, Retracts) else None
 
 
 def menus_of(messenger: Messenger) -> SetMenus | None:
@@ -296,5 +439,4 @@ def menus_of(messenger: Messenger) -> SetMenus | None:
     It makes each of these menus look as given, with one call to the platform for each that does
     not look so already, and leaves all others alone. It never raises: a menu is a convenience.
     """
-    found: SetMenus | None = getattr(messenger, "set_menus", None)
-    return found
+    return messenger.set_menus if isinstance(messenger, OffersMenus) else None

@@ -23,6 +23,14 @@ Say: TypeAlias = Callable[[str], None]
 Deliver: TypeAlias = Callable[["FileForRobot"], Awaitable["Receipt"]]
 
 
+@runtime_checkable
+class TakesFiles(Protocol):
+    """Files can be handed to its side; see `deliver_of`."""
+
+    async def deliver(self, parcel: FileForRobot) -> Receipt:
+        """Hand one over, once."""
+
+
 def deliver_of(robot: Robot) -> Deliver | None:
     """Return what a robot calls ``deliver``, if files can be handed to its side.
 
@@ -30,8 +38,7 @@ def deliver_of(robot: Robot) -> Deliver | None:
     when its side is not there, or is stopped: nothing was sent; and ``RobotUnreachable`` when it
     was sent and nothing came in time: its side may or may not have it.
     """
-    deliver: Deliver | None = getattr(robot, "deliver", None)
-    return deliver
+    return robot.deliver if isinstance(robot, TakesFiles) else None
 
 
 class Robot(Protocol):

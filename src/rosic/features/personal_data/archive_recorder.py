@@ -14,7 +14,10 @@ from rosic.contracts.messenger import (
     account_of,
     account_since,
     admins_of,
+    alarm_to,
+    bot_name_of,
     catching_up,
+    is_account,
     keep_pace_with,
     know_with,
     menus_of,
@@ -37,6 +40,7 @@ if TYPE_CHECKING:
 
     from rosic.container.archive import Archive
     from rosic.contracts.messenger import (
+        Alarm,
         Keep,
         Knows,
         Messenger,
@@ -44,7 +48,6 @@ if TYPE_CHECKING:
         Reacted,
         Receive,
         Serves,
-        SetMenus,
         Settle,
     )
     from rosic.contracts.store import Store
@@ -92,9 +95,11 @@ class ArchivingMessenger:
         self.react = reactions_of(messenger)
         self.retract = retract_of(messenger)
         self.put_picture = pictures_of(messenger)
+        self.set_menus = menus_of(messenger)
         self.settles = False
         self.account = account_of(messenger)
         self.admins = admins_of(messenger)
+        self._alarm: Alarm | None = None
         self._messenger = messenger
         self._archive = archive
         self._store = store
@@ -104,12 +109,21 @@ class ArchivingMessenger:
     @property
     def bot_name(self) -> str:
         """Return the bot's name on its platform; empty where there is none."""
-        return str(getattr(self._messenger, "bot_name", ""))
+        return bot_name_of(self._messenger)
 
     @property
-    def set_menus(self) -> SetMenus | None:
-        """Return how commands are offered; see ``contracts.messenger``."""
-        return menus_of(self._messenger)
+    def on_alarm(self) -> Alarm | None:
+        """Return who is told that somebody else acts in its name; see ``contracts.messenger``."""
+        return self._alarm
+
+    @on_alarm.setter
+    def on_alarm(self, alarm: Alarm) -> None:
+        self._alarm = alarm
+        alarm_to(self._messenger, alarm)
+
+    def is_account(self, account: str) -> bool:
+        """Return whether an account can exist; see ``contracts.messenger``."""
+        return is_account(self._messenger, account)
 
     def settle_with(self, settle: Settle) -> None:
         """Have it ask before it confirms; see ``contracts.messenger``."""

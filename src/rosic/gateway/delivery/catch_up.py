@@ -12,6 +12,7 @@ import logging
 from collections import deque
 from typing import TYPE_CHECKING, Final
 
+from rosic.contracts.messenger import waits_for_disk
 from rosic.core.i18n import joined, said, said_n
 from rosic.core.message import Outbound, Weight
 from rosic.errors import Expired
@@ -111,7 +112,7 @@ class BacklogReplies:
 
     def settles(self, messenger: Messenger) -> bool:
         """Whether a messenger waits for what is begun here before it confirms anything."""
-        return bool(getattr(messenger, "settles", False))
+        return waits_for_disk(messenger)
 
     def begin(self, writing: Coroutine[object, object, None]) -> None:
         """Write an answer down beside the next message of its chat, in the order begun.
