@@ -12,6 +12,10 @@ from rosic.app.maintenance import Maintenance
 from rosic.app.policy import PolicyEnforcer, PolicyService
 from rosic.config.profiles import known_units
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
+from rosic.gateway.delivery.notifier import Notifier
+from rosic.gateway.delivery.redaction import SecretRedaction
+from rosic.gateway.delivery.sender import ChatSender
+from rosic.gateway.stop import StopLane
 from rosic.linker.linker import Linker
 from rosic.organiser.organiser import Organiser
 from rosic.testing.clock import ManualClock
@@ -23,6 +27,11 @@ DECIDED_BY = [
     (FeatureSetup, "enforcer"),
     (Maintenance, "enforcer"),
     (PolicyEnforcer, "changes"),
+    (Notifier, "outbox"),
+    (StopLane, "outbox"),
+    (ChatSender, "gone"),
+    (SecretRedaction, "note"),
+    (SecretRedaction, "is_good"),
 ]
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.admin.dispatch import ALL, AdminDispatcher
+from rosic.core.deferred import Deferred
 from rosic.core.records import Decided, Resumed
 from rosic.errors import Refusal, RobotStopped, RobotUnreachable
 from rosic.robots.memory import MemoryRobot
@@ -53,7 +54,7 @@ def _begun_by(place: Place) -> list[Collection[str]]:
         asked.append(tuple(robots))
         return "cf1 begins task 7."
 
-    place.gateway.pipeline.resuming.begins = begins
+    place.gateway.pipeline.resuming.begins = Deferred(begins)
     return asked
 
 

@@ -12,7 +12,7 @@ from rosic.messengers.memory import MemoryMessenger
 from rosic.testing.clock import ManualClock, SeededEntropy, settle
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
 CHAT = Chat("memory", "1")
 MINUTE_NS = 60_000_000_000
@@ -37,9 +37,12 @@ class Place:
         self.clock = ManualClock()
         self.messenger = Forgetful("memory", clock=self.clock)
         self.messenger.prepare(*failures)
-        self.retracting = SecretRedaction(self.clock, SeededEntropy())
         self.written: list[Fact] = []
-        self.retracting.begin(self.written.append, (self.messenger,), {KIND: facts})
+        self.is_good: dict[str, Callable[[str], bool]] = {}
+        self.retracting = SecretRedaction(
+            self.clock, SeededEntropy(), self.written.append, self.is_good
+        )
+        self.retracting.begin((self.messenger,), {KIND: facts})
 
     def keep(self, message: str, *, whose: str = "ada", for_ns: int = 10 * MINUTE_NS) -> None:
         at_ns = self.clock.wall_ns() + for_ns
@@ -100,7 +103,7 @@ async def test_it_is_bounded_in_number_and_in_time_and_asks_for_what_there_is() 
 
 async def test_it_goes_at_once_when_it_is_worth_nothing() -> None:
     place, good = Place(), {"x"}
-    place.retracting.is_good["code"] = good.__contains__
+    place.is_good["code"] = good.__contains__
     place.keep("7")
     place.retracting.look()
     await settle()

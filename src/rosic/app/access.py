@@ -68,6 +68,7 @@ class AccessFeature:
 
     Attributes:
         changes: Through which every change goes.
+        note: Writes down what is so already, and waits for no disk.
         enrolment, keys, locks, stepup, misuse, tally, time, security, waiting, petitions: The
             books.
         cards: Live cards of earlier runs, for whoever shows them.
@@ -83,6 +84,7 @@ class AccessFeature:
         place: str,
     ) -> None:
         self.changes = Transactions(store)
+        self.note = store.note
         self.cards: tuple[Fact, ...] = ()
         self.keys = authoriser.keys
         self.time, self.tally = self.keys.time, self.keys.tally

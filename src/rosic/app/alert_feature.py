@@ -67,7 +67,7 @@ class AlertFeature:
         book = AlertLog()
         circles = Recipients(rooms.authoriser, rooms.organiser)
         self.alerting = AlertEvaluator(rooms, access.changes, hands.reach, clock, book, circles)
-        hands.reach.again = self.alerting.again
+        hands.reach.again.bind(self.alerting.again)
         self.reacting = AlertReactions(self.alerting, rooms.authoriser.directory, hands.reach)
         self.absences = Absences(rooms, hands.reach, clock)
         self.broken_stops = BrokenStops(rooms, hands.reach, clock, circles)

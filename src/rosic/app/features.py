@@ -237,11 +237,11 @@ class FeatureSetup:
         """Have what holds a secret taken out of chats once it is worth nothing."""
         access = self._access
         made = access.enrolment.invitations
-        self.retracting = SecretRedaction(clock, entropy)
-        self.retracting.is_good = {
+        is_good = {
             INVITATION: lambda name: any(one.id == name for one in made.open()),
             AUTHENTICATOR: access.stepup.is_setting_up,
         }
+        self.retracting = SecretRedaction(clock, entropy, access.note, is_good)
         access.changes.after(self.retracting.look)
 
     def _names_robot(self, text: str) -> bool:

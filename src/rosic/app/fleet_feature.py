@@ -125,8 +125,8 @@ class FleetFeature:
         self._furnish_missions(tasks, memory, settings, pipeline)
         robots = self.robots = RobotCommands(rooms, dispatching, self._hands.stop_lane)
         robots.employ(office)
-        rooms.board.barred.bind(robots.barred)
-        pipeline.resuming.begins = robots.begins
+        pipeline.resuming.begins.bind(robots.begins)
+        rooms.board.barred.bind(robots.barred)  # from here on robots are resumed
         pausing = PauseCommands(
             rooms, dispatching, pipeline.lives, pipeline.resuming, pipeline.reception
         )

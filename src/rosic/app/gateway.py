@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.app.access import AccessFeature, MisuseFollower, authoriser_of
+from rosic.app.access import AccessFeature, MisuseFollower, admins_of, authoriser_of
 from rosic.app.added_robots import KIND as ENLISTED
 from rosic.app.added_robots import newcomers_of, with_enlisted
 from rosic.app.alert_feature import furnish_seeing
@@ -17,8 +17,7 @@ from rosic.app.data_feature import DataFeature, OwnDataQueries, preferences_of
 from rosic.app.features import FeatureSetup
 from rosic.app.maintenance import Maintenance, rates_of, save, save_now_and_then
 from rosic.app.messenger_setup import take_in
-from rosic.app.opening import StartupNotices
-from rosic.app.owing import owe_over_crashes
+from rosic.app.opening import StartupNotices, warn_of_thieves
 from rosic.app.people import remember, seed
 from rosic.app.policy import PolicyEnforcer, PolicyService
 from rosic.app.record_monitor import record_watch_of
@@ -32,6 +31,7 @@ from rosic.config.translations import LANGUAGES, catalogue, whose
 from rosic.container.container import Containers
 from rosic.container.messages import SETTINGS_DAMAGED
 from rosic.contracts.store import ContainerStore
+from rosic.core.deferred import Deferred
 from rosic.core.language import Vocabulary, inert_text
 from rosic.core.message import Outbound
 from rosic.errors import ConfigurationError
@@ -39,7 +39,8 @@ from rosic.features.media.snapshot import DashboardCamera
 from rosic.gateway import Pipeline
 from rosic.gateway.components import Components
 from rosic.gateway.confirmation import Confirmation
-from rosic.gateway.delivery.notifier import Notifier
+from rosic.gateway.delivery.notifier import Notifier, UndeliverableHandler, nobody_to_tell
+from rosic.gateway.delivery.outbox import Outbox
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 from rosic.gateway.delivery.translation import ChatLanguages
 from rosic.gateway.order_execution import inert_words
@@ -59,8 +60,10 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Memory
     from rosic.core.robot.profile import Profile, RobotId
+    from rosic.errors import ChatGone
     from rosic.features.media.context import MediaContext
     from rosic.gateway.confirmation import Resolver
+    from rosic.gateway.delivery.chat_queue import Item
 
 __all__ = ["Gateway", "GatewayParts", "GatewaySettings"]
 
@@ -78,7 +81,7 @@ class Gateway:
     """A running ROSIC.
 
     Attributes:
-        pipeline, rooms, stop_lane, robots: Made by ``open``.
+        pipeline, rooms, stop_lane, outbox, robots: Made by ``open``.
         profiles: Of every robot; what the rooms look into, so that it grows for all of them.
         authority, enforcer, access, furnishing, holding: Likewise.
         languages, seeing, alarms, among: Likewise.
@@ -88,6 +91,7 @@ class Gateway:
     pipeline: Pipeline
     rooms: Components
     stop_lane: StopLane
+    outbox: Outbox
     robots: dict[RobotId, Robot]
     profiles: dict[RobotId, Profile]
     authority: PolicyService
@@ -187,36 +191,46 @@ class Gateway:
         self.authority = authority
         await self._furnish(memory)
 
-    async def _furnish(self, memory: Memory) -> None:
-        """Put a pipeline through the rooms, and everything in its place beside it."""
-        parts, authority = self._parts, self.authority
-        authoriser, time = self.rooms.authoriser, self.access.time
+    def _speaking(self) -> tuple[ChatSender, Notifier]:
+        """Make what speaks to people, and what it takes to stop robots and to say so."""
+        parts, authoriser = self._parts, self.rooms.authoriser
         self.languages = languages = ChatLanguages(catalogue, LANGUAGES)
         languages.at = partial(whose, authoriser)
-        self._teller = ChatSender(self.rooms.container, parts.clock, languages)
+        gone: Deferred[[Item, ChatGone], None] = Deferred(nobody_to_tell)
+        self._teller = teller = ChatSender(self.rooms.container, parts.clock, gone, languages)
+        self.outbox = Outbox(parts.store, parts.clock, parts.entropy, teller)
+        resuming = ResumeHandler(self.rooms)
         self.stop_lane = StopLane(
-            self.rooms, parts.store, parts.clock, self._teller, ResumeHandler(self.rooms)
+            self.rooms, parts.store, parts.clock, teller, resuming, self.outbox
         )
-        self.enforcer = PolicyEnforcer(authority, self.rooms, self.stop_lane, self.access.changes)
+        self.enforcer = PolicyEnforcer(
+            self.authority, self.rooms, self.stop_lane, self.access.changes
+        )
         self.holding = DataFeature(
             self.rooms, self.access, self.enforcer, parts.clock, languages, self._own
         )
         self._messengers = self.holding.record(parts.messengers, parts.store)
-        reach = Notifier(authoriser, self._teller, self._messengers)
-        self.pipeline = self._pipeline(self._teller, reach)
+        reach = Notifier(authoriser, teller, self._messengers, self.outbox)
+        gone.bind(self._elsewhere(reach).gone)
+        return teller, reach
+
+    async def _furnish(self, memory: Memory) -> None:
+        """Put a pipeline through the rooms, and everything in its place beside it."""
+        parts = self._parts
+        authoriser, time = self.rooms.authoriser, self.access.time
+        teller, reach = self._speaking()
+        self.pipeline = self._pipeline(teller, reach)
         self.furnishing = FeatureSetup(
-            self.rooms, self.pipeline, self.access, self.stop_lane, self._teller, self.enforcer
+            self.rooms, self.pipeline, self.access, self.stop_lane, teller, self.enforcer
         )
         self.furnishing.furnish(reach, time, parts.entropy, self._settings.zone)
-        self.seeing = furnish_seeing(
-            self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
-        )
+        self.seeing = furnish_seeing(self.rooms, self.pipeline, teller, parts.painter, parts.clock)
         self.furnishing.live_cards.drawing.picturing.camera = DashboardCamera(self.seeing)
         self.alarms = self.furnishing.alarms(memory, self._settings, time, parts.face)
         self.alarms.watch(self._messengers)
-        gathering = gathering_of(self, self._teller, parts.clock, self._settings.place)
+        gathering = gathering_of(self, teller, parts.clock, self._settings.place)
         gathering.gather(self._messengers, memory)
-        self.among = fellowship_of(self, parts, self._teller, memory)
+        self.among = fellowship_of(self, parts, teller, memory)
         self.record_watch = record_watch_of(parts.store, parts.latch, parts.clock, self.furnishing)
         ways = RobotConnections(self._opened.append, self._robot_says)
         self.enlisting = RobotRegistry(self, self._settings, parts, memory, ways)
@@ -226,6 +240,11 @@ class Gateway:
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
             newcomers_of(self)
+
+    def _elsewhere(self, reach: Notifier) -> UndeliverableHandler:
+        rooms = self.rooms
+        name = rooms.authoriser.directory.name
+        return UndeliverableHandler(reach, partial(admins_of, rooms.organiser), name)
 
     def _pipeline(self, teller: ChatSender, reach: Notifier) -> Pipeline:
         """Make the way of an order, with everything that decides beside it."""
@@ -269,11 +288,9 @@ class Gateway:
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
         linker.watch_stopped()
         await self.furnishing.fleet.settle(memory, parts.store)
-        name = self.rooms.authoriser.directory.name
-        outbox = owe_over_crashes(
-            parts, self.furnishing, self.stop_lane, self._teller, memory, name
-        )
-        outbox.restore(memory.facts, messengers)
+        self.furnishing.retracting.begin(self._messengers, memory.facts)
+        warn_of_thieves(parts.messengers, self.furnishing)
+        self.outbox.restore(memory.facts, messengers, self.furnishing.reach.dress)
         if count:
             log.warning("interrupted commands that were settled: %d", count)
 

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.contracts.messenger import alarm_to
 from rosic.core.i18n import joined, said
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from rosic.app.features import FeatureSetup
+    from rosic.contracts.messenger import Messenger
     from rosic.contracts.robot import Robot
     from rosic.core.robot.profile import Profile
+    from rosic.errors import MessengerFault
 
 
 class StartupNotices:
@@ -64,3 +67,17 @@ class StartupNotices:
             self._tell_admins(joined(": ", (profile.shown, text)))
 
         return says
+
+
+def warn_of_thieves(messengers: Iterable[Messenger], furnishing: FeatureSetup) -> None:
+    """Have the admins told wherever they are reached that somebody else acts for a messenger.
+
+    Through that messenger too: whoever has its token may take the words away again, but not from
+    every phone that has shown them.
+    """
+
+    def warn(fault: MessengerFault) -> None:
+        furnishing.reach.tell(furnishing.admins(), fault.sentence, urgent=True)
+
+    for messenger in messengers:
+        alarm_to(messenger, warn)

@@ -49,7 +49,7 @@ class ButtonExpiry:
         self._shown: dict[str, tuple[int, OutgoingMessage]] = {}
         self._watching: asyncio.Task[None] | None = None
         self._looks_ns = 0
-        teller.on_buttons = self.shown
+        teller.on_buttons.connect(self.shown)
 
     def shown(self, note: OutgoingMessage, message: str) -> None:
         """A message was sent or edited, and shows these buttons now, or none any more."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core import messages
+from rosic.core.deferred import Deferred
 from rosic.core.i18n import joined, said
 from rosic.core.identity import (
     OPERATOR,
@@ -55,10 +56,11 @@ class ResumeHandler:
 
     Attributes:
         begins: Returns what some robots may begin by themselves once they are resumed; mostly "".
+            Whoever knows is made later; nothing is resumed until then (`StopRegistry.barred`).
     """
 
     def __init__(self, rooms: Components) -> None:
-        self.begins: Callable[[Collection[RobotId]], str] = _nothing
+        self.begins: Deferred[[Collection[RobotId]], str] = Deferred(_nothing)
         self._organiser = rooms.organiser
         self._container = rooms.container
         self._linker = rooms.linker

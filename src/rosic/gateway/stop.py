@@ -104,6 +104,8 @@ class StopLane:
 
     Attributes:
         resuming: Undoes stops; every answer to one offers that.
+
+    Args:
         outbox: Has a stop answered even if this process does not live to do it.
     """
 
@@ -114,6 +116,7 @@ class StopLane:
         clock: Clock,
         teller: ChatSender,
         resuming: ResumeHandler,
+        outbox: Outbox,
     ) -> None:
         self._languages = teller.languages
         self._teller = teller
@@ -131,7 +134,7 @@ class StopLane:
         self._tasks: set[asyncio.Task[None]] = set()
         self._following: set[asyncio.Task[None]] = set()
         self._answering: Counter[tuple[str, str]] = Counter()
-        self.outbox: Outbox | None = None
+        self._outbox = outbox
 
     def hears(self, inbound: Inbound) -> bool:
         """Whether a stop could be in a message at all; see `SeveralRobots`."""
@@ -238,10 +241,10 @@ class StopLane:
         shown = [self._profiles[robot].shown for robot in halting.rests]
         catalogue = self._languages.of_sender(inbound)
         message = key = ""
-        if by and self.outbox is not None:
+        if by:
             plain = in_language(messages.stopped_unseen(shown), catalogue)
             owed = Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP)
-            key = self.outbox.owe(by, messenger, owed)
+            key = self._outbox.owe(by, messenger, owed)
         if messenger.edits:
             plain = in_language(messages.stopping(shown), catalogue)
             sent = Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP)
@@ -256,12 +259,11 @@ class StopLane:
         outbound = Outbound(chat=inbound.chat, text=plain, buttons=buttons, weight=Weight.STOP)
         told = await self._say(messenger, outbound, message)
         if told:
-            self._teller.on_buttons(OutgoingMessage(messenger, outbound), told)
-        if self.outbox is not None:
-            if told:
-                self.outbox.said(key)
-            else:
-                self.outbox.insist(key, messenger, replace(outbound, buttons=()))
+            self._teller.on_buttons.emit(OutgoingMessage(messenger, outbound), told)
+        if told:
+            self._outbox.said(key)
+        else:
+            self._outbox.insist(key, messenger, replace(outbound, buttons=()))
         for rest in islice((r for r in rests if not r.confirmed), messages.NAMED_AT_MOST):
             task = asyncio.create_task(self._when_at_rest(messenger, inbound, rest.robot))
             self._following.add(task)

@@ -39,7 +39,8 @@ from rosic.features.access.second_factor import SecondFactorCommands
 from rosic.gateway.agreement import ActPart, ResolvedAct
 from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.confirmation import Confirmation
-from rosic.gateway.delivery.notifier import Notifier
+from rosic.gateway.delivery.notifier import Notifier, nobody_to_tell
+from rosic.gateway.delivery.outbox import Outbox
 from rosic.gateway.delivery.redaction import SecretRedaction
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 from rosic.gateway.office import CommandContext, CommandRegistry
@@ -132,7 +133,8 @@ class Hall:
         )
         vocabulary = Vocabulary.build(FLEET, known_units())
         containers = Containers(vocabulary, self.store, self.clock, {})
-        self.teller = ChatSender(containers, self.clock)
+        self.teller = ChatSender(containers, self.clock, nobody_to_tell)
+        self.outbox = Outbox(self.store, self.clock, entropy, self.teller)
         self.reader = LanguageReader(vocabulary)
         self.registry = self._registry()
         self.office = CommandRegistry()
@@ -146,7 +148,7 @@ class Hall:
 
     def _registry(self) -> AccessContext:
         return AccessContext(
-            retracting=SecretRedaction(self.clock, SeededEntropy()),
+            retracting=SecretRedaction(self.clock, SeededEntropy(), self.store.note, {}),
             authoriser=self.authoriser,
             enrolment=self.enrolment,
             keys=self.keys,
@@ -155,7 +157,7 @@ class Hall:
             security=self.access.security,
             roster=self.authority.roster,
             changes=self.changes,
-            reach=Notifier(self.authoriser, self.teller, (self.chat,)),
+            reach=Notifier(self.authoriser, self.teller, (self.chat,), self.outbox),
             clock=self.clock,
             rights=lambda: self.rights,
             ahead=self.access.ahead,

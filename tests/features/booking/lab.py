@@ -22,7 +22,8 @@ from rosic.features.booking.commands import employ_clerks
 from rosic.features.booking.context import BookingContext, BookingQueries
 from rosic.features.booking.scheduler import BookingScheduler
 from rosic.gateway.cancel import BOOKING
-from rosic.gateway.delivery.notifier import Notifier
+from rosic.gateway.delivery.notifier import Notifier, nobody_to_tell
+from rosic.gateway.delivery.outbox import Outbox
 from rosic.gateway.delivery.sender import ChatSender
 from rosic.gateway.office import CommandContext, CommandRegistry
 from rosic.gateway.transactions import Transactions
@@ -131,7 +132,8 @@ class Lab:
             person = Principal(id=who, name=name, addresses=(Address("memory", who),))
             key = AuthorisationKey(id=f"k{who}", principal=who, issuer=ADA, issued_ns=0)
             self.authoriser.enrol(person, key)
-        teller = ChatSender(Containers(vocabulary, self.store, clock, {}), clock)
+        teller = ChatSender(Containers(vocabulary, self.store, clock, {}), clock, nobody_to_tell)
+        outbox = Outbox(self.store, clock, SeededEntropy(), teller)
         self.changes = Transactions(self.store)
         self.calendar = Calendar(clock)
         self.calendar.name_of = NAMES.__getitem__
@@ -150,7 +152,7 @@ class Lab:
             wishes=self.wishes,
             vocabulary=vocabulary,
             changes=self.changes,
-            reach=Notifier(self.authoriser, teller, (self.chat,)),
+            reach=Notifier(self.authoriser, teller, (self.chat,), outbox),
             clock=clock,
             sides=BookingQueries(
                 visible=self.visible,

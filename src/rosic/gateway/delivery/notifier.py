@@ -11,6 +11,7 @@ import msgspec
 
 from rosic.authoriser.button_tokens import is_lasting
 from rosic.contracts.messenger import Messenger, bot_name_of
+from rosic.core.deferred import Deferred
 from rosic.core.i18n import said
 from rosic.core.message import Button, Chat, Outbound, Weight
 from rosic.errors import ChatNotBegun
@@ -62,18 +63,25 @@ class Notifier:
 
     Attributes:
         messengers: Through which people are reached.
-        outbox: Keeps what is said over a crash; without one it is only said.
-        again: Returns what somebody is offered anew under what a later run says of a matter.
+        again: Returns what somebody is offered anew under what a later run says of a matter;
+            nothing is offered until it is bound.
+
+    Args:
+        outbox: Keeps what is said over a crash.
     """
 
     def __init__(
-        self, authoriser: Authoriser, teller: ChatSender, messengers: Iterable[Messenger]
+        self,
+        authoriser: Authoriser,
+        teller: ChatSender,
+        messengers: Iterable[Messenger],
+        outbox: Outbox,
     ) -> None:
         self._authoriser = authoriser
         self._teller = teller
         self.messengers = tuple(messengers)
-        self.outbox: Outbox | None = None
-        self.again: Callable[[PrincipalId, bytes], Notification | None] = _nothing
+        self._outbox = outbox
+        self.again: Deferred[[PrincipalId, bytes], Notification | None] = Deferred(_nothing)
 
     def tell(
         self,
@@ -114,8 +122,8 @@ class Notifier:
                 outbound = Outbound(chat=chat, text=notice.text, weight=weight)
                 note = OutgoingMessage(messenger, outbound)
                 self._offer(principal, note, notice)
-                if self.outbox is not None and lasts:
-                    self.outbox.say(principal, note, notice.matter)
+                if lasts:
+                    self._outbox.say(principal, note, notice.matter)
                 else:
                     self._teller.say(note)
                 places += 1
@@ -166,10 +174,7 @@ class Notifier:
                 note = OutgoingMessage(
                     messenger, translated(outbound, catalogue), to=principal, hops=hops
                 )
-                if self.outbox is not None:
-                    self.outbox.say(principal, note)
-                else:
-                    self._teller.say(note)
+                self._outbox.say(principal, note)
                 places += 1
         return places
 
@@ -193,6 +198,11 @@ TO_ADMINS: Final = 2
 """How often a text that has come to the admins has been passed on."""
 
 log = logging.getLogger("rosic.telling")
+
+
+def nobody_to_tell(_item: Item, _why: ChatGone) -> None:
+    """Log what a chat did not take before it was known who hears of it instead."""
+    log.error("nobody can be told any more what a chat did not take")
 
 
 class UndeliverableHandler:

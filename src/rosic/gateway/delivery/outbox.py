@@ -63,11 +63,7 @@ _read_words = msgspec.msgpack.Decoder(_Words).decode
 
 
 class Outbox:
-    """Remembers what is still to be said, over a crash.
-
-    Attributes:
-        dress: Puts under what is said again what can still be done about its matter.
-    """
+    """Remembers what is still to be said, over a crash."""
 
     def __init__(self, store: Store, clock: Clock, entropy: Entropy, teller: ChatSender) -> None:
         self._store = store
@@ -75,7 +71,6 @@ class Outbox:
         self._entropy = entropy
         self._teller = teller
         self._owed: dict[str, PrincipalId] = {}
-        self.dress: Callable[[OutgoingMessage, bytes], None] = _plainly
 
     def say(self, to: PrincipalId, note: OutgoingMessage, matter: bytes = b"") -> None:
         """Write down, in somebody's container, what they are to be told; then tell it.
@@ -112,16 +107,30 @@ class Outbox:
         return OutgoingMessage(messenger, outbound, then=partial(self.said, key), to=to)
 
     def restore(
-        self, facts: Mapping[str, Iterable[Fact]], messengers: Mapping[str, Messenger]
+        self,
+        facts: Mapping[str, Iterable[Fact]],
+        messengers: Mapping[str, Messenger],
+        dress: Callable[[OutgoingMessage, bytes], None],
     ) -> int:
-        """Say what the last run still owed. Return how much that was."""
+        """Say what the last run still owed. Return how much that was.
+
+        Args:
+            facts: What was written down.
+            messengers: By name.
+            dress: Puts under what is said again what can still be done about its matter.
+        """
         count = 0
         for fact in facts.get(KIND, ()):
             self._owed[fact.key] = fact.letter.container if fact.letter is not None else ""
-            count += self._say_again(fact, messengers)
+            count += self._say_again(fact, messengers, dress)
         return count
 
-    def _say_again(self, fact: Fact, messengers: Mapping[str, Messenger]) -> bool:
+    def _say_again(
+        self,
+        fact: Fact,
+        messengers: Mapping[str, Messenger],
+        dress: Callable[[OutgoingMessage, bytes], None],
+    ) -> bool:
         owed = _Owed(0, Weight.ALARM)
         try:
             owed = _read_owed(fact.body)
@@ -143,7 +152,7 @@ class Outbox:
         catalogue = self._teller.languages.of(self._owed[fact.key])
         note = self._note(fact.key, messenger, translated(outbound, catalogue))
         if found.matter:
-            self.dress(note, found.matter)
+            dress(note, found.matter)
         self._teller.say(note)
         return True
 
@@ -155,7 +164,3 @@ class Outbox:
         held = _Words(messenger.name, outbound.chat, str(outbound.text), outbound.reply_to, matter)
         body = _encode(_Owed(self._clock.wall_ns(), int(outbound.weight)))
         return key, Fact(kind=KIND, key=key, body=body, letter=Letter(to, _encode(held)))
-
-
-def _plainly(_note: OutgoingMessage, _matter: bytes) -> None:
-    """Nobody offers anything anew."""

@@ -60,30 +60,31 @@ _read_open = msgspec.msgpack.Decoder(_Open).decode
 class SecretRedaction:
     """Remembers messages that are to go. Bounded; of a flood, the newest stay.
 
-    Attributes:
+    Args:
+        note: Writes down what is kept.
         is_good: By the first word of a secret's name: whether the secret with that name is still
             worth something.
     """
 
-    def __init__(self, clock: Clock, entropy: Entropy) -> None:
-        self.is_good: dict[str, Callable[[str], bool]] = {}
+    def __init__(
+        self,
+        clock: Clock,
+        entropy: Entropy,
+        note: Callable[[Fact], None],
+        is_good: Mapping[str, Callable[[str], bool]],
+    ) -> None:
+        self._is_good = is_good
         self._clock = clock
         self._entropy = entropy
         self._messengers: dict[str, Messenger] = {}
-        self._note: Callable[[Fact], None] = _nowhere
+        self._note = note
         self._kept: dict[str, tuple[int, KeptSecret]] = {}
         self._again_ns: dict[str, int] = {}
         self._watching: asyncio.Task[None] | None = None
         self._tasks: set[asyncio.Task[None]] = set()
 
-    def begin(
-        self,
-        note: Callable[[Fact], None],
-        messengers: Iterable[Messenger],
-        facts: Mapping[str, Iterable[Fact]],
-    ) -> None:
-        """Go on with what an earlier run has kept, and write down what is kept from now on."""
-        self._note = note
+    def begin(self, messengers: Iterable[Messenger], facts: Mapping[str, Iterable[Fact]]) -> None:
+        """Go on with what an earlier run has kept."""
         self._messengers = {messenger.name: messenger for messenger in messengers}
         for fact in facts.get(KIND, ()):
             try:
@@ -146,7 +147,7 @@ class SecretRedaction:
 
     def _worth(self, secret: str) -> bool:
         kind, _, name = secret.partition(" ")
-        judge = self.is_good.get(kind)
+        judge = self._is_good.get(kind)
         return judge is None or judge(name)
 
     async def _retract(self, key: str, kept: KeptSecret, at_ns: int) -> None:
@@ -181,7 +182,3 @@ class SecretRedaction:
         """Look no more. What was written down goes after the next start."""
         for task in (*self._tasks, *filter(None, (self._watching,))):
             task.cancel()
-
-
-def _nowhere(_fact: Fact) -> None:
-    """There is no record yet."""

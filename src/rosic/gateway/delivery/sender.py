@@ -18,6 +18,7 @@ from rosic.core import messages
 from rosic.core.i18n import in_language
 from rosic.core.identity import Address
 from rosic.core.message import Outbound
+from rosic.core.signal import Signal
 from rosic.errors import ChatGone, MessageGone, MessengerFault
 from rosic.gateway.delivery.chat_queue import (
     ChatQueue,
@@ -60,14 +61,20 @@ class ChatSender:
     """All voices.
 
     Attributes:
-        gone: Hears of what a chat can be told no more, before it counts as told.
-        on_buttons: Hears which message shows a note now.
+        on_buttons: Tells which message shows a note now.
         languages: Who reads which language; what is handed over here to be said is plain already.
         subjects: Of which robot each message speaks.
+
+    Args:
+        gone: Passes on what a chat can be told no more, before it counts as told.
     """
 
     def __init__(
-        self, containers: Containers, clock: Clock, languages: ChatLanguages | None = None
+        self,
+        containers: Containers,
+        clock: Clock,
+        gone: Callable[[Item, ChatGone], None],
+        languages: ChatLanguages | None = None,
     ) -> None:
         self.languages = ChatLanguages() if languages is None else languages
         self._containers = containers
@@ -77,8 +84,8 @@ class ChatSender:
         self._aside: set[asyncio.Task[None]] = set()
         self._due: dict[OrderMessage, None] = {}
         self._ticking: asyncio.Task[None] | None = None
-        self.gone: Callable[[Item, ChatGone], None] | None = None
-        self.on_buttons: Callable[[OutgoingMessage, str], None] = _nobody_looks
+        self._gone = gone
+        self.on_buttons: Signal[[OutgoingMessage, str]] = Signal()
         self.subjects = ReplyTargets()
 
     def say(self, note: OutgoingMessage) -> None:
@@ -215,8 +222,7 @@ class ChatSender:
 
     def _let_go(self, item: Item, why: ChatGone) -> None:
         """Nobody is there to be told any more: it counts as told, and is tried no further."""
-        if self.gone is not None:
-            self.gone(item, why)
+        self._gone(item, why)
         if isinstance(item, OrderMessage):
             item.dirty, item.lines = False, ()
             told, item.untold = item.untold, ()
@@ -268,7 +274,7 @@ class ChatSender:
             raise
         if not message:
             return
-        self.on_buttons(note, message)
+        self.on_buttons.emit(note, message)
         self.subjects.note(note.messenger.name, note.outbound.chat, message, note.about)
         if note.cid is not None:
             self._containers.told(note.cid, *note.also)
@@ -363,7 +369,7 @@ class ChatSender:
         outbound = outbound_of(card, endings=False)
         adopted, card.adopted = card.message, False
         card.message = ""  # should this fail, it is said in a message of its own
-        self.on_buttons(OutgoingMessage(card.messenger, outbound), adopted)
+        self.on_buttons.emit(OutgoingMessage(card.messenger, outbound), adopted)
         await card.messenger.edit(adopted, outbound)
         card.message = adopted
 
@@ -388,10 +394,6 @@ class ChatSender:
             if voice.task is not None
         )
         return not speaking and not self._urgent
-
-
-def _nobody_looks(_note: OutgoingMessage, _message: str) -> None:
-    """Nobody wants to know which message shows a note."""
 
 
 def _marked(outbound: Outbound, catalogue: Catalogue | None) -> Outbound:
