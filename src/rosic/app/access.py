@@ -232,7 +232,7 @@ class AccessFeature:
         return admins == [principal]
 
 
-# ---- misuse: what refusals and second factors that were used come to ----
+# ---- misuse ----
 
 
 def admins_of(organiser: Organiser) -> tuple[PrincipalId, ...]:

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from rosic.organiser.organiser import Organiser
 
 
-# ---- robots that were added while a gateway ran: on the record, with their profiles ----
+# ---- robots added while a gateway ran ----
 
 KIND: Final = "robot"
 TEXT_BYTES: Final = 131_072

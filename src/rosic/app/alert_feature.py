@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from rosic.gateway.order_services import OrderServices
 
 
-# ---- puts the rules about alarms in their place: read once, with who stands for each ----
+# ---- alert rules ----
 
 
 class AlertFeature:
@@ -136,7 +136,7 @@ def author_findings(file: ConfigFile, robots: Iterable[Profile]) -> Iterator[Val
                 )
 
 
-# ---- who draws, and who may have pictures: the last step of putting seeing together ----
+# ---- pictures ----
 
 
 def painter() -> Renderer | None:

@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from rosic.gateway.transactions import Transactions
 
 
-# ---- puts the fleet in its place: tasks of earlier runs, who looks after them, who is asked ----
+# ---- the fleet ----
 
 _ENDS = {
     Ending.DONE.value: e.End.DONE,

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from rosic.gateway.delivery.sender import ChatSender
 
 
-# ---- puts together what goes beyond single messages: groups, their topics, menus of commands ----
+# ---- groups, topics and menus ----
 
 
 class GroupsFeature:
@@ -135,7 +135,7 @@ def _admins(authority: PolicyService, clock: Clock) -> list[PrincipalId]:
     )
 
 
-# ---- puts robots among themselves together: who speaks, what they share, who reads along ----
+# ---- robots among themselves ----
 
 
 def fellowship_of(

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rosic.core.order_status import Face
 
 
-# ---- whether everything that was asked has ended and was told: what a script waits for ----
+# ---- whether all has ended ----
 
 EVERY_S = 0.02
 PIPED = RateLimit(burst=100_000.0, per_s=1_000.0)
@@ -80,7 +80,7 @@ def _begins(gateway: Gateway, task: Task) -> bool:
     )
 
 
-# ---- the garbage collector of a gateway that has started ----
+# ---- the garbage collector ----
 
 # The collector looks for cycles among young objects whenever so many more were made than freed.
 # A command makes some fifty objects and no cycle: at the usual 700 it would look every dozen
@@ -95,7 +95,7 @@ def settle() -> None:
     gc.set_threshold(YOUNG, MIDDLE, OLD)
 
 
-# ---- the event loop of a gateway: a faster one where it is installed (extra ``fast``) ----
+# ---- the event loop ----
 
 T = TypeVar("T")
 
@@ -119,7 +119,7 @@ def name() -> str:
     return "asyncio" if _factory() is None else "uvloop"
 
 
-# ---- what a clock on the wall shows: the time of day in the place's zone ----
+# ---- the time of day in the place's zone ----
 
 
 def face_of(zone: tzinfo | None = None) -> Face:

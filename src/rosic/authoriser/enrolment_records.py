@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Entropy
 
 
-# ---- what comes of a code: in, waiting for an admin's tap, or turned away ----
+# ---- what comes of a code ----
 
 
 class CodeRedeemed(msgspec.Struct, frozen=True, kw_only=True):
@@ -144,7 +144,7 @@ class Declined(msgspec.Struct, frozen=True):
 Answer: TypeAlias = CodeRedeemed | ApplicantWaits | TurnedAway
 
 
-# ---- making somebody known, or giving a known person more: the records of it ----
+# ---- making somebody known ----
 
 PENDING_S: Final = float(DAY_S)
 GUEST: Final = "guest"
@@ -260,7 +260,7 @@ class EnrolmentRecords:
         return Decided(act=act, by=by, about=about, at_ns=self._time.wall_ns())
 
 
-# ---- who has a good code and waits for an admin's tap ----
+# ---- who waits for an admin ----
 
 _log = logging.getLogger(__name__)
 _encode = msgspec.msgpack.Encoder().encode

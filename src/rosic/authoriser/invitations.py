@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Entropy
 
 
-# ---- one invitation: what was asked for, what is kept of it, and its code, shown once ----
+# ---- one invitation ----
 
 CODE_TTL_S: Final = 600.0
 
@@ -166,7 +166,7 @@ class NewInvitation(msgspec.Struct, frozen=True):
         return words.invitation(made.given.words, code, lasts_s)
 
 
-# ---- every invitation: made, found by the digest of its code, ended, forgotten ----
+# ---- all invitations ----
 
 KIND: Final = "invitation"
 PEPPER: Final = "code-key"

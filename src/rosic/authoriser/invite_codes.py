@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from rosic.core.identity import Address
 
 
-# ---- 256 short words to compare by eye or by ear: no two sound or look alike, none offends ----
+# ---- words to compare ----
+# Compared by eye or by ear: no two sound or look alike, none offends.
 
 # fmt: off
 WORDS: Final = (
@@ -61,7 +62,8 @@ WORDS: Final = (
 # fmt: on
 
 
-# ---- codes that let somebody in: made, read, and kept as a keyed digest only ----
+# ---- codes ----
+# Kept as a keyed digest only.
 
 ALPHABET: Final = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"
 CODE_BYTES: Final = 5
@@ -206,7 +208,7 @@ def shared_words(pending: str, invitation: str, address: Address) -> str:
     return f"{WORDS[first]} {WORDS[second]}"
 
 
-# ---- pictures of a link: QR codes, through segno, for a chat and for a terminal ----
+# ---- QR codes ----
 
 QUIET: Final = 4  # modules of light border that a reader expects
 SCALE: Final = 8  # pixels a module

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Entropy
 
 
-# ---- six digits from a shared secret and the time: HOTP (RFC 4226) and TOTP (RFC 6238) ----
+# ---- HOTP (RFC 4226) and TOTP (RFC 6238) ----
 
 STEP_S: Final = 30
 STEP_NS: Final = STEP_S * SECOND_NS
@@ -84,7 +84,7 @@ def key_to_type(secret: bytes) -> Secret:
     return Secret(" ".join(letters[at : at + 4] for at in range(0, len(letters), 4)))
 
 
-# ---- a person's phone as a second step: what is kept of it, its set-up, a right code ----
+# ---- a person's phone ----
 
 
 class TotpDevice(msgspec.Struct, frozen=True):

@@ -64,7 +64,7 @@ class SecondFactorSessions:
             del self._used[where]
 
 
-# ---- a second step before dangerous things: the code that a person's phone shows now ----
+# ---- the second step ----
 
 KIND: Final = "totp"
 TRIES: Final = 5

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rosic.testing.telegram import Control
 
 
-# ---- the naive sender: a plain loop that answers the same commands, to be compared with ----
+# ---- the naive sender ----
 
 
 async def through_a_loop(control: Control, batch: Batch) -> BatchFigures:
@@ -64,7 +64,7 @@ async def _send_at_once(line: BotClient, person: int, message: int) -> None:
             return
 
 
-# ---- telegram: the paper's Algorithm 11 under Telegram's limits, and what receiving costs ----
+# ---- measuring ----
 
 AT_LEAST = 0.95
 SIZES = (10, 50, 100, 500)

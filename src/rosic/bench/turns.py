@@ -35,7 +35,7 @@ LONGEST_LINE_BYTES = 1 << 26
 REPORTS, COMMANDS, STOPS = "reports", "commands", "stops"
 
 
-# ---- in the process of a gateway ----
+# ---- in the gateway's process ----
 
 
 async def take_turns(
@@ -71,7 +71,7 @@ def _bring(feed: Feed, numbers: Iterator[int]) -> float:
     return (perf_counter_ns() - began_ns) / (feed.messages - before)
 
 
-# ---- in the process of the bench ----
+# ---- in the bench's process ----
 
 
 class Waiting:

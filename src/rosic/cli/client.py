@@ -87,7 +87,7 @@ def _warn(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-# ---- what commands do by themselves when no gateway runs ----
+# ---- when no gateway runs ----
 
 LOOKS = OfflineSeeding.IMAGINED
 CHANGES = OfflineSeeding.WRITTEN

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
 
-# ---- questions at the terminal, each with what is taken when the answer is empty ----
+# ---- questions ----
 
 HIDDEN = "Nothing is shown while you type or paste the next answer; Enter ends it."
 _YES = {"y": True, "yes": True, "n": False, "no": False}
@@ -114,7 +114,7 @@ class Questions:
             self.say("Please say yes or no.")
 
 
-# ---- ``rosic init``: a few questions, then a configuration that works ----
+# ---- ``rosic init`` ----
 
 ABOUT = """Ask a few questions and write rosic.toml, and profiles of robots that were found on the
 ROS 2 graph. Nothing that exists is overwritten. With --yes nothing is asked: what no option says is

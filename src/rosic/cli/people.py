@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 
-# ---- ``rosic people``: who is known ----
+# ---- ``rosic people`` ----
 
 ABOUT = """Who is known, what they may until when, their addresses and id; and who waits to come in.
 Works with and without a gateway."""
@@ -42,7 +42,7 @@ def run(arguments: Sequence[str]) -> int:
     return 0
 
 
-# ---- a code at the terminal: a sentence, and a picture for a phone's camera ----
+# ---- showing a code ----
 
 
 def show(sentence: str, payload: str, *, picture: bool = True) -> None:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
 
 
-# ---- what is wrong with the parts of a mission, looked at with the robots that are to do them ----
+# ---- parts of a mission ----
 
 ANY: Final = "any"
 LONGEST_S: Final = float(DAY_S)
@@ -182,7 +182,7 @@ def _tries(quantities: Mapping[str, Quantity]) -> list[dict[str, str]]:
     return [{name: shown(quantities[name], value) for name, value in v.items()} for v in values]
 
 
-# ---- what is wrong with the parameters of a mission ----
+# ---- parameters of a mission ----
 
 NAME: Final = re.compile(r"[a-z][a-z0-9_]*")
 TIMES: Final = frozenset({"in", "at", "on", "every", "now", "next", "today", "tomorrow"})

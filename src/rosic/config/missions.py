@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import Profile
 
 
-# ---- missions: their files, and what is wrong with them, with its line ----
+# ---- missions from files ----
 
 MISSION_BOUNDS: Final[dict[Field, NumberBounds]] = {
     (MissionPart, "priority"): NumberBounds(*PRIORITIES),
@@ -107,7 +107,7 @@ class Missions:
                 yield ValidationFinding(fault.place, fault.sentence)
 
 
-# ---- what a place has written down about rights, as rights see it: its rules and its robots ----
+# ---- the configured policy ----
 
 
 def fleet_of(profiles: Iterable[Profile]) -> Fleet:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.skill import Parameter, Skill, Trajectory
 
 
-# ---- what a profile must keep where choices stand for numbers and arms follow trajectories ----
+# ---- choices and trajectories ----
 
 
 def of_trajectory(trajectory: Trajectory | None) -> dict[str, float | int | str | bool]:
@@ -98,7 +98,7 @@ def _of(skill: Skill, parameter: str) -> Parameter:
     return skill.parameters[parameter]
 
 
-# ---- what a profile must keep where it says what is expected of a skill ----
+# ---- expectations ----
 
 
 def expected(profile: Profile) -> Iterator[ValidationFinding]:

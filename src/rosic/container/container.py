@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
 
 
-# ---- one principal's and one robot's container: units that share nothing (I11) ----
+# ---- units that share nothing (I11) ----
 
 CHATS_AT_MOST = 64
 SHARED_BYTES: Final = 8
@@ -102,7 +102,7 @@ class RobotContainer:
         return self.n
 
 
-# ---- the paper's container: PROCESSCOMMAND of Algorithm 1, and the durable claim ----
+# ---- PROCESSCOMMAND of Algorithm 1 ----
 
 DIGEST_BYTES = 16
 MET = "met"

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock, Entropy
 
 
-# ---- every sentence about lending what one keeps ----
+# ---- sentences ----
 
 
 def lent_enough(most: int) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
-# ---- time as an argument ----
+# ---- time ----
 
 
 class Clock(Protocol):
@@ -49,7 +49,7 @@ def passed_ns(clock: Clock, since: ClockReading) -> int:
     return max(clock.monotonic_ns() - since.monotonic_ns, clock.wall_ns() - since.wall_ns)
 
 
-# ---- chance as an argument ----
+# ---- chance ----
 
 
 class Entropy(Protocol):

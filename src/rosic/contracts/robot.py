@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from rosic.core.robot.view import Sight, View
 
 
-# ---- what a robot owes to ROSIC ----
-
 Tell: TypeAlias = Callable[[StageReport], None]
 Say: TypeAlias = Callable[[str], None]
 
@@ -123,7 +121,7 @@ class Robot(Protocol):
         ...
 
 
-# ---- what robots that speak with each other owe to ROSIC, and whoever keeps their tasks ----
+# ---- robots that speak with each other ----
 
 UTTERANCE_BYTES: Final = 65_536
 """What a robot says at once may be this long. An adapter hands on one byte more of what is longer,

@@ -11,7 +11,7 @@ import msgspec
 from rosic.core.i18n import said
 from rosic.core.identity import Address
 
-# ---- what comes from a messenger and what goes back to it, whatever the messenger is ----
+# ---- in and out ----
 
 _NO_NAME = frozenset("/\\\0\n\r")
 
@@ -305,7 +305,7 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         return self.weight <= Weight.ALARM
 
 
-# ---- what a messenger may offer while somebody types: commands with a line about each ----
+# ---- menus of commands ----
 
 
 class MenuScope(enum.Enum):

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rosic.gateway.resume import ResumeHandler
 
 
-# ---- what people had chosen before, chat by chat, so that a choice can be taken back ----
+# ---- earlier choices ----
 
 PLACES_AT_MOST: Final = 10_000
 STEPS_AT_MOST: Final = 8

@@ -70,7 +70,7 @@ if TYPE_CHECKING:
     from rosic.gateway.stop import StopLane
 
 
-# ---- one chat's messages pass the rooms in the order in which they came ----
+# ---- one chat's messages in order ----
 
 WAITING_AT_MOST = 256
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rosic.organiser.organiser import Organiser
 
 
-# ---- of which robot a message of ours speaks: whoever replies to it means that one ----
+# ---- which robot a message speaks of ----
 
 # Messages, at least; at most twice as many.
 REMEMBERED = 4_096
@@ -68,7 +68,7 @@ def meant(
     return container.selected(said.caller.principal, said.inbound.chat)
 
 
-# ---- who hears what a robot says of its own accord (Algorithm 8): whoever spoke to it last ----
+# ---- who hears a robot (Algorithm 8) ----
 
 CHATS_AT_MOST = 8
 

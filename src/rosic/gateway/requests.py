@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rosic.gateway.message_context import MessageContext
 
 
-# ---- what is too old to act on, in the words of the person who sent it (I2) ----
+# ---- what is too old to act on (I2) ----
 
 ERRAND_LIFETIME_NS: Final = 30 * SECOND_NS
 MISSED: Final = said("You sent this while I could not listen. Nothing was done.")

@@ -186,7 +186,7 @@ def _offers(verb: str, robots: tuple[RobotId, ...], rest: str) -> tuple[str, ...
     return tuple(f"{verb} {robot} {rest}".strip() for robot in robots[:MOST_ROBOTS])
 
 
-# ---- the sentences ----
+# ---- sentences ----
 
 
 def too_many_words(count: int, most: int) -> str:

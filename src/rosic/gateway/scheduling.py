@@ -56,7 +56,7 @@ async def go_round(
         due_ns = clock.monotonic_ns()
 
 
-# ---- waits for a time, or until something has happened that may be due sooner ----
+# ---- waiting for a time or an event ----
 
 
 async def sleep_or_wake(clock: Clock, seconds: float, woken: asyncio.Event) -> None:

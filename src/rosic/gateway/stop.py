@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from rosic.linker.linker import StopInProgress
 
 
-# ---- which stops hold what they came in unconfirmed, while the stop file takes its time ----
+# ---- stops that are not on disk yet ----
 
 
 class HoldingStops:
@@ -84,7 +84,8 @@ class HoldingStops:
             older.set_result(None)
 
 
-# ---- the stop lane: before the grammar, never queued, limited, expired or void (I5, I10) ----
+# ---- the stop lane (I5, I10) ----
+# Before the grammar; never queued, limited, expired or void.
 
 
 if TYPE_CHECKING:

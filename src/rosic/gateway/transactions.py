@@ -114,7 +114,8 @@ class UnitOfWork:
         return True
 
 
-# ---- writes down what is so already, behind its effect: in order, one batch after another ----
+# ---- writing after the effect ----
+# What is so already: in order, one batch after another.
 
 
 class WriteBehind:

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Passed, Receive
 
 
-# ---- a file as a whole, for messengers that have nothing to send it in pieces to ----
+# ---- files as a whole ----
 
 
 async def whole(attachment: Attachment, most: int) -> Attachment:
@@ -57,7 +57,7 @@ async def whole(attachment: Attachment, most: int) -> Attachment:
     return Attachment(attachment.name, attachment.media_type, content)
 
 
-# ---- a messenger inside the process: for tests, and as the smallest example of the contract ----
+# ---- the messenger ----
 
 KEEP = 10_000
 """How many of the newest messages, edits and answers are remembered."""

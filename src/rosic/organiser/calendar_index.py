@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
 
 
-# ---- one robot's slots in order; no two of them overlap ----
+# ---- one robot's slots ----
 
 MOST_REMEMBERED = 256
 
@@ -132,7 +132,8 @@ class Timeline:
         return at - 1 if at and self._slots[at - 1].end_ns > at_ns else at
 
 
-# ---- every slot there is, in memory: restart is replay, and looking is cheap ----
+# ---- all slots ----
+# In memory: restart is replay, and looking is cheap.
 
 log = logging.getLogger("rosic.organiser")
 

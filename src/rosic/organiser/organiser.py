@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from rosic.organiser.rate_limits import RateLimits
 
 
-# ---- what counts for a decision besides the rights: of one request, and of everybody's access ----
+# ---- what counts besides rights ----
 
 
 class AuthContext(msgspec.Struct, frozen=True, kw_only=True):
@@ -95,7 +95,7 @@ class AccessState(NamedTuple):
     released: Callable[[RobotId], object]
 
 
-# ---- the paper's organiser: CHECKPERMISSIONS of Algorithm 1 ----
+# ---- CHECKPERMISSIONS of Algorithm 1 ----
 
 Moment: TypeAlias = Callable[[PrincipalId, int], str]
 NameOf: TypeAlias = Callable[[PrincipalId], str]

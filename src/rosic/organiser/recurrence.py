@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rosic.organiser.timezones import Zone
 
 
-# ---- RRULE of RFC 5545, on a wall clock. The one home of python-dateutil ----
+# ---- RRULE of RFC 5545 ----
 
 LONGEST_RULE = 256
 MOST_INTERVAL = {"DAILY": 366, "WEEKLY": 52, "MONTHLY": 11}
@@ -192,7 +192,7 @@ def _until(text: str, zone: Zone) -> LocalTime:
     return zone.local(minutes * MINUTE_NS)
 
 
-# ---- from what was said to moments: a time once, and a time that comes again ----
+# ---- from what was said to moments ----
 
 
 class SeriesLimits(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

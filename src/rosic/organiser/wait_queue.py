@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rosic.organiser.timezones import Zone
 
 
-# ---- what people read about waiting for a robot ----
+# ---- sentences ----
 
 
 def queue_full(shown: str, people: int) -> str:
@@ -87,7 +87,7 @@ def your_place(shown: str, place: int, about_ns: int, now_ns: int, zone: Zone) -
     )
 
 
-# ---- who waits for a robot, in which order, and whose turn it is now ----
+# ---- the queue ----
 
 WAITING = "waiting"
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from rosic.rendering.style import Say
 
 
-# ---- from a picture in memory to bytes of bounded size ----
+# ---- encoding ----
 
 MOST_BYTES = 4_000_000
 QUALITIES = (82, 65, 45, 30)
@@ -108,7 +108,7 @@ def _without_alpha(image: Image.Image) -> Image.Image:
     return Image.alpha_composite(white, image).convert("RGB")
 
 
-# ---- the one way in: a subject becomes a picture ----
+# ---- drawing a subject ----
 
 WITHIN, LOW_WITHIN = 1280, 360
 CLIP_WITHIN, LOW_CLIP_WITHIN = 480, 240

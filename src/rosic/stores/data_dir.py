@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rosic.stores.kept_files import KeptFiles
 
 
-# ---- the folder of one gateway: its lock, and the root key that seals personal content ----
+# ---- the folder and its lock ----
 
 LOCK = "gateway.lock"
 RESERVE = "reserve"
@@ -184,7 +184,8 @@ class DataDir:
             ) from error
 
 
-# ---- how the record on disk is kept. The defaults are meant to be left alone ----
+# ---- settings of the record ----
+# The defaults are meant to be left alone.
 
 
 class StoreSettings(msgspec.Struct, frozen=True, kw_only=True):

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from rosic.stores.encryption import ContainerKey, RootKey
 
 
-# ---- the rows of one group of calls, between the records they are made of and the statements ----
+# ---- rows of one transaction ----
 
 
 class WriteBatch:

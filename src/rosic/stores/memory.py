@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
 
 
-# ---- what a record in memory says of commands that are over ----
+# ---- commands that are over ----
 
 COMMANDS_KEPT: Final = 10_000
 
@@ -122,7 +122,7 @@ def _ended_without(record: Concluded, container: str) -> Concluded:
     return replace(record, letter=None)
 
 
-# ---- the record without a disk: for tests and ``rosic demo``. Forgotten when the process ends ----
+# ---- the store ----
 
 IDS_MAX = 200_000
 LIVES_MAX = 100_000

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rosic.stores.write_thread import WriteJob
 
 
-# ---- administrative acts as they are read back ----
+# ---- reading audit records ----
 
 
 class DecisionQuery:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.skill import Argument
 
 
-# ---- made-up records, each with one line: Ada and a robot named omni, unless said otherwise ----
+# ---- records ----
 
 ADA, OMNI, KUKA = "p-ada", "omni", "kuka1"
 AWKWARD = b"  \x00\xff 50 cm links \xf0\x9f\xa4\x96 ' -- \n" + bytes(range(256)) * 16 + b" \n"
@@ -121,7 +121,7 @@ def a_decision(about: str, at_ns: int = 1_000) -> Decided:
     return Decided(act="enrol", by="owner", about=about, at_ns=at_ns, digest=b"digest")
 
 
-# ---- orders as a gateway would give them, for suites that begin at the robot ----
+# ---- orders ----
 
 LIFETIME_NS = 5 * SECOND_NS
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rosic.testing.messenger_stage import MessengerHarness
 
 
-# ---- what every messenger owes that sends files, and what the others owe: a fault ----
+# ---- sending files ----
 
 PIECE = bytes(range(256)) * 20
 LONG = " ".join(f"word{number}" for number in range(1_500))
@@ -117,7 +117,7 @@ async def _reads(stage: MessengerHarness, message: str, text: str) -> bool:
     return any(one.message == message and one.text.startswith(text) for one in seen)
 
 
-# ---- what every messenger owes whose people send files, and what the others owe: a fault ----
+# ---- files that people send ----
 
 NAME = "hall 2.yaml"
 CONTENT = bytes(range(256)) * 700 + b"\r\nend\n"

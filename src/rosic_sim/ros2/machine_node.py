@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rosic_sim.ros2.waiting_clock import WaitingClock
 
 
-# ---- what drones of one swarm tell each other, whichever processes they run in ----
+# ---- the swarm's topic ----
 
 TOPIC = "/crazyflies/state"
 FLYING_EVERY_S = 0.05
@@ -96,7 +96,7 @@ class SwarmTopic:
         )
 
 
-# ---- one simulated robot as one ROS 2 node ----
+# ---- the node ----
 
 NODE_NAME = "machine"
 STEP_S = 0.02

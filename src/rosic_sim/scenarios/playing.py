@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from rosic_sim.scenarios.play import Scenario
 
 
-# ---- a clock that runs faster than the wall's, for whoever has no half a minute ----
+# ---- a faster clock ----
 
 
 class FastClock:
@@ -88,7 +88,7 @@ class FastClock:
         return int((self._clock.monotonic_ns() - self._began_ns) * self.factor)
 
 
-# ---- the newcomer's seat: this terminal, from the moment at which it is their turn ----
+# ---- the newcomer's seat ----
 
 
 class UserTerminal(TerminalMessenger):
@@ -180,7 +180,7 @@ def _apart_m(one: Pose, other: Pose) -> float:
     return dist((one.x_m, one.y_m, one.z_m), (other.x_m, other.y_m, other.z_m))
 
 
-# ---- plays a play: raises the curtain, follows the script, and says at the end what happened ----
+# ---- playing a scenario ----
 
 FAST: Final = 4.0
 INTERRUPTED: Final = 130

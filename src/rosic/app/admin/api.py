@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rosic.organiser.organiser import Organiser
 
 
-# ---- what the operator's desk looks into: the rooms of a running gateway, or the data alone ----
+# ---- what is looked into ----
 
 
 class AdminContext(NamedTuple):
@@ -118,7 +118,7 @@ def zone_or_universal(name: str) -> Zone:
         return zone_named(UNIVERSAL)
 
 
-# ---- what a command may ask, of a running gateway or of the data ----
+# ---- requests ----
 
 NOTHING = msgspec.Raw(b"null")
 

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
 
 
-# ---- brings what the operator asks about people and their rights to whoever does it ----
+# ---- people and rights ----
 
 
 if TYPE_CHECKING:
@@ -179,7 +179,7 @@ def body_of(ask: Ask, kind: type[T]) -> T:
         raise NotUnderstood(NO_REQUEST) from error
 
 
-# ---- what the operator of this machine may ask of a running gateway, without a chat ----
+# ---- everything the operator may ask ----
 
 ALL = "--all"
 NOT_KEPT = said("This could not be written down: after a restart, look before you move anything.")

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from rosic.organiser.timezones import Zone
 
 
-# ---- what a plan is made from, and booking it: the gateway's half of ``rosic schedule plan`` ----
+# ---- planning in the gateway ----
 
 PEOPLE_A_LINE = 2_000
 SLOTS_A_LINE = 8_000
@@ -187,7 +187,7 @@ class ScheduleAdmin:
                 )
 
 
-# ---- from a file of wishes to a problem that can be solved ----
+# ---- from wishes to a problem ----
 
 _HOURS = re.compile(r"(\d{1,2}:\d{2})\s*-\s*(\d{1,2}:\d{2})")
 READERS = {".csv": wishes_from_csv, ".json": wishes_from_json}

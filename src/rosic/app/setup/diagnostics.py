@@ -67,7 +67,7 @@ def _of_nobody(data: Path) -> DiagnosticFinding:
     return DiagnosticFinding(ABOUT, FindingVerdict.GOOD, "there, beside what goes with it")
 
 
-# ---- what others on this machine could read or change ----
+# ---- access by others on this machine ----
 
 
 def examine_memory() -> DiagnosticFinding:
@@ -95,7 +95,7 @@ def examine_openness(config: Config) -> Iterator[DiagnosticFinding]:
         )
 
 
-# ---- everything that is looked at, in the order in which it is told ----
+# ---- all checks ----
 
 ROS_LINK = "ros2"
 SENT = "STOP sent to "

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
 
 
-# ---- what a look at something brought ----
+# ---- findings ----
 
 
 class FindingVerdict(enum.Enum):
@@ -165,7 +165,7 @@ def _backwards(clock: Clock) -> int:
     return count
 
 
-# ---- what is around: ROS 2, and the messengers of the configuration ----
+# ---- ROS 2 and messengers ----
 
 CHECK_WITHIN_S = 15.0
 LOCAL = "local"

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.client.graph import GraphTopic
 
 
-# ---- a short look at robots that were found: where they stand, so that a draft begins there ----
+# ---- a short look at found robots ----
 
 GET_PARAMETERS: Final = "rcl_interfaces/srv/GetParameters"
 TYPES: Final = (BATTERY, LOCATED, JOINTS, ODOMETRY, GET_PARAMETERS)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.skill import Argument, Skill
 
 
-# ---- numbers and arguments as people read them, in the units of the profile ----
+# ---- numbers and arguments ----
 
 _SMALL = 1e-3
 _LARGE = 1e9
@@ -159,7 +159,7 @@ def show_named(compiled: CompiledSkill, parameter: CompiledParameter, value: Arg
     return text
 
 
-# ---- the next smaller and the next larger value: what a minus and a plus beside a number mean ----
+# ---- the next smaller and larger value ----
 
 # Bounds this far apart are gone through by preferred numbers (1, 2, 5, 10, ...), so that ten taps
 # lead from a centimetre to a few metres; others in equal steps, twenty or fewer from end to end.

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
 
 
-# ---- what help there is about one word: a page, or what a command says of itself ----
+# ---- help about one word ----
 
 # Said alone, these change nothing: they say how they are said, or show what there is. So that is
 # the help about them.
@@ -114,7 +114,7 @@ def help_named(word: str) -> CommandLine | Help | None:
     return Help(PAGE_OF[command]) if command in PAGE_OF else None
 
 
-# ---- one line, read with a vocabulary, for one person ----
+# ---- reading one line ----
 
 MOST_WORDS = 32
 LONGEST_PAYLOAD = 64

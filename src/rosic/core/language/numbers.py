@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Container
 
 
-# ---- units as factors. Whoever starts ROSIC compiles them; this module only looks them up ----
+# ---- units as factors ----
+# Whoever starts ROSIC compiles them; here they are only looked up.
 
 # Shorter ones are symbols, and one letter makes another unit of a symbol.
 _SHORTEST_NAME = 5
@@ -100,7 +101,7 @@ def _misspelt(word: str, name: str) -> bool:
     return distance(word, other, 1) <= 1
 
 
-# ---- numbers as people type them: ``0.5``, ``0,5``, ``50cm``, ``1/2``, ``1e1``, ``½`` ----
+# ---- numbers as people type them ----
 
 FIRST = frozenset("0123456789.+-")
 

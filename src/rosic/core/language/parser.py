@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
 
 
-# ---- what does a message ask? One line, one meaning; look-ups only, each word looked at once ----
+# ---- what a message asks ----
 
 LONGEST_TEXT = 4096
 MOST_LINES = 20
@@ -108,7 +108,7 @@ def _line(line: str, vocabulary: Vocabulary, context: LineContext) -> Line:
     return LineReader(line, (raw, low), vocabulary, context, mends=True).read(slash=slash)
 
 
-# ---- reading with a memory: people repeat themselves, and buttons always say the same ----
+# ---- reading with a memory ----
 
 REMEMBERED = 8_192
 LONGEST_REMEMBERED = 200

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Container
 
 
-# ---- the words and signs by which people stop something, and those that go along with them ----
+# ---- words and signs ----
 
 # As the first word of a line, any of these stops, whatever follows.
 _STRONG = """
@@ -144,7 +144,8 @@ UNSAID = _folded(_UNSAID)
 MISSPELT = frozenset().union(*map(_misspelt, MISSPELT_OF)) - STOPPING
 
 
-# ---- is this a stop? Asked of every message before anything else, and of its raw text ----
+# ---- whether this is a stop ----
+# Asked of every message before anything else, and of its raw text.
 
 # So much of a text is looked at, whatever its length.
 LOOKED_AT = 4096

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-# ---- single words of a time: a line in words, and what the hands of a clock show ----
+# ---- single words of a time ----
 
 LONGEST_TEXT = 200
 
@@ -436,7 +436,7 @@ class TimeTokens:
         return True
 
 
-# ---- how long something is for, at the head of other words ----
+# ---- lengths of time ----
 
 _NEXT_OPTION = frozenset({"for", "code"})
 """What begins the next length of the same line."""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.skill import Argument
 
 
-# ---- what numbers measure, as people read it ----
+# ---- what numbers measure ----
 
 _DIMENSIONS = {
     "length": said("a length"),
@@ -73,7 +73,7 @@ def kinds(parameters: tuple[CompiledParameter, ...]) -> tuple[str, ...]:
     return tuple(kinds)
 
 
-# ---- why a value cannot be used, in one sentence, and what to say instead ----
+# ---- why a value cannot be used ----
 
 MOST_OFFERS = 4
 # Parameters that say how much of the skill itself: "one move may be at most 5 m".

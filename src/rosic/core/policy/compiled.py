@@ -54,7 +54,7 @@ def _unbound(skill: Skill) -> Skill:
     )
 
 
-# ---- roles and grants, spread out over the robots and skills there are ----
+# ---- roles and grants ----
 
 NEVER_NS = 2**63 - 1
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 
-# ---- scopes: what one word of a right names ----
+# ---- scopes ----
 
 READ = "read"
 RESUME = "resume"

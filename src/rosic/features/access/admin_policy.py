@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rosic.gateway.office import CommandContext
 
 
-# ---- who may do what with people, and who is to be asked ----
+# ---- who may do what with people ----
 
 INVITE, LOCK, PEOPLE = "invite", "lock", "people"
 FOR_GOOD_NS = NEVER_NS - 1  # only what has no end holds then
@@ -250,7 +250,7 @@ def _highest(rights: Permissions, given: InvitedRights) -> int:
     return max((rights.role_priority(role) for role in given.roles), default=0)
 
 
-# ---- whom somebody means: by name, spaces and all, or by what a button says ----
+# ---- whom somebody means ----
 
 BY_ID: Final = b"by its id"
 """What a button carries that means one person, whoever else may be called like that id."""

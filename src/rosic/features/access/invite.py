@@ -274,7 +274,7 @@ def _limits_a_scope(low: list[str], at: int) -> bool:
     return after_with and at + 1 < len(low) and _begins_limit(low, at + 1)
 
 
-# ---- ``/invite operator kuka1 for 2h``: a link and a code, for one person, once ----
+# ---- ``/invite`` ----
 
 INVITATION = "invitation"
 """What a message holds that goes once nobody can be let in by it."""

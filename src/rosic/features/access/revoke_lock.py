@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rosic.gateway.office import CommandContext
 
 
-# ---- ``/revoke``, ``/lock`` and ``/unlock``: whose access ends, for good or for now ----
+# ---- ``/revoke``, ``/lock`` and ``/unlock`` ----
 
 MYSELF = frozenset({"me", "myself", "mich"})
 

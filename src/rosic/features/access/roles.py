@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from rosic.organiser.roles import CustomRoles
 
 
-# ---- ``guest may omni:move omni:wave with omni:move speed <= 0.2 m/s``: what a role shall be ----
+# ---- what a role shall be ----
 
 LONGEST_LINE: Final = 300
 MAY, WITH, OFF = "may", "with", "off"
@@ -117,7 +117,7 @@ def read_role(text: str, fleet: Fleet, known: Container[str] = ()) -> Role:
     )
 
 
-# ---- ``/role guest may omni:move``: roles of the place's own, made and taken back in a chat ----
+# ---- ``/role`` ----
 
 
 class RoleCommands:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat
 
 
-# ---- which messages tell of which alarms: whoever reacts to one means those occurrences ----
+# ---- which messages tell of which alarms ----
 
 TOLD: Final = "alarm-told"
 REMEMBERED: Final = 4_096
@@ -156,7 +156,8 @@ def _no_fact(key: str) -> Fact:
     return Fact(kind=TOLD, key=key, body=b"")
 
 
-# ---- open alarms and muted rules, as the record keeps them: ids and numbers only ----
+# ---- alarms on record ----
+# Ids and numbers only.
 
 ALARM: Final = "alarm"
 MUTE: Final = "alarm-mute"

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from rosic.gateway.transactions import Transactions
 
 
-# ---- ``/alerts``, ``/seen``, ``/mute`` and ``/unmute``: what people say about alarms ----
+# ---- ``/alerts``, ``/seen``, ``/mute`` and ``/unmute`` ----
 
 USUAL_S = float(HOUR_S)
 SHORTEST_S = 60.0
@@ -269,7 +269,7 @@ def _tail(said: list[str]) -> tuple[str, float | None]:
     return "_".join(said), None
 
 
-# ---- a thumb beside an alarm: whoever puts it there has seen it, within their own rights ----
+# ---- reactions to alarms ----
 
 SEEN: Final = frozenset({"👍", "👌", "👀", "🫡", "🆒"})
 """Any other says something else, or nothing: a thumb down is no acknowledgement."""

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from rosic.gateway.transactions import Transactions
 
 
-# ---- one rule as it is followed, and what it says of now ----
+# ---- one rule ----
 
 
 class ActiveRule:
@@ -72,7 +72,7 @@ class ActiveRule:
         return rule.alert.name.startswith(named) or rule.condition.name == named
 
 
-# ---- looks at what robots report, a second at a time, and tells whom a rule means ----
+# ---- evaluating all rules ----
 
 # Robots report some times a second; a rule counts in seconds.
 EVERY_S = 0.5

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rosic.organiser.organiser import Organiser
 
 
-# ---- what one person is told at once about alarms, and what is gathered for them ----
+# ---- what one person is told ----
 
 WINDOW_NS: Final = 5 * SECOND_NS
 ALONE: Final = 3
@@ -120,7 +120,7 @@ class AlertGrouping:
                 yield who, list(window.kept.values())
 
 
-# ---- who is told of an alarm, and who may say that they have seen it ----
+# ---- who is told ----
 
 
 class Recipients:

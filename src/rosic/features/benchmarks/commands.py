@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rosic.gateway.robot_argument import RobotArgument
 
 
-# ---- what people read about benchmarks, and about how a robot is set ----
+# ---- sentences ----
 
 VALUE_AT_MOST = 60
 
@@ -103,7 +103,7 @@ def setting(name: str, value: object, by: str, when: str) -> str:
     return said("{name} = {value}, by {who} {time}", name=name, value=shown, who=by, time=when)
 
 
-# ---- ``/benchmark``: how a robot does against what is expected of it, and how it is set ----
+# ---- ``/benchmark`` ----
 
 
 class BenchmarkCommands:

@@ -243,7 +243,7 @@ def _wanted(order: Order) -> dict[str, float]:
     return found
 
 
-# ---- how robots are set: what was set and read back, merged, and kept over restarts ----
+# ---- robots' settings ----
 
 SETTING: Final = "robot-setting"
 MOST_OF_ONE: Final = 256

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rosic.core.records import Record
 
 
-# ---- what the clerks and the keeper of times work with, as the composition root made it ----
+# ---- what booking works with ----
 
 Handover: TypeAlias = Callable[[RobotId, str], Awaitable[bool]]
 
@@ -98,7 +98,7 @@ class BookingContext(msgspec.Struct, frozen=True, kw_only=True):
         return tuple(slot for slot in self.calendar.of(principal) if slot.end_ns > now_ns)
 
 
-# ---- how a change of times is written down: who decided it, and what was decided ----
+# ---- changes on record ----
 
 _DIGEST_BYTES = 16
 

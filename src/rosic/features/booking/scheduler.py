@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rosic.organiser.calendar_events import CalendarEvent
 
 
-# ---- from one person to the next: safe stop, rest measured, lease released, both told ----
+# ---- handing over ----
 
 POLL_NS = 5 * SECOND_NS
 """So often it is looked at whether a robot that was not at rest has been resumed."""
@@ -172,7 +172,7 @@ class SlotEnd:
         await asyncio.gather(*under_way, return_exceptions=True)
 
 
-# ---- the one task that follows the calendar: starts, warnings, ends, and whose turn it is ----
+# ---- following the calendar ----
 
 LONGEST_SLEEP_NS = 20 * SECOND_NS
 """The wall clock may be set while this sleeps: that is seen after so long at the latest."""

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rosic.organiser.wait_queue import TurnOffer
 
 
-# ---- ``/slots``: my times, a robot's day, and the file for the calendar on somebody's phone ----
+# ---- ``/slots`` ----
 
 MOST_LINES = 20
 FILE = "ics"
@@ -141,7 +141,7 @@ class SlotListing:
         return (tuple(row),)
 
 
-# ---- whether a robot is free, for whom, and until when ----
+# ---- availability ----
 
 SHORTEST_TURN_S = 300
 """A gap shorter than the first warning before its end is nobody's turn."""

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rosic.gateway.order_execution import OrderExecutor, RunningOrder
 
 
-# ---- one chat's card: whose, of which robots, in which message; and how that is written down ----
+# ---- one chat's card ----
 
 KIND: Final = "card"
 
@@ -187,7 +187,7 @@ def chat_of(place: DashboardPlace) -> Chat:
     return Chat(place.platform, place.chat, ChatKind(place.kind))
 
 
-# ---- what there is to see of each robot now, looked at once for all cards that show it ----
+# ---- what robots show now ----
 
 
 class RobotSnapshots:

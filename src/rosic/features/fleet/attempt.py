@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from rosic.gateway.order_services import OrderServices
 
 
-# ---- one attempt at a step of a task: an order like any other, as the task's author ----
+# ---- one attempt ----
 
 NEVER = (NotPermitted, OutOfBounds, NotUnderstood, FirstNeeded)
 """What a robot will refuse the next time as well."""

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
 
 
-# ---- what was said when a task was given, and where: sealed in its author's container ----
+# ---- what was said of a task ----
+# Sealed in its author's container.
 
 KIND: Final = "task-letter"
 THERE: Final = b"\x01"
@@ -93,7 +94,8 @@ class TaskTexts:
             log.warning("what was said for a task cannot be read")
 
 
-# ---- who has refused what, and when it is asked again: later each time, and others before it ----
+# ---- when a robot is asked again ----
+# Later each time, and others before it.
 
 AGAIN_NS: Final = 2 * SECOND_NS
 """A task that no robot took just now is not offered again at once."""

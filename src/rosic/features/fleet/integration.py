@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rosic.gateway.end_buttons import EndButtons, Row
 
 
-# ---- tells whoever gave a task what becomes of it ----
+# ---- telling of tasks ----
 
 
 class TaskNotifications:
@@ -112,7 +112,7 @@ class TaskNotifications:
         return task.moves > 0 and task.asked == task.done and bool(task.tried or task.moves)
 
 
-# ---- robots that help each other: whoever helps takes over, and has no time for other tasks ----
+# ---- robots that help each other ----
 
 
 class AssistCommands:

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from rosic.core.robot.skill import Skill
 
 
-# ---- what people read about tasks ----
-
 BETWEEN: Final = " · "
 GO_ON: Final = said("Go on")
 AGAIN: Final = said("Do it again")
@@ -386,7 +384,7 @@ def waits_for(tasks: Sequence[str]) -> str:
     return said("after {tasks}", tasks=", ".join(tasks))
 
 
-# ---- what people read when something of a mission is not done by when it was to be ----
+# ---- deadlines ----
 
 
 def task(number: TaskId, what: str, lasts: str, cancels: bool) -> str:

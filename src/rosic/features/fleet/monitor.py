@@ -74,7 +74,7 @@ class TaskDeadlines:
                 )
 
 
-# ---- looks at the fleet now and then: who is lost, what is late, what could begin ----
+# ---- looking now and then ----
 
 EVERY_S: Final = 0.5
 LOST_AFTER_NS: Final = 3 * SECOND_NS

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
 
 
-# ---- ``/fleet``: the bird's-eye view: every robot, every task, and where it does not go on ----
+# ---- ``/fleet`` ----
 
 SHOWN_AT_MOST: Final = 25
 """More robots do not fit into one message; those that need a look come first."""
@@ -152,7 +152,7 @@ class FleetOverview:
             yield words.link_of(age_s * 1e3)
 
 
-# ---- how much of their time robots have been at work, since this run began ----
+# ---- time at work ----
 
 
 class _Robot:

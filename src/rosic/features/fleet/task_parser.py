@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rosic.organiser.timezones import Zone
 
 
-# ---- what is said after ``/task``: for whom, what, step by step, and under which conditions ----
+# ---- the words of ``/task`` ----
 
 LONGEST_LINE = 2_000
 THEN = " then "
@@ -206,7 +206,7 @@ _READ: dict[str, Callable[[TaskWish, list[str], int, Zone], bool]] = {
 }
 
 
-# ---- which robots can carry out what was said: as if it had been typed for each of them ----
+# ---- which robots can do it ----
 
 LOOKED_AT_MOST = 50  # robots, for what one of them could do instead
 GO_TO_PARTS = 3  # of what a profile says: a skill, x and y

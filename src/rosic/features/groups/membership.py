@@ -206,7 +206,7 @@ class GroupMembership:
             log.exception("what happened to a chat was not followed")
 
 
-# ---- the sentences ----
+# ---- sentences ----
 
 
 def greeting(place: str) -> str:

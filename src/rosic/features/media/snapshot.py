@@ -222,7 +222,7 @@ def _size(view: View) -> int:
     return len(view.content.data) if isinstance(view.content, (Encoded, Raster)) else 0
 
 
-# ---- looking at a robot for a live card ----
+# ---- pictures for live cards ----
 
 
 class DashboardCamera:

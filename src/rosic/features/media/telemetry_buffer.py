@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from rosic.linker.linker import Linker
 
 
-# ---- what robots reported over the last minutes, and where they went: bounded, in memory only ----
+# ---- samples ----
+# Of the last minutes; bounded, in memory only.
 
 KEPT = 600
 WAY_POINTS = 600
@@ -130,7 +131,7 @@ def _place(pose: Pose) -> tuple[float, float, float]:
     return pose.x_m, pose.y_m, pose.z_m
 
 
-# ---- takes the samples: values every second, places while an order is carried out ----
+# ---- sampling ----
 
 log = logging.getLogger("rosic.seeing")
 

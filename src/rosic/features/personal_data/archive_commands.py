@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from rosic.gateway.office import CommandContext
 
 
-# ---- an export on its way to whoever asked: as a file, or as much of it as a message can say ----
+# ---- sending an export ----
 
 ROOM: Final = 3_400  # characters of an export that fit into a message, with what is said about it
 MEDIA: Final[Mapping[str, str]] = {
@@ -77,7 +77,7 @@ def newest(lines: Sequence[str], room: int, command: str) -> str:
     return joined("\n", [words.NO_FILES_HERE, *reversed(shown)])
 
 
-# ---- ``/archive``: whether the messages of this chat are kept, and how they are taken out ----
+# ---- ``/archive`` ----
 
 SURE = b"erase this archive"
 PAGE: Final = 500

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from rosic.gateway.office import CommandContext, CommandRegistry
 
 
-# ---- ``/data``: small values kept with a robot, or with oneself (storeData, getSharedData) ----
+# ---- ``/data`` (storeData, getSharedData) ----
 
 MOST_LINES = 40
 
@@ -101,7 +101,7 @@ class SharedDataCommands:
         return messages.kept_line(kept.name, kept.value, sender, ago)
 
 
-# ---- ``/mydata`` and ``/forget me``: what is kept about somebody, and ending it ----
+# ---- ``/mydata`` and ``/forget me`` ----
 
 EXPORT = "export"
 ME = frozenset({"me", "myself", "mich", "my data", "mydata"})
@@ -221,7 +221,7 @@ def take_over(
         holdings.changes.keep(kind, apply)
 
 
-# ---- once a day: what is kept longer than was said goes, and who was erased is erased wholly ----
+# ---- once a day ----
 
 log = logging.getLogger("rosic.containers")
 

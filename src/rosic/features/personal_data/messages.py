@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from rosic.container.preferences import Preferences
 
 
-# ---- every sentence that a chat or a terminal is told about what is kept ----
-
 SAVED: Final = said("Saved.")
 LEAVE_IT: Final = said("Leave it")
 NOT_READABLE: Final = said(
@@ -319,8 +317,6 @@ DATA_STORED: Final = said("Data stored.")
 DATA_REMOVED: Final = said("Data removed.")
 YOU: Final = said("Your container")
 
-
-# ---- every sentence about what one keeps, lends and is lent ----
 
 HOW_TO_SHARE: Final = said(
     "Write what and with whom: /share bay with Bo, /share bay with omni for 2h. To end it: /share "

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosic.gateway.container_context import ContainerContext
 
 
-# ---- every sentence and every table that the operator is shown about containers ----
+# ---- sentences and tables ----
 
 NEGATIVE: Final = said("A limit cannot be less than nothing. Nothing was changed.")
 NO_SHELF: Final = said(
@@ -87,7 +87,7 @@ def written(path: str, lines: int) -> str:
     )
 
 
-# ---- what the operator asks about containers: looking in, taking out, limiting, erasing ----
+# ---- what the operator asks ----
 
 ROBOT: Final = "robot"
 PERSON: Final = "person"

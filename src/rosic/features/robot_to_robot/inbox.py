@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
 
 
-# ---- what waits of one robot's words: few, the newest, and taken at a pace of its own ----
+# ---- one robot's inbox ----
 
 WAITING_AT_MOST: Final = 16
 PACE: Final = RateLimit(burst=40.0, per_s=20.0)
@@ -103,7 +103,7 @@ class Inbox:
             self._task.cancel()
 
 
-# ---- keeps robots from answering each other for ever ----
+# ---- robots that answer each other for ever ----
 
 HOPS_AT_MOST: Final = 8
 CONVERSATION: Final = RateLimit(burst=20.0, per_s=0.2)

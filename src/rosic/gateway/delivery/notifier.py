@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rosic.gateway.delivery.outbox import Outbox
 
 
-# ---- speaking to somebody who has not just asked: an admin, whoever's time is ending ----
+# ---- speaking to somebody who has not asked ----
 
 
 class Notification(msgspec.Struct, frozen=True, kw_only=True):

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from rosic.messengers.telegram.settings import TelegramSettings
 
 
-# ---- files that go out: as a picture where Telegram takes it for one, else as a document ----
+# ---- files that go out ----
 
 FILE_BYTES: Final = 50_000_000
 PHOTO_BYTES: Final = 10_000_000
@@ -169,7 +169,7 @@ _SIDES: Final[Mapping[str, Callable[[bytes], tuple[int, int]]]] = {
 }
 
 
-# ---- files that people send: asked for, then read piece by piece, never more than was said ----
+# ---- files that people send ----
 
 FETCH_BYTES: Final = 20_000_000
 PIECE_BYTES: Final = 65_536

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Outbound
 
 
-# ---- texts in the sizes that Telegram takes, counted as Telegram counts: in UTF-16 code units ----
+# ---- lengths in UTF-16 code units ----
 
 MESSAGE_UNITS = 4_096
 CAPTION_UNITS = 1_024
@@ -98,7 +98,7 @@ def _seam(text: str, end: int) -> int:
     return end
 
 
-# ---- what Telegram would make a link of by itself, marked so that it makes none ----
+# ---- no links by themselves ----
 
 
 if TYPE_CHECKING:
@@ -186,7 +186,7 @@ def _adds_up(number: str) -> bool:
     return (sum(digits[::2]) + sum(doubled)) % 10 == 0
 
 
-# ---- buttons under a message, as Telegram takes them ----
+# ---- buttons ----
 
 NONCE_BYTES: Final = 64
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat, Enclosure, Inbound, Menu, Outbound, Weight
 
 
-# ---- what is done to messages without a word: an emoji beside one, or taking one away ----
+# ---- reactions and retracting ----
 
 GESTURE_S = 5.0
 GONE = ("message to delete not found", "message_id_invalid")
@@ -104,7 +104,7 @@ class Reactions:
             raise MessengerFault("Telegram has no such message. Nothing was done.") from None
 
 
-# ---- the Telegram messenger: one bot account, provider-readable ----
+# ---- the messenger ----
 
 CHECK_S = 4.0
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import Profile
 
 
-# ---- buttons in a terminal: numbered choices, and the number that taps one ----
+# ---- numbered buttons ----
 
 # A button is good for 60 s. Until something else is said its number means nothing else for twice
 # that, so that a number typed a moment too late never taps a button that has just been shown.
@@ -115,7 +115,7 @@ def _number_in(text: str) -> int:
     return 0
 
 
-# ---- the messenger itself. Its one person is whoever may use this process's terminal ----
+# ---- the messenger ----
 
 CHAT = "terminal"
 WAITING_AT_MOST = 256

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosic.organiser.planning.problem import Span
 
 
-# ---- what people read about wishes that cannot be put down or taken back ----
+# ---- sentences ----
 
 
 def window_too_short(length_s: int) -> OutOfBounds:
@@ -70,7 +70,7 @@ def no_such_wish(count: int) -> str:
     )
 
 
-# ---- who would like a robot for a while, until a plan is made of all wishes together ----
+# ---- the list of wishes ----
 
 WISH = "wish"
 MOST_EACH = 10

@@ -97,7 +97,7 @@ def _pose(message: RosObject) -> _Pose:
     return _Pose((x_m, y_m, z_m), yaw_rad if isfinite(yaw_rad) else 0.0)
 
 
-# ---- what the newest message of a topic says of rest, and what keeps it from saying it (I7) ----
+# ---- rest by one topic (I7) ----
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 

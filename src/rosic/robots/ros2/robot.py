@@ -108,7 +108,7 @@ class PeerLink:
         return True
 
 
-# ---- a robot on a ROS 2 graph, as its profile describes it ----
+# ---- the robot ----
 
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rosic.testing.messengers import MessengerHarness
 
 
-# ---- messengers that each break one rule, to show that the rule catches them ----
+# ---- each breaks one rule ----
 
 
 class FaultyMessenger:
@@ -402,7 +402,7 @@ async def catches(rule: str, sinner: type[FaultyMessenger], stage: MessengerHarn
     return False
 
 
-# ---- messengers that break the rules about files that people send ----
+# ---- each breaks one rule of files ----
 
 
 class RenamesFiles(Tampers):

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from rosic.testing.premises import Premises
 
 
-# ---- a store that does wrong: an honest one inside, and what a sinner changes ----
+# ---- an honest store inside ----
 
 
 class FaultyStore:
@@ -98,7 +98,7 @@ class WickedPremises:
         return self._sinner(self._honest.survivor(store.inner), self._diary)
 
 
-# ---- stores that break the rules of facts, one each ----
+# ---- each breaks one rule of facts ----
 
 replace = msgspec.structs.replace
 
@@ -136,7 +136,8 @@ class PutsTheLatestLast(FaultyStore):
         return (replace(record, body=b"", letter=None), record)
 
 
-# ---- stores that break one rule each. A rule that none of them breaks proves nothing ----
+# ---- each breaks one rule of stores ----
+# A rule that none of them breaks proves nothing.
 
 
 class Invents(FaultyStore):

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from types import TracebackType
 
 
-# ---- a ROS domain that nobody else on this machine has ----
+# ---- a ROS domain of one's own ----
 
 # Ports of higher domains run into those that Linux lends to outgoing connections. 0 is where
 # everybody's robots are who never thought about it.
@@ -115,7 +115,7 @@ def environment_of_a_graph(domain_id: int, log_folder: Path) -> dict[str, str | 
     }
 
 
-# ---- what Fast DDS leaves in ``/dev/shm`` when its process is killed, and what may be removed ----
+# ---- what Fast DDS leaves in ``/dev/shm`` ----
 
 _FOLDER = Path("/dev/shm")  # noqa: S108 - where Fast DDS keeps its files
 YOUNG_S = 2.0
@@ -186,7 +186,7 @@ def _remove(name: str) -> int:
     return len(there)
 
 
-# ---- a ROS 2 graph of its own for one test, and the processes on it ----
+# ---- a graph for one test ----
 
 READY = "ready"
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rosic.testing.telegram.world import World
 
 
-# ---- from a method's name to its answer ----
+# ---- methods ----
 
 METHODS: dict[str, Method] = {
     **bot.METHODS,
@@ -100,7 +100,7 @@ def recorded(raw: Raw) -> JsonObject:
     return CallParameters(dict(raw.values), raw.files).shown()
 
 
-# ---- from an HTTP request to parameters (https://core.telegram.org/bots/api#making-requests) ----
+# ---- parameters (https://core.telegram.org/bots/api#making-requests) ----
 
 
 async def read(request: web.Request, folder: str = "") -> Raw:
@@ -171,7 +171,7 @@ async def _keep(part: BodyPartReader, values: dict[str, object], files: dict[str
     )
 
 
-# ---- the bot's door: `/bot<token>/METHOD_NAME` and `/file/bot<token>/<file_path>` over HTTP ----
+# ---- HTTP ----
 
 TOKEN_SHAPE = re.compile(r"[0-9]+:[^/]+\Z")
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rosic.testing.telegram.state import JsonObject
 
 
-# ---- trouble, for tests: faults, latency, limits, time, and tricks with the queue ----
+# ---- trouble for tests ----
 
 
 class Trouble:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rosic_sim.robots.machines.arguments import MachineArguments
 
 
-# ---- what one drone makes of what it knows of the others ----
+# ---- keeping clear of others ----
 
 PEER_LOST_S = 1.0
 
@@ -68,7 +68,7 @@ class Peers:
         return min(found, default=(float("inf"), "nobody"))
 
 
-# ---- a Crazyflie 2.1 that keeps clear of its peers by itself ----
+# ---- the drone ----
 
 # Bitcraze "Datasheet Crazyflie 2.1": flight time with the stock battery 7 minutes.
 FLIGHT_LASTS_S = 420.0

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.client.rclpy_import import RclpyModules, RosObject
 
 
-# ---- from the ROS thread to the event loop: bounded, in order, one wake-up for a burst ----
+# ---- from the ROS thread to the event loop ----
+# Bounded, in order, one wake-up for a burst.
 
 _PER_TURN = 256
 
@@ -83,9 +84,8 @@ class LoopBridge:
                 self._loop.call_soon(self._drain)
 
 
-# ---- the thread that ROS runs on, and the two ways across: work goes in, answers come out ----
+# ---- the ROS thread ----
 
-# ---- the thread that ROS runs on, and the two ways across: work goes in, answers come out ----
 
 _log = logging.getLogger(__name__)
 
@@ -346,7 +346,7 @@ def _not_taken(what: str, error: Exception) -> NotSent:
     return fault
 
 
-# ---- the wall clock and the monotonic one, read as if in one moment ----
+# ---- both clocks at once ----
 
 # Two readings one after the other take less than a microsecond, unless somebody else was given the
 # processor in between: robots that begin together would then begin apart by so much.

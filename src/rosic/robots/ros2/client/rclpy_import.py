@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.interfaces.build import InterfacePackage, Progress
 
 
-# ---- ROS 2 itself, imported when it is first needed and never before ----
+# ---- importing rclpy ----
+# When it is first needed, and never before.
 
 # rclpy and its messages carry no types that hold from one distribution to the next; what crosses
 # this border is checked by value, in `messages`.
@@ -97,7 +98,7 @@ def make_executor(ros: RclpyModules, context: RosObject) -> RosObject:
     return events.EventsExecutor(context=context)
 
 
-# ---- the interfaces that come with ROSIC, made importable when something first needs them ----
+# ---- the interfaces that come with ROSIC ----
 
 SAY_AFTER_S = 1.0
 BUILDING = "Building the ROS 2 interfaces that come with ROSIC; this is done once.\n"
