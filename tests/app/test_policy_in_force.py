@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import inspect
 
+import msgspec
 import pytest
 
+from rosic.app.access import AccessFeature
 from rosic.app.data_feature import DataFeature
 from rosic.app.features import FeatureSetup
 from rosic.app.maintenance import Maintenance
 from rosic.app.policy import PolicyEnforcer, PolicyService
 from rosic.config.profiles import known_units
+from rosic.core.policy.query import PolicyState
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
 from rosic.gateway.delivery.notifier import Notifier
 from rosic.gateway.delivery.redaction import SecretRedaction
 from rosic.gateway.delivery.sender import ChatSender
 from rosic.gateway.stop import StopLane
 from rosic.linker.linker import Linker
-from rosic.organiser.organiser import Organiser
+from rosic.organiser.organiser import AccessState, Organiser
 from rosic.testing.clock import ManualClock
 
 DECIDED_BY = [
@@ -27,6 +30,8 @@ DECIDED_BY = [
     (FeatureSetup, "enforcer"),
     (Maintenance, "enforcer"),
     (PolicyEnforcer, "changes"),
+    (AccessFeature, "board"),
+    (AccessState, "calendar"),
     (Notifier, "outbox"),
     (StopLane, "outbox"),
     (ChatSender, "gone"),
@@ -39,6 +44,12 @@ DECIDED_BY = [
 def test_nothing_that_decides_is_made_without_what_it_decides_by(kind: type, argument: str) -> None:
     parameter = inspect.signature(kind).parameters[argument]
     assert parameter.default is inspect.Parameter.empty
+
+
+@pytest.mark.parametrize("told", ["locked", "stopped", "holder", "slots", "slot"])
+def test_nothing_is_decided_without_what_may_stand_in_the_way(told: str) -> None:
+    field = next(each for each in msgspec.structs.fields(PolicyState) if each.name == told)
+    assert field.required
 
 
 def test_every_change_of_the_rights_is_in_force_at_once() -> None:

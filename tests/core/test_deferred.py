@@ -39,5 +39,6 @@ def test_nobody_is_let_in_before_it_is_known_who_may_let_them() -> None:
     authoriser = authoriser_of(MonotonicWallClock(clock), clock, entropy)
     rulebook = RoleRules(roles=DEFAULT_ROLES)
     authority = PolicyService(rulebook, (), known_units(), clock, lambda _who: ())
-    access = AccessFeature(authoriser, authority, MemoryStore(), entropy, "lab")
+    board = StopRegistry([], {}, not_known_yet())
+    access = AccessFeature(authoriser, authority, MemoryStore(), entropy, "lab", board)
     assert not access.enrolment.may_invite("p-1", InvitedRights(roles=("viewer",)))

@@ -27,6 +27,7 @@ from rosic.errors import NotPermitted, Refusal, TooManyRequests
 from rosic.features.dashboard.dashboard import KIND as CARD
 from rosic.gateway.transactions import Transactions
 from rosic.organiser.access_requests import PETITION, AccessRequests
+from rosic.organiser.calendar import Calendar
 from rosic.organiser.grants import GRANT
 from rosic.organiser.organiser import AccessState
 from rosic.organiser.planning.wishes import WISH, Wishes
@@ -46,7 +47,6 @@ if TYPE_CHECKING:
     from rosic.core.records import Fact, Memory
     from rosic.core.stop_registry import StopRegistry
     from rosic.gateway.delivery.notifier import Notifier
-    from rosic.organiser.calendar import Calendar
     from rosic.organiser.organiser import Organiser
 
 ADMIN = "admin"
@@ -71,6 +71,7 @@ class AccessFeature:
         note: Writes down what is so already, and waits for no disk.
         enrolment, keys, locks, stepup, misuse, tally, time, security, waiting, petitions: The
             books.
+        calendar: Whose time it is.
         cards: Live cards of earlier runs, for whoever shows them.
         may_invite: Whether somebody may let a person in with that; nobody, until it is bound.
     """
@@ -82,6 +83,7 @@ class AccessFeature:
         store: Store,
         entropy: Entropy,
         place: str,
+        board: StopRegistry,
     ) -> None:
         self.changes = Transactions(store)
         self.note = store.note
@@ -109,8 +111,10 @@ class AccessFeature:
         self.wishes = Wishes(self.time.wall_ns)
         self.petitions = AccessRequests(self.time.wall_ns, entropy)
         self._authoriser = authoriser
-        self._authority = authority
-        self._calendar: Calendar | None = None
+        self._authority, self._board = authority, board
+        self.calendar = Calendar(self.time)
+        self.time.when_behind.connect(self._set_back)
+        self.time.when_ahead.connect(self.waiting.age)
 
     @property
     def state(self) -> AccessState:
@@ -118,6 +122,7 @@ class AccessFeature:
         authoriser, authority = self._authoriser, self._authority
         return AccessState(
             clock=self.time,
+            calendar=self.calendar,
             key_of=partial(key_of, authoriser),
             narrow=authoriser.directory.narrowed,
             locked=self.locks.everybody(),
@@ -126,11 +131,9 @@ class AccessFeature:
             released=lambda _robot: authority.moved(),
         )
 
-    def restore(self, memory: Memory, organiser: Organiser, board: StopRegistry) -> None:
+    def restore(self, memory: Memory, organiser: Organiser) -> None:
         """Take over what earlier runs wrote, and say who keeps what from now on."""
         authority, changes = self._authority, self.changes
-        self.time.when_behind = partial(self._set_back, board)
-        self.time.when_ahead = partial(self._paused, organiser)
         keepers = {
             "high-water": self.time.apply,
             "tally": self.tally.apply,
@@ -148,7 +151,7 @@ class AccessFeature:
                 apply(fact)
             changes.keep(kind, apply)
         self.cards = memory.facts.get(CARD, ())
-        calendar = self._calendar = organiser.calendar
+        calendar = self.calendar
         calendar.restore((*memory.facts.get(SERIES, ()), *memory.facts.get(SLOT, ())))
         changes.keep(SLOT, partial(self._booked, calendar))
         changes.keep(SERIES, calendar.apply)
@@ -162,15 +165,11 @@ class AccessFeature:
         changes.watch(KeyIssued, self._issued)
         changes.watch(KeyRevoked, self._revoked)
 
-    def _set_back(self, board: StopRegistry, behind: bool) -> None:
+    def _set_back(self, behind: bool) -> None:
         if not behind:
-            board.not_later(self.time.wall_ns())
+            self._board.not_later(self.time.wall_ns())
         self._authority.moved()
         self._authority.when_changed.emit()
-
-    def _paused(self, organiser: Organiser, ns: int) -> None:
-        organiser.leases.age(ns)
-        self.waiting.age(ns)
 
     def _booked(self, calendar: Calendar, fact: Fact) -> None:
         calendar.apply(fact)
@@ -212,7 +211,7 @@ class AccessFeature:
 
         Whoever has no access any more keeps no robot from the others.
         """
-        booked = () if self._calendar is None else self._calendar.end_all(principal)
+        booked = self.calendar.end_all(principal)
         return (*booked, *self.waiting.leave_all(principal), *self.wishes.end_all(principal))
 
     async def leave(self) -> None:

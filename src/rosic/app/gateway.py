@@ -163,7 +163,7 @@ class Gateway:
         self._own = OwnDataQueries(preferences, settings.room)
         authority = await self._authority(authoriser, memory)
         self.access = AccessFeature(
-            authoriser, authority, parts.store, parts.entropy, settings.place
+            authoriser, authority, parts.store, parts.entropy, settings.place, board
         )
         rights = authority.draw_up()
         organiser = Organiser(
@@ -174,7 +174,7 @@ class Gateway:
             rates=rates_of(settings, profiles, rights, time, parts.store.note),
             lease_idle_s=settings.lease_idle_s,
         )
-        self.access.restore(memory, organiser, board)
+        self.access.restore(memory, organiser)
         organiser.name_of = lambda principal: inert_words(authoriser.directory.name(principal))
         organiser.remember_fences({robot: fence for robot, (_, fence) in numbers.items()})
         container = Containers(

@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.core.records import Fact
+from rosic.core.signal import Signal
 from rosic.core.time_units import MINUTE_NS, SECOND_NS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from rosic.contracts.clock import Clock
 
 KIND: Final = "high-water"
@@ -54,8 +53,8 @@ class MonotonicWallClock:
     Attributes:
         monotonic_ns, sleep: Those of the clock it is made from.
         behind: The machine's clock was set back, by more than two seconds, and is not accepted.
-        when_behind: Called whenever that changes.
-        when_ahead: Called with the nanoseconds that the machine's clock was set forward by, when
+        when_behind: Tells whenever that changes.
+        when_ahead: Tells the nanoseconds that the machine's clock was set forward by, when
             more than two seconds: the machine may have been paused, and what was to end by the
             monotonic clock is older than that says.
     """
@@ -64,8 +63,8 @@ class MonotonicWallClock:
         self.monotonic_ns = clock.monotonic_ns
         self.sleep = clock.sleep
         self.behind = False
-        self.when_behind: Callable[[bool], object] = bool
-        self.when_ahead: Callable[[int], object] = bool
+        self.when_behind: Signal[[bool]] = Signal()
+        self.when_ahead: Signal[[int]] = Signal()
         self._machine_ns = clock.wall_ns
         # By how much the highest time seen is ahead of the monotonic clock.
         self._ahead_ns = clock.wall_ns() - clock.monotonic_ns()
@@ -79,10 +78,10 @@ class MonotonicWallClock:
         if lost_ns <= 0:
             self._ahead_ns = ahead_ns
             if lost_ns < -BEHIND_NS:
-                self.when_ahead(-lost_ns)
+                self.when_ahead.emit(-lost_ns)
         if (lost_ns > BEHIND_NS) is not self.behind:
             self.behind = not self.behind
-            self.when_behind(self.behind)
+            self.when_behind.emit(self.behind)
         return now_ns + self._ahead_ns
 
     def behind_s(self) -> float:

@@ -21,10 +21,8 @@ from rosic.core.order import FOREVER_NS, Order, Permit, Request
 from rosic.core.policy.evaluate import decide
 from rosic.core.policy.query import Deny, PolicyState, Query
 from rosic.core.policy.roles import Assurance, StepRequired
-from rosic.core.robot.profile import Slots
 from rosic.core.robot.skill import Argument
 from rosic.errors import NotPermitted, RobotStopped, TimeInDoubt
-from rosic.organiser.calendar import Calendar
 from rosic.organiser.rate_limits import person_full
 from rosic.organiser.refusals import CLOCK_SET_BACK, LOCKED, RefusalBuilder
 
@@ -34,9 +32,11 @@ if TYPE_CHECKING:
     from rosic.core.policy.permissions import Permissions, PolicyInForce
     from rosic.core.policy.query import Allow, Decision, PolicyKey
     from rosic.core.robot.profile import Profile, RobotId
+    from rosic.core.signal import Signal
     from rosic.core.slot import SlotRule
     from rosic.core.stop_registry import StopRegistry
     from rosic.errors import Refusal
+    from rosic.organiser.calendar import Calendar
     from rosic.organiser.rate_limits import RateLimits
 
 
@@ -67,9 +67,11 @@ class CheckedClock(Clock, Protocol):
 
     Attributes:
         behind: It was, and nobody has said yet that it is right: nothing new moves.
+        when_ahead: Tells the nanoseconds that it was set forward by: what idles is older.
     """
 
     behind: bool
+    when_ahead: Signal[[int]]
 
 
 class AccessState(NamedTuple):
@@ -77,6 +79,7 @@ class AccessState(NamedTuple):
 
     Attributes:
         clock: By which rights, slots and leases end.
+        calendar: Whose time it is, by that clock.
         key_of: Returns a key as deciding sees it; None: there is none.
         narrow: Keys that reach less than their principal's rights.
         locked: Who is locked.
@@ -87,6 +90,7 @@ class AccessState(NamedTuple):
     """
 
     clock: CheckedClock
+    calendar: Calendar
     key_of: Callable[[KeyId], PolicyKey | None]
     narrow: Collection[KeyId]
     locked: Collection[PrincipalId]
@@ -126,18 +130,19 @@ class Organiser:
         lease_idle_s: float,
     ) -> None:
         clock = access.clock
-        self._policy, self.calendar = policy, Calendar(clock)
+        self._policy, self.calendar = policy, access.calendar
         self.key_of, self.narrow, self.locked = access.key_of, access.narrow, access.locked
         self.own_limits = access.own_limits
         self._locked_out, self._released = access.locked_out, access.released
         self.lease_idle_s, self.wall_ns = lease_idle_s, clock.wall_ns
         self.name_of: NameOf = str
         self.moment: Moment = lambda _who, _at_ns: said("some time ago")
-        self._slots: dict[RobotId, SlotRule] = {}
+        self._slots: dict[RobotId, SlotRule] = {}  # of every robot
         self._stops, self._clock = stops, clock
         self.rates, self._idle_ns = rates, int(lease_idle_s * 1e9)
         self._warned: set[PrincipalId] = set()
         self.leases = Leases()
+        clock.when_ahead.connect(self.leases.age)
         for profile in profiles.values():
             self.enlist(profile, fence=0)  # until `remember_fences`
         self._refusing = RefusalBuilder(self, profiles, stops)
@@ -266,8 +271,8 @@ class Organiser:
         holder = lease.holder_at(now_ns, self._idle_ns)
         if self._stops[robot].latched or not (holder is None or holder == caller.principal):
             return 0
-        rule = self._slots.get(robot)
-        if rule is None or not (rule == "required" or self.calendar.has_slots(robot)):
+        rule = self._slots[robot]
+        if rule == "none" or not (rule == "required" or self.calendar.has_slots(robot)):
             return FOREVER_NS
         wall_ns = self.wall_ns()
         slot = self.calendar.present(robot, wall_ns)
@@ -294,7 +299,7 @@ class Organiser:
     def _until_ns(self, allowed: Allow) -> int:
         """Return until when a decision holds if nobody changes anything, wall clock."""
         robot, key = allowed.ask.robot, self.key_of(allowed.ask.key)
-        booked = robot in self._slots
+        booked = self._rule(robot) != "none"
         slot_ns = self.calendar.answer_ends_ns(robot, self.wall_ns()) if booked else FOREVER_NS
         ends = (allowed.until_ns, None if key is None else key.expires_ns, slot_ns)
         return min(ns for ns in ends if ns is not None)
@@ -321,7 +326,7 @@ class Organiser:
     def _state(self, caller: Caller, robot: RobotId, grounds: AuthContext) -> PolicyState:
         wall_ns, now_ns = self._clock.wall_ns(), self._clock.monotonic_ns()
         lease = self.leases.get(robot)
-        rule = self._slots.get(robot, "none")
+        rule = self._rule(robot)
         slot = None if rule == "none" else self.calendar.present(robot, wall_ns)
         free_ns: int | None = None
         # Told only by a refusal about slots, and looking for it is the dearest part of asking.
@@ -416,7 +421,7 @@ class Organiser:
 
     def whose(self, robot: RobotId) -> PrincipalId | None:
         """Return who has a robot now, or whose time with it is now."""
-        rule = self._slots.get(robot, "none")
+        rule = self._rule(robot)
         slot = None if rule == "none" else self.calendar.present(robot, self.wall_ns())
         return self.holder(robot) or (slot.principal if slot is not None else None)
 
@@ -440,8 +445,8 @@ class Organiser:
     def not_now(self, principal: PrincipalId, robot: RobotId) -> Refusal | None:
         """Return why somebody may not move a robot now, by right and by slot; None if they may."""
         never = self.why_not_move(principal, robot)
-        rule = self._slots.get(robot)
-        if never is not None or rule is None:
+        rule = self._rule(robot)
+        if never is not None or rule == "none":
             return never
         hindrance = self.calendar.why_not(principal, robot, self.wall_ns(), rule == "required")
         return None if hindrance is None else self.calendar.refusal(hindrance, principal)
@@ -470,5 +475,8 @@ class Organiser:
     def enlist(self, profile: Profile, fence: int) -> None:
         """Know one more robot, from the highest fence it has seen (I13)."""
         self.leases[profile.id] = Lease(fence)
-        if profile.slots is not Slots.NONE:
-            self._slots[profile.id] = profile.slots.value
+        self._slots[profile.id] = profile.slots.value
+
+    def _rule(self, robot: RobotId) -> SlotRule:
+        """Return what slots mean for a robot; what is no robot, like the fleet, has none."""
+        return self._slots[robot] if robot in self.leases else "none"

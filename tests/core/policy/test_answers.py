@@ -23,6 +23,20 @@ RATED = Role(scopes=("*:*",), rate="3/min")
 TWICE = Role(includes=("rated",), rate="5/min")
 
 
+def free_state(snapshot: Permissions, key: PolicyKey) -> PolicyState:
+    """Nobody is locked, nothing is stopped or taken, and there are no slots."""
+    return PolicyState(
+        rights=snapshot,
+        key=key,
+        now_ns=NOW,
+        locked=frozenset(),
+        stopped=False,
+        holder=None,
+        slots="none",
+        slot=None,
+    )
+
+
 @pytest.mark.parametrize(("grant", "held"), [(ENDS_NOW, False), (ENDS_NEXT, True)])
 def test_every_answer_knows_the_moment_in_which_a_right_ends(grant: Grant, *, held: bool) -> None:
     snapshot = rights({"p": (grant,)})
@@ -238,7 +252,7 @@ def test_every_way_that_allows_something_of_its_own_is_kept(includes: tuple[str,
     found = {
         (force, channel): isinstance(
             decide(
-                PolicyState(rights=snapshot, key=key, now_ns=NOW),
+                free_state(snapshot, key),
                 Query(
                     principal="p",
                     key="k",
@@ -288,7 +302,7 @@ def test_of_rights_that_have_ended_the_last_is_named() -> None:
     snapshot = rights({"p": (*ended, Grant(role="viewer"))})
     key = PolicyKey(id="k", principal="p")
     no = decide(
-        PolicyState(rights=snapshot, key=key, now_ns=NOW),
+        free_state(snapshot, key),
         Query(principal="p", key="k", robot="kuka1", skill="home"),
     )
     assert isinstance(no, Deny)

@@ -65,6 +65,11 @@ def asked(who: str, robot: str, skill: str, ask: Data = None, **state: Data) -> 
         "rights": RIGHTS,
         "key": PolicyKey(id="k", principal=who),
         "now_ns": NOW,
+        "locked": frozenset(),
+        "stopped": False,
+        "holder": None,
+        "slots": "none",
+        "slot": None,
     }
     question = Query(principal=who, key="k", robot=robot, skill=skill, **(ask or {}))
     return decide(PolicyState(**{**base, **state}), question)

@@ -117,12 +117,14 @@ class Hall:
         self.directory = self.authoriser.directory
         rulebook = RoleRules(roles=ROLES)
         self.authority = PolicyService(rulebook, FLEET, known_units(), self.clock, lambda _who: ())
-        self.access = AccessFeature(self.authoriser, self.authority, self.store, entropy, "lab")
+        self.board = StopRegistry([profile.id for profile in FLEET], {}, not_known_yet())
+        self.access = AccessFeature(
+            self.authoriser, self.authority, self.store, entropy, "lab", self.board
+        )
         self.changes, self.time = self.access.changes, self.access.time
         self.tally, self.locks, self.keys = self.access.tally, self.access.locks, self.access.keys
         self.enrolment, self.stepup = self.access.enrolment, self.access.stepup
         rights = self.authority.rights
-        self.board = StopRegistry([profile.id for profile in FLEET], {}, not_known_yet())
         self.organiser = Organiser(
             self.authority.in_force,
             {profile.id: profile for profile in FLEET},
@@ -286,7 +288,7 @@ class Hall:
             self.authority.roster.set_roles(principal, roles)
         self.authority.roster.restore(memory.facts.get(GRANT, ()))
         self.authority.draw_up()
-        self.access.restore(memory, self.organiser, self.board)
+        self.access.restore(memory, self.organiser)
 
     # ---- what people do ----
 

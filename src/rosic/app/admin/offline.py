@@ -156,15 +156,15 @@ class OfflineAdmin:
         authority.restore(memory, roles)
         stops = await self._stops(memory, profiles)
         place = "rosic" if config is None else config.name
-        access = AccessFeature(authoriser, authority, store, entropy, place)
         board = StopRegistry(profiles, stops, not_known_yet())
+        access = AccessFeature(authoriser, authority, store, entropy, place, board)
         rights = authority.draw_up()
         rates = RateLimits(time, RateLimit(), {}, rights.rates, _nothing_is_asked, str)
         organiser = Organiser(
             authority.in_force, profiles, board, access.state, rates=rates, lease_idle_s=1.0
         )
         organiser.name_of = lambda who: clean(authoriser.directory.name(who))
-        access.restore(memory, organiser, board)
+        access.restore(memory, organiser)
         vocabulary = Vocabulary.build(robots, known_units())
         around = DataContext(
             preferences,

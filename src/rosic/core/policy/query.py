@@ -113,12 +113,12 @@ class PolicyState(msgspec.Struct, frozen=True, kw_only=True):
     rights: Permissions
     key: PolicyKey | None
     now_ns: int
-    locked: Collection[PrincipalId] = frozenset()
-    stopped: bool = False
-    holder: PrincipalId | None = None
+    locked: Collection[PrincipalId]
+    stopped: bool
+    holder: PrincipalId | None
+    slots: SlotRule
+    slot: BookedSlot | None
     holder_until_ns: int | None = None
-    slots: SlotRule = "none"
-    slot: BookedSlot | None = None
     next_free_ns: int | None = None
     stepped_up: bool = False
     confirmed: bool = False
