@@ -44,7 +44,7 @@ def memory() -> Messenger:
 def kept(messenger: Messenger) -> ArchivingMessenger:
     clock = ManualClock()
     return ArchivingMessenger(
-        messenger, Archive(clock), MemoryStore(), lambda _: NOBODY, lambda _: False
+        messenger, Archive(clock), MemoryStore(), lambda _: NOBODY, lambda _: ()
     )
 
 

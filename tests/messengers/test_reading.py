@@ -10,20 +10,12 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from telegram.error import NetworkError
 
-<<<<<<< HEAD
+from rosic.core.time_units import SECOND_NS
 from rosic.messengers.telegram import incoming
 from rosic.messengers.telegram.batch import BATCH, STEP_BYTES
 from rosic.messengers.telegram.polling import AT_ONCE_S
-from rosic.messengers.telegram.polling_gap import SECOND_NS
 from rosic.messengers.telegram.reading import TURNS, UNREAD_AT_MOST
 from rosic.messengers.telegram.update_window import HELD_NS, UpdateWindow
-=======
-from rosic.core.time_units import SECOND_NS
-from rosic.messengers.telegram.batch import BATCH, STEP_BYTES
-from rosic.messengers.telegram.polling import AT_ONCE_S
-from rosic.messengers.telegram.reading import TURNS
-from rosic.messengers.telegram.update_window import HELD_NS
->>>>>>> 5001f5b6 (Write the lengths of time once)
 from tests.messengers.ear import ADA, EVE, LAB, POLL_S, Ear, ScriptedBot, member, raw, text
 
 if TYPE_CHECKING:

@@ -217,7 +217,7 @@ class Gateway:
     async def _furnish(self, memory: Memory) -> None:
         """Put a pipeline through the rooms, and everything in its place beside it."""
         parts = self._parts
-        authoriser, time = self.rooms.authoriser, self.access.time
+        time = self.access.time
         teller, reach = self._speaking()
         self.pipeline = self._pipeline(teller, reach)
         self.furnishing = FeatureSetup(

@@ -200,6 +200,14 @@ class ReadsKnownFirst(Protocol):
 
 
 @runtime_checkable
+class ServesChats(Protocol):
+    """It receives from chats where nobody is known; see `serve_with`."""
+
+    def serve_with(self, serves: Serves) -> None:
+        """Read last what names nobody in chats where nobody known here was met."""
+
+
+@runtime_checkable
 class CatchesUp(Protocol):
     """It brings what was sent while it did not listen; see `catching_up`."""
 
@@ -365,9 +373,8 @@ def serve_with(messenger: Messenger, serves: Serves) -> None:
     What carries nobody's name there may be a stop that counts (I17), and is waited for; elsewhere
     it is looked at after everything else.
     """
-    take: Callable[[Serves], None] | None = getattr(messenger, "serve_with", None)
-    if take is not None:
-        take(serves)
+    if isinstance(messenger, ServesChats):
+        messenger.serve_with(serves)
 
 
 def catching_up(messenger: Messenger) -> bool:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.deferred import Deferred
 from rosic.core.identity import Caller, PrincipalId
-from rosic.core.message import Button, Chat
+from rosic.core.message import Button, Chat, ChatKind
 from rosic.core.signal import Signal
 from rosic.errors import Refusal
 from rosic.gateway.office import CommandRegistry
