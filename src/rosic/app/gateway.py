@@ -52,7 +52,7 @@ from rosic.linker.linker import Linker
 from rosic.organiser.organiser import Organiser
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Awaitable, Callable, Sequence
 
     from rosic.authoriser.authoriser import Authoriser
     from rosic.contracts.messenger import Messenger
@@ -110,6 +110,10 @@ class Gateway:
         self._opened: list[Robot] = []
         self._listening: list[asyncio.Task[None]] = []
         self._teller: ChatSender | None = None
+        # How what has been made ends: opening may break off half-way.
+        self._closes: list[Callable[[], Awaitable[None]]] = []
+        self._leaves: list[Callable[[], Awaitable[None]]] = []
+        self._ends: list[Callable[[], Awaitable[None]]] = []
 
     async def open(self) -> None:
         """Read the record, make the rooms, connect the robots, settle what was interrupted.
@@ -165,6 +169,7 @@ class Gateway:
         self.access = AccessFeature(
             authoriser, authority, parts.store, parts.entropy, settings.place, board
         )
+        self._leaves.append(self._leave_access)
         rights = authority.draw_up()
         organiser = Organiser(
             authority.in_force,
@@ -188,6 +193,7 @@ class Gateway:
         self.rooms = Components(
             authoriser, organiser, container, linker, vocabulary, profiles, board
         )
+        self._leaves.insert(0, self._save_rates)
         self.authority = authority
         await self._furnish(memory)
 
@@ -209,6 +215,7 @@ class Gateway:
         self.holding = DataFeature(
             self.rooms, self.access, self.enforcer, parts.clock, languages, self._own
         )
+        self._leaves.append(self.holding.leave)
         self._messengers = self.holding.record(parts.messengers, parts.store)
         reach = Notifier(authoriser, teller, self._messengers, self.outbox)
         gone.bind(self._elsewhere(reach).gone)
@@ -220,11 +227,14 @@ class Gateway:
         time = self.access.time
         teller, reach = self._speaking()
         self.pipeline = self._pipeline(teller, reach)
+        self._ends.append(self._end_orders)
         self.furnishing = FeatureSetup(
             self.rooms, self.pipeline, self.access, self.stop_lane, teller, self.enforcer
         )
         self.furnishing.furnish(reach, time, parts.entropy, self._settings.zone)
         self.seeing = furnish_seeing(self.rooms, self.pipeline, teller, parts.painter, parts.clock)
+        self._closes.append(self.seeing.studio.close)
+        self._ends.append(self._end_sampling)
         self.furnishing.live_cards.drawing.picturing.camera = DashboardCamera(self.seeing)
         self.alarms = self.furnishing.alarms(memory, self._settings, time, parts.face)
         self.alarms.watch(self._messengers)
@@ -234,6 +244,7 @@ class Gateway:
         self.record_watch = record_watch_of(parts.store, parts.latch, parts.clock, self.furnishing)
         ways = RobotConnections(self._opened.append, self._robot_says)
         self.enlisting = RobotRegistry(self, self._settings, parts, memory, ways)
+        self._closes.append(self.enlisting.close)
         settled, now_ns = self.pipeline.arrears.settled, time.wall_ns()
         await take_in(self._messengers, memory, parts.store, self.rooms, settled, now_ns)
         if isinstance(parts.store, ContainerStore):
@@ -384,8 +395,12 @@ class Gateway:
     def quiet(self) -> bool:
         """Whether no order is under way, no stop is being measured and nothing is left to say."""
         told = self._teller is None or self._teller.quiet
-        seen = not hasattr(self, "seeing") or self.seeing.studio.quiet
-        told = told and seen and self.pipeline.arrears.quiet and self.pipeline.cancels.quiet
+        told = (
+            told
+            and self.seeing.studio.quiet
+            and self.pipeline.arrears.quiet
+            and self.pipeline.cancels.quiet
+        )
         return told and self.stop_lane.quiet and not len(self.pipeline.lives)
 
     def _robot_says(self, profile: Profile, text: str) -> None:
@@ -405,10 +420,8 @@ class Gateway:
         """
         begun_ns = self._parts.clock.monotonic_ns()
         await self._fall_deaf()
-        if hasattr(self, "enlisting"):
-            await self.enlisting.close()
-        if hasattr(self, "seeing"):
-            await self.seeing.studio.close()
+        for closing in reversed(self._closes):
+            await closing()
         leaving = asyncio.create_task(self._write_down())  # before what may take too long
         ending = asyncio.create_task(self._end_lives(begun_ns))
         await asyncio.sleep(0)  # from here on no order begins
@@ -438,27 +451,33 @@ class Gateway:
 
     async def _write_down(self) -> None:
         """Keep what was only counted so far. Nobody is heard any more, so it is the last."""
-        if hasattr(self, "rooms"):
-            save(self.rooms.organiser.rates, self._parts.store)
-        if hasattr(self, "access"):
-            self._parts.store.note(self.access.time.mark())
-            await self.access.leave()
-        if hasattr(self, "holding"):
-            await self.holding.leave()
+        for leaving in self._leaves:
+            await leaving()
+
+    async def _save_rates(self) -> None:
+        save(self.rooms.organiser.rates, self._parts.store)
+
+    async def _leave_access(self) -> None:
+        self._parts.store.note(self.access.time.mark())
+        await self.access.leave()
 
     async def _end_lives(self, begun_ns: int) -> None:
         """End what is under way, and tell it in what is left of the time since ``begun_ns``."""
-        if hasattr(self, "pipeline"):
-            self.rooms.linker.pursuit.close()  # each adapter brings its robot to rest itself
-            await asyncio.gather(self.pipeline.close(), self.stop_lane.close())
-        if hasattr(self, "seeing"):
-            self.seeing.sampler.close()
+        for ending in self._ends:
+            await ending()
         if self._teller is not None:
             past_s = (self._parts.clock.monotonic_ns() - begun_ns) / 1e9
             await self._teller.flush(min(FLUSH_S, max(FLUSH_AT_LEAST_S, TOLD_BY_S - past_s)))
 
+    async def _end_orders(self) -> None:
+        self.rooms.linker.pursuit.close()  # each adapter brings its robot to rest itself
+        await asyncio.gather(self.pipeline.close(), self.stop_lane.close())
+
+    async def _end_sampling(self) -> None:
+        self.seeing.sampler.close()
+
     def _idle(self) -> list[Robot]:
         """Return the robots that carry out nothing; none while a stop is being measured."""
-        if not hasattr(self, "stop_lane") or not self.stop_lane.quiet:
+        if not self._opened or not self.stop_lane.quiet:
             return []
         return [robot for robot in self._opened if not robot.presence().doing]
