@@ -182,6 +182,6 @@ def test_the_oldest_buttons_die_first_when_there_are_too_many() -> None:
 
 def test_what_is_refused_is_refused_though_nobody_counts() -> None:
     shown = Shown()
-    shown.buttons = ButtonTokens(shown.clock, SeededEntropy())
+    shown.buttons = ButtonTokens(shown.clock, SeededEntropy(), count=shown.refused.append)
     with pytest.raises(Expired):
         shown.tap("unknown")

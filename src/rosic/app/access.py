@@ -36,6 +36,8 @@ from rosic.organiser.roles import ROLE
 from rosic.organiser.wait_queue import WAITING, WaitingList
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable
+
     from rosic.app.policy import PolicyService
     from rosic.authoriser.abuse import Invalidate
     from rosic.authoriser.invitations import InvitedRights
@@ -57,6 +59,10 @@ def _nobody_invites(_principal: PrincipalId, _given: InvitedRights) -> bool:
     return False
 
 
+async def nothing_kept(_principal: PrincipalId) -> None:
+    """Erase nothing: there are no containers, so nothing was kept."""
+
+
 def authoriser_of(time: MonotonicWallClock, clock: Clock, entropy: Entropy) -> Authoriser:
     """Return an authoriser who knows nobody yet."""
     keys = KeyRing(time, entropy, Counters())
@@ -73,6 +79,8 @@ class AccessFeature:
             books.
         calendar: Whose time it is.
         cards: Live cards of earlier runs, for whoever shows them.
+        forget_newcomer: Erases what was kept of somebody who was not let in; nothing is kept
+            before it is bound.
         may_invite: Whether somebody may let a person in with that; nobody, until it is bound.
     """
 
@@ -110,6 +118,7 @@ class AccessFeature:
         self.waiting = WaitingList(self.time)
         self.wishes = Wishes(self.time.wall_ns)
         self.petitions = AccessRequests(self.time.wall_ns, entropy)
+        self.forget_newcomer: Deferred[[PrincipalId], Awaitable[None]] = Deferred(nothing_kept)
         self._authoriser = authoriser
         self._authority, self._board = authority, board
         self.calendar = Calendar(self.time)

@@ -151,7 +151,7 @@ class DataFeature:
         self._follow_settings()
         if memory.facts.get(PREFERENCE):
             rooms.container.usual = self._usual
-        furnishing.admitting.forget = erasing.stranger
+        self._access.forget_newcomer.bind(erasing.stranger)
         self.receiving = FileUpload(holdings, pipeline.answer, pipeline.plain)
         pipeline.reception.enclosed.bind(self.receiving.take)
         self._aside = BackgroundTransfer(pipeline.answer, pipeline.plain, self._clock)

@@ -189,7 +189,9 @@ class FeatureSetup:
         access.may_invite.bind(powers.may_admit)
         self.notices = AccessNotices(registry, powers)
         doorstep = NewcomerChat(self._teller, messengers, clock, entropy, count=access.tally.count)
-        self.admitting = ApprovalCommands(registry, powers, doorstep, menu=self._pipeline.menu)
+        self.admitting = ApprovalCommands(
+            registry, powers, doorstep, menu=self._pipeline.menu, forget=access.forget_newcomer
+        )
         joining = JoinHandler(
             registry,
             powers,

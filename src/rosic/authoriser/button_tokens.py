@@ -81,10 +81,10 @@ class ButtonTokens:
         clock: Clock,
         entropy: Entropy,
         *,
+        count: Count,
         at_most: int = 20_000,
-        count: Count | None = None,
     ) -> None:
-        self._count = count or uncounted
+        self._count = count
         self._clock = clock
         self._entropy = entropy
         self._at_most = at_most
@@ -195,10 +195,6 @@ def is_open(command: str) -> bool:
 def is_lasting(button: Button) -> bool:
     """Whether a button is good for as long as it is shown."""
     return is_stop(button) or button.nonce.startswith(OPEN)
-
-
-def uncounted(_kind: str) -> None:
-    """Nobody counts."""
 
 
 def lifetime_of(button: Button) -> int:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.access import AccessFeature, authoriser_of
+from rosic.app.access import AccessFeature, authoriser_of, nothing_kept
 from rosic.app.people import remember
 from rosic.app.policy import PolicyService
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
@@ -173,7 +173,9 @@ class Hall:
         doorstep = NewcomerChat(
             self.teller, (self.chat,), self.clock, entropy, count=self.tally.count
         )
-        self.admitting = ApprovalCommands(registry, self.powers, doorstep, menu=self.menu)
+        self.admitting = ApprovalCommands(
+            registry, self.powers, doorstep, menu=self.menu, forget=nothing_kept
+        )
         self.joining = JoinHandler(
             registry,
             self.powers,

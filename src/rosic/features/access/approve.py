@@ -33,8 +33,6 @@ class ApprovalCommands:
         powers: Who may let somebody in.
         doorstep: Reaches whoever is nobody yet.
         menu: What somebody who has just come in is shown besides the welcome.
-
-    Attributes:
         forget: Erases what was kept of a newcomer who was not let in.
     """
 
@@ -44,10 +42,11 @@ class ApprovalCommands:
         powers: AdminPolicy,
         doorstep: NewcomerChat,
         *,
-        menu: Callable[[PrincipalId], Reply] = lambda _who: Reply(""),
+        menu: Callable[[PrincipalId], Reply],
+        forget: Callable[[PrincipalId], Awaitable[None]],
     ) -> None:
         self.menu = menu
-        self.forget: Callable[[PrincipalId], Awaitable[None]] = _keep
+        self._forget = forget
         self._registry = registry
         self._enrolment = registry.enrolment
         self._powers = powers
@@ -132,7 +131,7 @@ class ApprovalCommands:
     async def _turned_away(self, declined: Declined) -> None:
         self._doorstep.tell(declined.address, declined.sentence)
         if declined.newcomer:
-            await self.forget(declined.principal)
+            await self._forget(declined.principal)
 
     def waiting(self, by: PrincipalId) -> tuple[Applicant, ...]:
         """Return everybody who waits and whom this person may let in."""
@@ -186,10 +185,6 @@ class ApprovalCommands:
     def _tell_others(self, applicant: Applicant, by: PrincipalId, text: str) -> None:
         asked = self._powers.admitters(applicant.pending.given)
         self._registry.reach.tell((who for who in asked if who != by), text)
-
-
-async def _keep(_principal: PrincipalId) -> None:
-    return None
 
 
 def buttons_for(applicant: Applicant, name: str = "") -> tuple[Button, ...]:

@@ -74,7 +74,7 @@ class NewcomerChat:
         clock: Clock,
         entropy: Entropy,
         *,
-        count: Callable[[str], None] | None = None,
+        count: Callable[[str], None],
     ) -> None:
         self._teller = teller
         self._messengers = tuple(messengers)

@@ -1,4 +1,4 @@
-"""Whoever decides by the rights is made with those in force, and holds no older ones (I8)."""
+"""What decides is made with what it decides by; nobody can forget it (I8, I18)."""
 
 from __future__ import annotations
 
@@ -12,9 +12,12 @@ from rosic.app.data_feature import DataFeature
 from rosic.app.features import FeatureSetup
 from rosic.app.maintenance import Maintenance
 from rosic.app.policy import PolicyEnforcer, PolicyService
+from rosic.authoriser.button_tokens import ButtonTokens
 from rosic.config.profiles import known_units
 from rosic.core.policy.query import PolicyState
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
+from rosic.features.access.approve import ApprovalCommands
+from rosic.features.access.newcomer_chat import NewcomerChat
 from rosic.gateway.delivery.notifier import Notifier
 from rosic.gateway.delivery.redaction import SecretRedaction
 from rosic.gateway.delivery.sender import ChatSender
@@ -36,6 +39,9 @@ DECIDED_BY = [
     (StopLane, "outbox"),
     (ChatSender, "gone"),
     (SecretRedaction, "note"),
+    (ButtonTokens, "count"),
+    (NewcomerChat, "count"),
+    (ApprovalCommands, "forget"),
     (SecretRedaction, "is_good"),
 ]
 
