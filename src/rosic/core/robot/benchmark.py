@@ -8,14 +8,11 @@ from __future__ import annotations
 import enum
 from collections.abc import Mapping
 from math import isfinite, pi
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import msgspec
 
 from rosic.core.robot.view import Pose
-
-if TYPE_CHECKING:
-    from rosic.core.robot.skill import Argument
 
 DEVIATION: Final = "deviation"
 """What rules call it."""
@@ -72,8 +69,11 @@ class Benchmark(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         if self.duration_s is None and self.energy is None and not self.errors:
             raise ValueError("a benchmark needs duration_s, energy or errors")
 
-    def expected_s(self, arguments: Mapping[str, Argument]) -> float | None:
-        """Return how long it should take with these arguments, in SI; None if that is not said."""
+    def expected_s(self, arguments: Mapping[str, object]) -> float | None:
+        """Return how long it should take with these arguments, in SI; None if that is not said.
+
+        Of the arguments only numbers count.
+        """
         if self.duration_s is None:
             return None
         given = ((arguments.get(name, 0.0), each_s) for name, each_s in self.per_s.items())
@@ -131,9 +131,24 @@ class BenchmarkMeasurement(msgspec.Struct, frozen=True, kw_only=True):
         return found if found is not None and isfinite(found) else None
 
 
+class BenchmarkVerdict(msgspec.Struct, frozen=True):
+    """How a task was that came to its end.
+
+    Attributes:
+        skill: As people read it.
+        expected_s: None if nothing is expected.
+    """
+
+    skill: str
+    took_s: float
+    expected_s: float | None
+    used: float | None
+    deviations: tuple[Deviation, ...]
+
+
 def judge(
     benchmark: Benchmark,
-    arguments: Mapping[str, Argument],
+    arguments: Mapping[str, object],
     measured: BenchmarkMeasurement,
     wanted: Mapping[str, float],
     unit: str,

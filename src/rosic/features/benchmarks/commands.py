@@ -1,113 +1,31 @@
-"""What people read about benchmarks, and about how a robot is set."""
+"""``/benchmark``: how a robot does against what is expected of it, and how it is set."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.i18n import joined, said
-from rosic.core.language import inert_text
-from rosic.core.robot.benchmark import BenchmarkKind
+from rosic.core.i18n import joined
+from rosic.features.benchmarks import messages as words
 from rosic.gateway.builtin_commands import Reply
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from rosic.core.order_status import Face
-    from rosic.core.robot.benchmark import Deviation
     from rosic.core.robot.profile import RobotId
-    from rosic.features.benchmarks.evaluation import BenchmarkEvaluation, BenchmarkVerdict
+    from rosic.features.benchmarks.evaluation import BenchmarkEvaluation
     from rosic.gateway.components import Components
     from rosic.gateway.office import CommandContext
     from rosic.gateway.robot_argument import RobotArgument
 
 
-# ---- sentences ----
-
-VALUE_AT_MOST = 60
-
-
-def expected(expected_s: float | None) -> str:
-    """Return how long what it does should take; empty if nobody expects anything."""
-    return "" if expected_s is None else said("expected to take {s} s", s=f"{expected_s:.1f}")
-
-
-def late(expected_s: float) -> str:
-    """Return that what it does takes too long."""
-    return said("late: expected to take {s} s", s=f"{expected_s:.1f}")
-
-
-def off(skill: str, deviations: Iterable[Deviation]) -> str:
-    """Return what was not as expected of a task that was done."""
-    found = joined(", ", [deviation(one) for one in deviations])
-    return said("{skill} was off its benchmark: {what}", skill=skill, what=found)
-
-
-def deviation(one: Deviation) -> str:
-    """Return one thing that was not as expected."""
-    if one.kind is BenchmarkKind.LATE:
-        return said("{s} s instead of {most} s", s=f"{one.found:.1f}", most=f"{one.bound:.1f}")
-    if one.kind is BenchmarkKind.ENERGY:
-        return said(
-            "{used} {unit} of the battery instead of {most} {unit}",
-            used=f"{one.found:.1f}",
-            most=f"{one.bound:.1f}",
-            unit=one.unit,
-        )
-    return said(
-        "{name} off by {error}, at most {most}",
-        name=one.name.replace("_", " "),
-        error=f"{one.found:.3g}",
-        most=f"{one.bound:.3g}",
-    )
-
-
-def head(shown: str) -> str:
-    """Return the first line about a robot."""
-    return said("{robot}, against what is expected of it:", robot=shown)
-
-
-def verdict(one: BenchmarkVerdict) -> str:
-    """Return one line about the last time that a skill was done."""
-    took = f"{one.took_s:.1f}"
-    if one.expected_s is None:
-        line = said("{skill}: took {s} s", skill=one.skill, s=took)
-    else:
-        line = said(
-            "{skill}: took {s} s, expected {expected} s",
-            skill=one.skill,
-            s=took,
-            expected=f"{one.expected_s:.1f}",
-        )
-    found = [deviation(each) for each in one.deviations]
-    return joined(" · ", [line, *(found or [said("as expected")])])
-
-
-def not_yet(skill: str) -> str:
-    """Return that a skill was not measured yet."""
-    return said("{skill}: not measured yet", skill=skill)
-
-
-def none(shown: str) -> str:
-    """Return that nothing is expected of a robot."""
-    return said("{robot} has no benchmarks.", robot=shown)
-
-
-def settings(lines: Sequence[str]) -> str:
-    """Return how a robot is set."""
-    return joined("\n", [said("Set from here:"), *lines])
-
-
-def setting(name: str, value: object, by: str, when: str) -> str:
-    """Return one parameter."""
-    shown = f"{value:g}" if isinstance(value, float) else inert_text(str(value))[:VALUE_AT_MOST]
-    return said("{name} = {value}, by {who} {time}", name=name, value=shown, who=by, time=when)
-
-
-# ---- ``/benchmark`` ----
-
-
 class BenchmarkCommands:
-    """Answers for robots that the asker may see."""
+    """Answers for robots that the asker may see.
+
+    Args:
+        judging: Knows how each task was that came to its end, and how robots are set.
+        rooms: Know the robots, and how people are called.
+        naming: Finds the robot that is meant, among those that the asker may see.
+        face: Writes when something was set.
+    """
 
     def __init__(
         self, judging: BenchmarkEvaluation, rooms: Components, naming: RobotArgument, face: Face
@@ -131,16 +49,16 @@ class BenchmarkCommands:
             if skill.benchmark is not None:
                 done = verdicts.get(skill.id)
                 title = skill.shown
-                lines.append(not_yet(title) if done is None else verdict(done))
-        text = joined("\n", [head(profile.shown), *lines]) if lines else ""
-        parts = [text or none(profile.shown), self._settings(robot)]
+                lines.append(words.not_yet(title) if done is None else words.verdict(done))
+        text = joined("\n", [words.head(profile.shown), *lines]) if lines else ""
+        parts = [text or words.none(profile.shown), self._settings(robot)]
         return Reply(joined("\n", [part for part in parts if part]))
 
     def _settings(self, robot: RobotId) -> str:
         organiser = self._rooms.organiser
         kept = self._judging.settings.of.get(robot, {})
         lines = [
-            setting(name, one.value, organiser.name_of(one.by), self._face(one.at_ns))
+            words.setting(name, one.value, organiser.name_of(one.by), self._face(one.at_ns))
             for name, one in kept.items()
         ]
-        return settings(lines) if lines else ""
+        return words.settings(lines) if lines else ""

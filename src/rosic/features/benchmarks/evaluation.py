@@ -17,12 +17,13 @@ from rosic.core.robot.benchmark import (
     Benchmark,
     BenchmarkKind,
     BenchmarkMeasurement,
+    BenchmarkVerdict,
     Deviation,
     judge,
 )
 from rosic.core.robot.skill import SkillClass
 from rosic.core.time_units import SECOND_NS
-from rosic.features.benchmarks import commands as words
+from rosic.features.benchmarks import messages as words
 from rosic.gateway.transactions import WriteBehind
 
 if TYPE_CHECKING:
@@ -45,21 +46,6 @@ class BenchmarkedAttempt(msgspec.Struct, frozen=True):
     benchmark: Benchmark
     begun_ns: int
     charge: float | None
-
-
-class BenchmarkVerdict(msgspec.Struct, frozen=True):
-    """How a task was that came to its end.
-
-    Attributes:
-        skill: As people read it.
-        expected_s: None if nothing is expected.
-    """
-
-    skill: str
-    took_s: float
-    expected_s: float | None
-    used: float | None
-    deviations: tuple[Deviation, ...]
 
 
 class BenchmarkEvaluation:
