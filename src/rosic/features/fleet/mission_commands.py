@@ -39,8 +39,7 @@ from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.requests import check_errand_fresh
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterable, Mapping
-    from typing import TypeAlias
+    from collections.abc import Iterable, Mapping
 
     from rosic.core.fleet.mission import Leaf
     from rosic.core.fleet.template import TemplateValues
@@ -53,8 +52,6 @@ if TYPE_CHECKING:
     from rosic.gateway.office import CommandContext, CommandRegistry
     from rosic.gateway.transactions import Transactions
     from rosic.organiser.timezones import Zone
-
-    Starter: TypeAlias = Callable[[MissionPlan, MissionChat, CommandId], Awaitable[str]]
 
 NUMBERED: Final = "-"
 """Between the name of a mission and the number of its first task: it may run more than once."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import msgspec
 from msgspec.structs import replace
@@ -19,10 +19,10 @@ from rosic.features.fleet import mission_messages as words
 from rosic.organiser.recurrence import occurrences, read_rule
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Awaitable, Callable, Iterable
 
     from rosic.contracts.clock import Clock
-    from rosic.features.fleet.mission_commands import Starter
+    from rosic.core.identity import CommandId
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.transactions import Transactions
     from rosic.organiser.timezones import Zone
@@ -65,6 +65,9 @@ class MissionChat(msgspec.Struct, frozen=True):
     messenger: str
     chat: Chat
 
+
+Starter: TypeAlias = "Callable[[MissionPlan, MissionChat, CommandId], Awaitable[str]]"
+"""Begins a mission; returns what is said of it."""
 
 _encode = msgspec.msgpack.Encoder().encode
 _plan = msgspec.msgpack.Decoder(MissionPlan).decode
