@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import inspect
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, Protocol, Unpack
 
 import msgspec
 from aiohttp import web
@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.testing.telegram.people import Saying
-    from rosic.testing.telegram.server import FakeTelegram
+    from rosic.testing.telegram.state import JsonObject
+    from rosic.testing.telegram.world import World
 
 VERBS = (
     "create_user",
@@ -61,10 +62,45 @@ VERBS = (
 )
 
 
+class ControlledServer(Protocol):
+    """What the door needs of the server besides the verbs, which it finds by their names."""
+
+    world: World
+
+    @property
+    def violations(self) -> list[JsonObject]:
+        """What no correct client does."""
+        ...
+
+    @property
+    def calls(self) -> list[JsonObject]:
+        """Every call."""
+        ...
+
+    @property
+    def seq(self) -> int:
+        """The number of the newest change."""
+        ...
+
+    def file(self, file_id: str) -> bytes:
+        """Return the content of a file."""
+        ...
+
+    def send_file(
+        self, chat: int, user: int, name: str, content: bytes | Path, **unusual: Unpack[Saying]
+    ) -> int:
+        """Send a file as a person does."""
+        ...
+
+    def swap_file(self, file_id: str, content: bytes) -> None:
+        """Let a file hold something else."""
+        ...
+
+
 class ControlDoor:
     """Serves the verbs of one server."""
 
-    def __init__(self, server: FakeTelegram) -> None:
+    def __init__(self, server: ControlledServer) -> None:
         self._server = server
         self._verbs: dict[str, Callable[..., Any]] = {name: getattr(server, name) for name in VERBS}
         self._verbs |= {
