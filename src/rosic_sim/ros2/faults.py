@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic_sim.robots.machines.world import SimulatedWorld
     from rosic_sim.robots.machines.yumi import Side
-    from rosic_sim.ros2.machine_node import MachineNode
+    from rosic_sim.ros2.ends import SimulatedRobotNode
 
 LINK, BATTERY, OBJECT, WATCHDOG = "link", "battery", "object", "watchdog_s"
 DRIFT, FIRE, MUD = "drift", "fire", "mud"
@@ -39,7 +39,7 @@ class RobotFaults:
     - ``mud``: true lets the ground give way (rovers).
     """
 
-    def __init__(self, owner: MachineNode, world: SimulatedWorld) -> None:
+    def __init__(self, owner: SimulatedRobotNode, world: SimulatedWorld) -> None:
         self._owner = owner
         self._world = world
         self._special: dict[str, Callable[[object], str]] = {

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic_sim.robots.machines.arguments import Value
-    from rosic_sim.ros2.machine_node import MachineNode
+    from rosic_sim.ros2.ends import SimulatedRobotNode
 
 FEEDBACK_EVERY_S = 0.1
 # A cancelled goal is answered when the machine has come to rest, or after this.
@@ -34,7 +34,7 @@ class _Open(NamedTuple):
 class Goals:
     """Offers the actions of a machine. The machine itself sees to one goal at a time."""
 
-    def __init__(self, owner: MachineNode) -> None:
+    def __init__(self, owner: SimulatedRobotNode) -> None:
         self._owner = owner
         self._machine = owner.machine
         self._rclpy = import_module("rclpy.action")
