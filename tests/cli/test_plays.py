@@ -17,9 +17,9 @@ from rosic.rendering.style import SEVERAL
 from rosic.system import SystemClock, SystemEntropy
 from rosic_sim.robots.theatre import theatre_of
 from rosic_sim.scenarios.curtain import TerminalView
-from rosic_sim.scenarios.play import OffScript
 from rosic_sim.scenarios.playing import FastClock, ScenarioOptions, play
 from rosic_sim.scenarios.repertoire import NAMES, play_named
+from rosic_sim.scenarios.stage import OffScript
 from tests.cli.running import ROSIC, Ran, environment, rosic
 from tests.cli.terminal import rosic_at
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet.mission import Mission, MissionPart
 from rosic_sim.robots.machines.omni import Omni
-from rosic_sim.scenarios.play import Person, Scenario
 from rosic_sim.scenarios.props import several
+from rosic_sim.scenarios.stage import Person, Scenario
 
 if TYPE_CHECKING:
     from rosic_sim.scenarios.stage import ScenarioRunner

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic_sim.robots.machines.afield import Fire, FireWatcher
-from rosic_sim.scenarios.play import Person, Scenario
 from rosic_sim.scenarios.props import prop
+from rosic_sim.scenarios.stage import Person, Scenario
 
 if TYPE_CHECKING:
     from rosic_sim.scenarios.stage import ScenarioRunner

@@ -35,8 +35,7 @@ from rosic_sim.robots.scenery.scene import robot_scene
 from rosic_sim.robots.theatre import theatre_of
 from rosic_sim.scenarios.curtain import TerminalView
 from rosic_sim.scenarios.ledger import RecordingStore
-from rosic_sim.scenarios.play import OffScript
-from rosic_sim.scenarios.stage import ScenarioChats, ScenarioRunner
+from rosic_sim.scenarios.stage import OffScript, ScenarioChats, ScenarioRunner
 from rosic_sim.scenarios.voices import SpeakingRobot
 
 if TYPE_CHECKING:
@@ -49,7 +48,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Outbound
     from rosic.core.robot.view import Subject
     from rosic_sim.robots.theatre import SimulationLoop
-    from rosic_sim.scenarios.play import Scenario
+    from rosic_sim.scenarios.stage import Scenario
 
 
 # ---- a faster clock ----

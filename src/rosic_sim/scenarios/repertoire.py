@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from rosic_sim.scenarios.play import Scenario
+    from rosic_sim.scenarios.stage import Scenario
 
 # Name to module, so that whoever wants one play, or none, imports no other.
 NAMES: Final = {

@@ -1,30 +1,89 @@
-"""Where a play is played: a real gateway, simulated robots, people who are method calls."""
+"""A play: what it is made of, and where it is played.
+
+That is a real gateway with simulated robots; the people are method calls.
+"""
 
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
 
 from rosic.app.admin.dispatch import AdminDispatcher
 from rosic.app.runtime import until_quiet
+from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
 from rosic.messengers.memory import MemoryMessenger
 from rosic_sim.robots.theatre import theatre_of
 from rosic_sim.scenarios.ledger import counted
-from rosic_sim.scenarios.play import OffScript
 from rosic_sim.scenarios.voices import SpeakingRobot
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Awaitable, Callable, Iterator
 
     from rosic.app.gateway import Gateway
     from rosic.contracts.clock import Clock
+    from rosic.core.fleet.mission import Mission
     from rosic.core.message import Button, Outbound
+    from rosic.core.robot.profile import Profile
+    from rosic_sim.robots.machines.clockwork import SteppedMachine
     from rosic_sim.robots.machines.world import SimulatedWorld
     from rosic_sim.scenarios.curtain import TerminalView
     from rosic_sim.scenarios.ledger import RecordingStore
-    from rosic_sim.scenarios.play import Scenario
 
 Found = TypeVar("Found")
+
+
+# ---- what a play is made of ----
+
+RULES: Final = RoleRules(roles=DEFAULT_ROLES)
+
+
+class Person(NamedTuple):
+    """Somebody in a play, known by what they are there.
+
+    Attributes:
+        name: ``Ranger``; also the account.
+        role: Name of a role.
+    """
+
+    name: str
+    role: str = "operator"
+
+
+class Scenario(NamedTuple):
+    """One play.
+
+    Attributes:
+        name: As typed after ``rosic demo``.
+        about: One line.
+        people: Who takes part; whoever plays along is the first unless they say otherwise.
+        profiles: The robots.
+        machines: Those of them that the room of the six does not have anyway.
+        script: What happens.
+        hints: What somebody who plays along could try.
+        fellows: Robots that speak with each other, with the role ``fellow``.
+        rules: Roles and pre-emption.
+        lease_idle_s: How long a robot stays somebody's after their last order ended.
+        missions: What several robots do when somebody says so.
+    """
+
+    name: str
+    about: str
+    people: tuple[Person, ...]
+    profiles: Callable[[], tuple[Profile, ...]]
+    machines: Callable[[], tuple[SteppedMachine, ...]]
+    script: Callable[[ScenarioRunner], Awaitable[None]]
+    hints: tuple[str, ...]
+    fellows: tuple[str, ...] = ()
+    rules: RoleRules = RULES
+    lease_idle_s: float = 20.0
+    missions: tuple[Mission, ...] = ()
+
+
+class OffScript(Exception):
+    """It did not go as written; the sentence says what was missing."""
+
+
+# ---- where it is played ----
 
 WITHIN_S: Final = 180.0
 """On the play's clock, which may be four times as fast as the machine's. Nothing in a play takes

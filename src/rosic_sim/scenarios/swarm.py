@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from rosic_sim.robots.machines.afield import Rover
-from rosic_sim.scenarios.play import Person, Scenario
 from rosic_sim.scenarios.props import several, shipped
+from rosic_sim.scenarios.stage import Person, Scenario
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
