@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.core.robot.skill import Argument, Parameter, Skill
     from rosic.core.stop_registry import StopRegistry
-    from rosic.organiser.organiser import Organiser
+    from rosic.organiser.why_stopped import PolicyInformation
 
 _SI = frozenset({"", "m", "m/s", "m/s^2", "s", "N", "Nm", "rad", "rad/s", "kg"})
 AGREED = frozenset({StepRequired.CONFIRMATION, StepRequired.SECOND_PERSON})
@@ -57,7 +57,7 @@ class RefusalBuilder:
     """
 
     def __init__(
-        self, organiser: Organiser, profiles: Mapping[RobotId, Profile], stops: StopRegistry
+        self, organiser: PolicyInformation, profiles: Mapping[RobotId, Profile], stops: StopRegistry
     ) -> None:
         self._organiser = organiser
         self._profiles = profiles

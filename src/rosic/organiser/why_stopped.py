@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
 from rosic.core.i18n import joined, said
 from rosic.core.language.suggestions import AND, OR
@@ -10,24 +10,75 @@ from rosic.core.policy.scope import RESUME
 from rosic.errors import RobotStopped
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
     from rosic.core.identity import PrincipalId
     from rosic.core.order import Order
+    from rosic.core.policy.permissions import Permissions
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.core.stop_registry import StopRegistry
-    from rosic.organiser.organiser import Organiser
+    from rosic.errors import NotPermitted
+    from rosic.organiser.calendar import Calendar
 
 NOTHING_DONE: Final = said("Nothing was done.")
 NAMED_AT_MOST: Final = 8
 """As many as a line may name to resume them."""
 
 
+class PolicyInformation(Protocol):
+    """What refusals are made of; the organiser answers.
+
+    Attributes:
+        locked: Who is locked.
+        calendar: Whose time it is.
+    """
+
+    locked: Collection[PrincipalId]
+    calendar: Calendar
+
+    @property
+    def rights(self) -> Permissions:
+        """The present snapshot."""
+        ...
+
+    @property
+    def wall_ns(self) -> Callable[[], int]:
+        """The time by which rights and slots end."""
+        ...
+
+    @property
+    def name_of(self) -> Callable[[PrincipalId], str]:
+        """Returns how somebody is called."""
+        ...
+
+    @property
+    def moment(self) -> Callable[[PrincipalId, int], str]:
+        """Returns when something is, as somebody reads it."""
+        ...
+
+    @property
+    def own_limits(self) -> Callable[[PrincipalId], tuple[str, ...]]:
+        """Returns what somebody has set for themselves, as the texts of limits."""
+        ...
+
+    def allows(self, principal: PrincipalId, robot: RobotId, skill: str) -> bool:
+        """Whether somebody has a right at all now."""
+        ...
+
+    def free_in(self, robot: RobotId) -> tuple[bool, float]:
+        """Return whether a robot that is taken is at work, and the seconds that it has to idle."""
+        ...
+
+    def why_not_move(self, principal: PrincipalId, robot: RobotId) -> NotPermitted | None:
+        """Return why somebody may not move a robot at all; None if they may."""
+        ...
+
+
 class WhyStopped:
     """Says it of one robot, or of several in one sentence."""
 
     def __init__(
-        self, organiser: Organiser, profiles: Mapping[RobotId, Profile], stops: StopRegistry
+        self, organiser: PolicyInformation, profiles: Mapping[RobotId, Profile], stops: StopRegistry
     ) -> None:
         self._organiser = organiser
         self._profiles = profiles
@@ -151,7 +202,7 @@ def _until_you(robots: Sequence[RobotId]) -> str:
 
 
 def may_resume(
-    organiser: Organiser, stops: StopRegistry, principal: PrincipalId, robot: RobotId
+    organiser: PolicyInformation, stops: StopRegistry, principal: PrincipalId, robot: RobotId
 ) -> bool:
     """Whether a stop is somebody's to undo: by right, or as they stopped their own order."""
     by_right = organiser.allows(principal, robot, RESUME)
@@ -159,7 +210,7 @@ def may_resume(
 
 
 def stopped_own(
-    organiser: Organiser, stops: StopRegistry, principal: PrincipalId, robot: RobotId
+    organiser: PolicyInformation, stops: StopRegistry, principal: PrincipalId, robot: RobotId
 ) -> bool:
     """Whether a robot is stopped as somebody stopped their own order, and may move it."""
     own = stops[robot].own == principal
