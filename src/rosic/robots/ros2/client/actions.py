@@ -14,8 +14,8 @@ from rosic.robots.ros2.rebirths import ends_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rosic.robots.ros2.client.connection import RosConnection
     from rosic.robots.ros2.client.rclpy_import import RosObject
-    from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.messages.encode import Values
     from rosic.robots.ros2.rebirths import Ends
 
@@ -60,7 +60,9 @@ class ActionLink:
         rejected: How many goals the server did not accept.
     """
 
-    def __init__(self, runtime: RosRuntime, name: str, cls: RosObject, handle: RosObject) -> None:
+    def __init__(
+        self, runtime: RosConnection, name: str, cls: RosObject, handle: RosObject
+    ) -> None:
         self.name = name
         self.rejected = 0
         self._runtime = runtime
@@ -174,7 +176,7 @@ class Goal:
     """
 
     def __init__(
-        self, runtime: RosRuntime, name: str, handle: RosObject, ended: Callable[[], None]
+        self, runtime: RosConnection, name: str, handle: RosObject, ended: Callable[[], None]
     ) -> None:
         self.name = name
         self.id = bytes(handle.goal_id.uuid)
@@ -239,7 +241,7 @@ class Goal:
 class _Newest:
     """Feedback on its way to the event loop: only the newest is worth telling."""
 
-    def __init__(self, runtime: RosRuntime, tell: Callable[[RosObject], None]) -> None:
+    def __init__(self, runtime: RosConnection, tell: Callable[[RosObject], None]) -> None:
         self._runtime = runtime
         self._tell = tell
         self._newest: RosObject = None

@@ -12,8 +12,8 @@ from rosic.robots.ros2.errors import BadValue
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rosic.robots.ros2.client.connection import RosConnection
     from rosic.robots.ros2.client.rclpy_import import RosObject
-    from rosic.robots.ros2.client.runtime import RosRuntime
 
 WAITING_AT_MOST: Final = 16
 PAUSE_S: Final = 0.05
@@ -35,7 +35,7 @@ class RateLimitedTopic(Subscription):
 
     def __init__(
         self,
-        runtime: RosRuntime,
+        runtime: RosConnection,
         topic: str,
         cls: RosObject,
         on_words: Callable[[bytes, int], None],

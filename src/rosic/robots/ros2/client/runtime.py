@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Self, TypeVar
+from typing import TYPE_CHECKING, Self
 
 from rosic.robots.ros2.client.actions import ActionLink
+from rosic.robots.ros2.client.connection import RosConnection
 from rosic.robots.ros2.client.executor_thread import RosThread
 from rosic.robots.ros2.client.qos import publisher_events, subscription_events
 from rosic.robots.ros2.client.rate_limited_topic import RateLimitedTopic
 from rosic.robots.ros2.client.services import ServiceLink
 from rosic.robots.ros2.client.topics import LatestMessage, MessageStream, Publisher, TopicQos
-from rosic.robots.ros2.errors import BadName, NotSent
+from rosic.robots.ros2.errors import BadName
 from rosic.robots.ros2.messages.names import check_graph_name, check_node_name
 from rosic.robots.ros2.senders import Informed
 
@@ -19,28 +20,23 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import TracebackType
 
-    from rosic.robots.ros2.client.rclpy_import import RclpyModules, RosObject
+    from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.messages.types import TypeRegistry
-
-T = TypeVar("T")
 
 NODE_NAME = "chat_interface"
 TEXT = "std_msgs/msg/String"
 MAX_DOMAIN_ID = 232
-MAX_ENDPOINTS = 1024
 
 _RELIABLE = TopicQos()
 _NEWEST = TopicQos(reliable=False, depth=1)
 
 
-class RosRuntime:
+class RosRuntime(RosConnection):
     """One node for one process. Made by `RosRuntime.open`, used on the event loop that opened it.
 
     Attributes:
         types: The types that may be used.
         node_name: As seen on the graph.
-        now_ns: The monotonic clock on which telemetry is dated.
-        thread: The ROS thread, for the modules beside this one.
     """
 
     def __init__(
@@ -51,11 +47,9 @@ class RosRuntime:
         node_name: str,
         now_ns: Callable[[], int],
     ) -> None:
+        super().__init__(thread, now_ns)
         self.types = types
-        self.thread = thread
         self.node_name = node_name
-        self.now_ns = now_ns
-        self._endpoints = 0
 
     @classmethod
     async def open(
@@ -100,16 +94,6 @@ class RosRuntime:
     ) -> None:
         await self.close()
 
-    @property
-    def alive(self) -> bool:
-        """Whether anything can be sent. It ends with `close`, or when ROS shuts itself down."""
-        return self.thread.alive
-
-    @property
-    def ros(self) -> RclpyModules:
-        """ROS 2 itself, for the modules beside this one."""
-        return self.thread.ros
-
     async def publisher(
         self, topic: str, type_name: str, quality: TopicQos = _RELIABLE
     ) -> Publisher:
@@ -122,7 +106,7 @@ class RosRuntime:
         cls, name = self.types.message(type_name), check_graph_name(topic)
         profile, node = quality.profile(self.ros), self.thread.node
         events = publisher_events()
-        handle = await self._open(
+        handle = await self.opened(
             lambda: node.create_publisher(cls, name, profile, event_callbacks=events)
         )
         return Publisher(self, name, cls, handle)
@@ -185,21 +169,15 @@ class RosRuntime:
     async def service(self, name: str, type_name: str) -> ServiceLink:
         """Open a client of a service. Raises as `publisher` does."""
         cls, name = self.types.service(type_name), check_graph_name(name)
-        handle = await self._open(lambda: self.thread.node.create_client(cls, name))
+        handle = await self.opened(lambda: self.thread.node.create_client(cls, name))
         return ServiceLink(self, name, cls, handle)
 
     async def action(self, name: str, type_name: str) -> ActionLink:
         """Open a client of an action. Raises as `publisher` does."""
         cls, name = self.types.action(type_name), check_graph_name(name)
         node = self.thread.node
-        handle = await self._open(lambda: self.ros.action.ActionClient(node, cls, name))
+        handle = await self.opened(lambda: self.ros.action.ActionClient(node, cls, name))
         return ActionLink(self, name, cls, handle)
-
-    async def discard(self, destroy: Callable[[RosObject], object]) -> None:
-        """Close one endpoint; for the endpoints themselves."""
-        if self.alive:
-            await self.thread.run(lambda: destroy(self.thread.node))
-            self._endpoints -= 1
 
     async def _subscribe(
         self,
@@ -209,18 +187,8 @@ class RosRuntime:
         quality: TopicQos,
     ) -> RosObject:
         profile, node, events = quality.profile(self.ros), self.thread.node, subscription_events()
-        return await self._open(
+        return await self.opened(
             lambda: node.create_subscription(
                 cls, topic, arrived, profile, event_callbacks=events, raw=True
             )
         )
-
-    async def _open(self, make: Callable[[], T]) -> T:
-        if self._endpoints >= MAX_ENDPOINTS:
-            raise NotSent(f"More than {MAX_ENDPOINTS} ROS topics, services and actions are in use.")
-        self._endpoints += 1
-        try:
-            return await self.thread.run(make)
-        except BaseException:
-            self._endpoints -= 1
-            raise

@@ -11,8 +11,8 @@ from rosic.robots.ros2.messages.encode import to_message
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rosic.robots.ros2.client.connection import RosConnection
     from rosic.robots.ros2.client.rclpy_import import RosObject
-    from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.messages.encode import Values
 
 # A service keeps 10 requests and loses what comes beyond, without a word to either side. Two
@@ -43,7 +43,9 @@ class ServiceLink:
         name: Absolute name.
     """
 
-    def __init__(self, runtime: RosRuntime, name: str, cls: RosObject, handle: RosObject) -> None:
+    def __init__(
+        self, runtime: RosConnection, name: str, cls: RosObject, handle: RosObject
+    ) -> None:
         self.name = name
         self._runtime = runtime
         self._cls = cls

@@ -17,8 +17,8 @@ from rosic.robots.ros2.senders import Senders
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rosic.robots.ros2.client.connection import RosConnection
     from rosic.robots.ros2.client.rclpy_import import RclpyModules, RosObject
-    from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.messages.encode import Values
     from rosic.robots.ros2.rebirths import Ends
     from rosic.robots.ros2.senders import About
@@ -73,7 +73,9 @@ class Publisher:
         topic: Absolute name.
     """
 
-    def __init__(self, runtime: RosRuntime, topic: str, cls: RosObject, handle: RosObject) -> None:
+    def __init__(
+        self, runtime: RosConnection, topic: str, cls: RosObject, handle: RosObject
+    ) -> None:
         self.topic = topic
         self._runtime = runtime
         self._cls = cls
@@ -147,7 +149,7 @@ class Subscription:
     lock the event loop pays for it. Robots send hundreds of messages a second; people read a few.
     """
 
-    def __init__(self, runtime: RosRuntime, topic: str, cls: RosObject) -> None:
+    def __init__(self, runtime: RosConnection, topic: str, cls: RosObject) -> None:
         self.topic = topic
         self.handle: RosObject = None
         self._runtime = runtime
@@ -209,7 +211,7 @@ class LatestMessage(Subscription):
 
     def __init__(
         self,
-        runtime: RosRuntime,
+        runtime: RosConnection,
         topic: str,
         cls: RosObject,
         on_new: Callable[[LatestMessage], None] | None,
@@ -333,7 +335,7 @@ class MessageStream(Subscription):
 
     def __init__(
         self,
-        runtime: RosRuntime,
+        runtime: RosConnection,
         topic: str,
         cls: RosObject,
         on_message: Callable[[RosObject], None],
