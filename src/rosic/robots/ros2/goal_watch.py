@@ -11,7 +11,7 @@ from rosic.core.deadman import Break, Cause
 from rosic.core.i18n import said
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RobotUnreachable, RosicError
-from rosic.robots.ros2.bindings.binding_call import note
+from rosic.robots.ros2.bindings.answers import note
 from rosic.robots.ros2.feedback_pulse import FeedbackPulse
 from rosic.robots.ros2.messages.decode import compile_path
 from rosic.robots.ros2.way import MeasuredWay

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from rosic.core.deadman import Break, Cause
 from rosic.core.i18n import joined, said
 from rosic.core.time_units import SECOND_NS
 from rosic.core.units import measured
@@ -18,34 +17,6 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 LOOK_EVERY_S: Final = 0.2
-
-
-def over(broken: Break) -> str:
-    """Return why a motion did not go on."""
-    seconds = broken.seconds
-    if broken.cause is Cause.LATE:
-        return said("then ROSIC itself stood still for {seconds:.1f} s: ended", seconds=seconds)
-    if broken.cause is Cause.SILENT:
-        return said("then it was not heard for {seconds:.1f} s: ended", seconds=seconds)
-    if broken.cause is Cause.UNMEASURED:
-        return said("then its motion was not measured for {seconds:.1f} s: ended", seconds=seconds)
-    if broken.cause is Cause.UNREPORTED:
-        return said(
-            "then its software told nothing of it for {seconds:.1f} s: ended", seconds=seconds
-        )
-    return _left(broken.cause)
-
-
-def _left(cause: Cause) -> str:
-    if cause is Cause.GONE:
-        return said("then it was not there any more: ended")
-    if cause is Cause.UNSERVED:
-        return said("then the software for it was not there any more: ended")
-    if cause is Cause.REBORN:
-        return said("then its software began anew: ended")
-    if cause is Cause.NAMELESS:
-        return said("then somebody unknown took its velocities, too: ended")
-    return said("then it came to rest by itself: ended")
 
 
 def moved(metres: float | None) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RosicError
-from rosic.robots.ros2.bindings.binding_call import note
+from rosic.robots.ros2.bindings.answers import note
 from rosic.robots.ros2.client.topics import TopicQos
 from rosic.robots.ros2.messages.names import is_under
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from rosic.core.i18n import said
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RosicError
-from rosic.robots.ros2.bindings.binding_call import BindingAnswer, check_fields
+from rosic.robots.ros2.bindings.answers import BindingAnswer, check_fields
 from rosic.robots.ros2.client.topics import TopicQos
 from rosic.robots.ros2.errors import BadName, NotSent
 

@@ -11,12 +11,13 @@ from rosic.core.order import Ending, Outcome
 from rosic.core.synchronised_start import begins_ns
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RobotUnreachable
-from rosic.robots.ros2.bindings.binding_call import DECLINED, BindingAnswer
+from rosic.robots.ros2.bindings.answers import BindingAnswer
+from rosic.robots.ros2.bindings.binding_call import DECLINED, over
 from rosic.robots.ros2.bindings.goal_fields import GoalFields
 from rosic.robots.ros2.client.executor_thread import ahead_ns
 from rosic.robots.ros2.errors import NoAnswer, NotSent
 from rosic.robots.ros2.goal_watch import GoalWatch, call_off, until_start_s
-from rosic.robots.ros2.interrupting import NotAtRest, after_the_end, in_doubt, moved, over
+from rosic.robots.ros2.interrupting import NotAtRest, after_the_end, in_doubt, moved
 from rosic.robots.ros2.loose_goals import Loose
 from rosic.robots.ros2.messages.decode import compile_path
 from rosic.robots.ros2.messages.encode import to_message

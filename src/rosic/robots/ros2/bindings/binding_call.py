@@ -6,15 +6,14 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
+from rosic.core.deadman import Cause
 from rosic.core.i18n import said
 from rosic.core.order import Stage, StageReport
 from rosic.core.synchronised_start import TOO_LATE_NS, begins_ns, misses_start
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.client.services import wait_until
-from rosic.robots.ros2.errors import BadName, NotSent
-from rosic.robots.ros2.interrupting import over
-from rosic.robots.ros2.messages.decode import FieldReader, compile_path
+from rosic.robots.ros2.errors import NotSent
 from rosic.robots.ros2.messages.text import clean_text
 
 if TYPE_CHECKING:
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
     from rosic.core.deadman import Break
     from rosic.core.order import Order, Outcome
     from rosic.core.order_gate import OrderGate
-    from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.loose_goals import Loose
     from rosic.robots.ros2.stopping import Resting, StopController
@@ -33,12 +31,8 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-NOTE_BYTES = 240
 DECLINED = "robot-declined"
-_MOST_FACTS = 64
 JUST_AFTER_S = 0.001
-# What robots' own words are called: by most, by Nav2, by ros2_control.
-MESSAGES = ("message", "error_msg", "error_string")
 
 
 class RobotSide(NamedTuple):
@@ -80,6 +74,34 @@ class Binding(Protocol):
     async def carry(self, errand: BindingCall) -> Outcome:
         """Carry one order. See ``contracts.robot.Robot.execute``."""
         ...
+
+
+def over(broken: Break) -> str:
+    """Return why a motion did not go on."""
+    seconds = broken.seconds
+    if broken.cause is Cause.LATE:
+        return said("then ROSIC itself stood still for {seconds:.1f} s: ended", seconds=seconds)
+    if broken.cause is Cause.SILENT:
+        return said("then it was not heard for {seconds:.1f} s: ended", seconds=seconds)
+    if broken.cause is Cause.UNMEASURED:
+        return said("then its motion was not measured for {seconds:.1f} s: ended", seconds=seconds)
+    if broken.cause is Cause.UNREPORTED:
+        return said(
+            "then its software told nothing of it for {seconds:.1f} s: ended", seconds=seconds
+        )
+    return _left(broken.cause)
+
+
+def _left(cause: Cause) -> str:
+    if cause is Cause.GONE:
+        return said("then it was not there any more: ended")
+    if cause is Cause.UNSERVED:
+        return said("then the software for it was not there any more: ended")
+    if cause is Cause.REBORN:
+        return said("then its software began anew: ended")
+    if cause is Cause.NAMELESS:
+        return said("then somebody unknown took its velocities, too: ended")
+    return said("then it came to rest by itself: ended")
 
 
 class BindingCall:
@@ -199,62 +221,3 @@ def filled(values: Mapping[str, float | int | str | bool], order: Order) -> dict
         given = order.skill.filled(value, order.arguments)
         found[field] = clean_text(given) if isinstance(given, str) else given
     return found
-
-
-def check_fields(cls: RosObject, fields: Mapping[str, object]) -> None:
-    """Make sure that a message has the fields that a profile names.
-
-    Raises:
-        BadName: It has not.
-    """
-    for field in fields:
-        compile_path(cls, field)
-
-
-class BindingAnswer:
-    """What a result or a response says of success, and in which words, if it has such fields."""
-
-    def __init__(self, cls: RosObject, success: str = "", message: str = "") -> None:
-        self._success = _reader(cls, success, "success")
-        self._message = _reader(cls, message, *MESSAGES)
-        self._facts = _reader(cls, "", "fact_names"), _reader(cls, "", "fact_values")
-
-    def succeeded(self, answer: RosObject) -> bool:
-        """Tell whether it says success; one that does not speak of it means it."""
-        return self._success is None or self._success(answer) is True
-
-    def words(self, answer: RosObject) -> str:
-        """Return the robot's words; inert, may be empty."""
-        return "" if self._message is None else note(self._message(answer))
-
-    def facts(self, answer: RosObject) -> dict[str, float]:
-        """Return what was measured, by name."""
-        names, values = self._facts
-        if names is None or values is None:
-            return {}
-        pairs = zip(_listed(names(answer)), _listed(values(answer)), strict=False)
-        return {
-            note(name): float(value)
-            for name, value in list(pairs)[:_MOST_FACTS]
-            if isinstance(value, (int, float))
-        }
-
-
-def note(words: object) -> str:
-    """Return a robot's words as a person may read them, on one line."""
-    return " ".join(clean_text(str(words), max_bytes=NOTE_BYTES).split())
-
-
-def _listed(value: object) -> list[object]:
-    return value if isinstance(value, list) else []
-
-
-def _reader(cls: RosObject, path: str, *usual: str) -> FieldReader | None:
-    """Return the reader of a field; None when the profile does not insist and it is not there."""
-    for wanted in (path,) if path not in {"", *usual} else usual:
-        try:
-            return compile_path(cls, wanted)
-        except BadName:
-            if wanted not in usual:
-                raise
-    return None

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import said
 from rosic.core.robot.file_transfer import FileForRobot, Receipt
 from rosic.errors import RobotOffline, RobotUnreachable
-from rosic.robots.ros2.bindings.binding_call import BindingAnswer, check_fields, note
+from rosic.robots.ros2.bindings.answers import BindingAnswer, check_fields, note
 from rosic.robots.ros2.client.services import wait_until
 from rosic.robots.ros2.errors import BadValue, NoAnswer, NotSent
 from rosic.robots.ros2.messages.decode import compile_path

@@ -7,7 +7,8 @@ from math import cos, isfinite, sin
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias
 
 from rosic.errors import RosicError
-from rosic.robots.ros2.bindings.binding_call import check_fields, filled
+from rosic.robots.ros2.bindings.answers import check_fields
+from rosic.robots.ros2.bindings.binding_call import filled
 from rosic.robots.ros2.messages.decode import compile_path
 from rosic.robots.ros2.messages.encode import type_of
 

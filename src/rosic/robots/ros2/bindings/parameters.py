@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import joined, said
 from rosic.core.order import Ending, Outcome
-from rosic.robots.ros2.bindings.binding_call import filled, note
+from rosic.robots.ros2.bindings.answers import note
+from rosic.robots.ros2.bindings.binding_call import filled
 from rosic.robots.ros2.bindings.parameter_values import (
     SET_PARAMETERS,
     refusals,

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import said
 from rosic.core.order import Ending, Outcome
 from rosic.errors import RobotUnreachable
-from rosic.robots.ros2.bindings.binding_call import BindingAnswer, check_fields, filled
+from rosic.robots.ros2.bindings.answers import BindingAnswer, check_fields
+from rosic.robots.ros2.bindings.binding_call import filled
 from rosic.robots.ros2.errors import NoAnswer, NotSent
 from rosic.robots.ros2.messages.encode import to_message
 

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import joined, said
 from rosic.core.order import Ending, Outcome
 from rosic.core.units import measured
-from rosic.robots.ros2.bindings.binding_call import check_fields, filled
+from rosic.robots.ros2.bindings.answers import check_fields
+from rosic.robots.ros2.bindings.binding_call import filled, over
 from rosic.robots.ros2.errors import NotSent
-from rosic.robots.ros2.interrupting import in_doubt, over
+from rosic.robots.ros2.interrupting import in_doubt
 from rosic.robots.ros2.velocity_stream import StreamPace, VelocityStream
 
 if TYPE_CHECKING:

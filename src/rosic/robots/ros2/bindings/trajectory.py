@@ -9,7 +9,7 @@ from rosic.core.order import Ending, Outcome
 from rosic.core.robot.joints import Joints, Move, OutOfReach, plan
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, RobotOffline
-from rosic.robots.ros2.bindings.binding_call import check_fields
+from rosic.robots.ros2.bindings.answers import check_fields
 from rosic.robots.ros2.bindings.goal_fields import MadeGoal
 from rosic.robots.ros2.errors import BadValue
 
