@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.message import ChatKind
 from rosic.core.robot.view import Sight
-from rosic.features.dashboard.camera_preview import LOOKING_S, RENEWED_S
+from rosic.features.dashboard.dashboard import LOOKING_S, RENEWED_S
 from rosic.features.dashboard.rendering import PRIVATE
 from rosic.stores.memory import MemoryStore
 from tests.features.dashboard.test_card_pictures import Pictures, begins, button, opened, put, until

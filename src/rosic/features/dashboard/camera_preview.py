@@ -10,19 +10,19 @@ from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Final, Protocol, TypeAlias
 
-import msgspec
-
 from rosic.contracts.messenger import pictures_of
-from rosic.core.message import Attachment, Button, ChatKind, Outbound
-from rosic.core.robot.profile import RobotId
+from rosic.core.message import Button, ChatKind, Outbound
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import NothingToSee, Refusal
 from rosic.features.dashboard import messages as words
+from rosic.features.dashboard.dashboard import PreviewedCamera, PreviewViewer
 
 if TYPE_CHECKING:
+    from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
+    from rosic.core.message import Chat
+    from rosic.core.robot.profile import RobotId
     from rosic.features.dashboard.dashboard import Dashboard
-    from rosic.features.dashboard.dashboards import Dashboards
     from rosic.gateway.office import CommandContext
 
 Deliver: TypeAlias = Callable[[int, Outbound], Awaitable[None]]
@@ -32,50 +32,6 @@ BUTTONS_AT_MOST: Final = 3
 """So many robots of a card can be looked at by a tap; more buttons than robots help nobody."""
 RENEWED_NS: Final = 20 * SECOND_NS
 """A button lives for a minute; a card that is edited after so long shows new ones."""
-
-
-LOOKING_S: Final = 180.0
-"""For so long after a tap somebody is taken to look."""
-RENEWED_S: Final[dict[ChatKind, float]] = {ChatKind.PRIVATE: 10.0, ChatKind.GROUP: 30.0}
-"""From one picture to the next at the least: half of those that somebody may have at all."""
-
-
-class PreviewedCamera(msgspec.Struct, frozen=True):
-    """A picture for a card.
-
-    Attributes:
-        robot: Whose it is.
-        at_ns: When it was taken, wall clock.
-        content: None once it was shown: what is shown is not kept.
-    """
-
-    robot: RobotId
-    at_ns: int
-    content: Attachment | None = None
-
-
-class PreviewViewer:
-    """Somebody looks at a robot on a card.
-
-    Attributes:
-        asked: The tap.
-        until_ns: So long, monotonic clock.
-        next_ns: No picture is taken by itself before, monotonic clock.
-    """
-
-    __slots__ = ("asked", "next_ns", "robot", "until_ns")
-
-    def __init__(self, asked: CommandContext, robot: RobotId, now_ns: int) -> None:
-        self.asked = asked
-        self.robot = robot
-        self.until_ns = now_ns + int(LOOKING_S * SECOND_NS)
-        self.next_ns = 0
-        self.wait(now_ns)
-
-    def wait(self, now_ns: int) -> None:
-        """A picture has just been asked for."""
-        every_s = RENEWED_S.get(self.asked.inbound.chat.kind, RENEWED_S[ChatKind.GROUP])
-        self.next_ns = now_ns + int(every_s * SECOND_NS)
 
 
 class CameraPreview(Protocol):
@@ -102,6 +58,18 @@ class CameraPreview(Protocol):
         Raises:
             Refusal: Not now; nothing was begun.
         """
+        ...
+
+
+class PicturedChats(Protocol):
+    """The cards that chats have, as far as a picture needs them."""
+
+    def of(self, messenger: Messenger, chat: Chat) -> Dashboard | None:
+        """Return a chat's card."""
+        ...
+
+    def show_picture(self, card: Dashboard, picture: PreviewedCamera) -> None:
+        """Show a picture with the next edit of a card."""
         ...
 
 
@@ -142,7 +110,7 @@ class CameraPreviews:
             return ()
         return tuple(robot for robot in robots if camera.offers(robot))[:BUTTONS_AT_MOST]
 
-    def ask(self, asked: CommandContext, live: Dashboards, robot: RobotId) -> None:
+    def ask(self, asked: CommandContext, live: PicturedChats, robot: RobotId) -> None:
         """Look at a robot for the card of this chat, which then shows it.
 
         Raises:

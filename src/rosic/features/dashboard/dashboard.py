@@ -8,12 +8,12 @@ import msgspec
 
 from rosic.core.i18n import joined
 from rosic.core.identity import PrincipalId
-from rosic.core.message import Button, Chat, ChatKind
+from rosic.core.message import Attachment, Button, Chat, ChatKind
 from rosic.core.messages import named_of, rest_unmeasured, unmeasured
 from rosic.core.records import Fact, Letter
 from rosic.core.robot.profile import RobotId, Slots
+from rosic.core.time_units import SECOND_NS
 from rosic.features.dashboard import messages as words
-from rosic.features.dashboard.camera_preview import PreviewedCamera
 from rosic.gateway.chat_dashboards import key_of
 
 if TYPE_CHECKING:
@@ -22,14 +22,18 @@ if TYPE_CHECKING:
 
     from rosic.contracts.messenger import Messenger
     from rosic.core.order_status import Face
-    from rosic.features.dashboard.camera_preview import PreviewViewer
     from rosic.gateway.components import Components
+    from rosic.gateway.office import CommandContext
     from rosic.gateway.order_execution import OrderExecutor, RunningOrder
 
 
 # ---- one chat's card ----
 
 KIND: Final = "card"
+LOOKING_S: Final = 180.0
+"""For so long after a tap somebody is taken to look."""
+RENEWED_S: Final[dict[ChatKind, float]] = {ChatKind.PRIVATE: 10.0, ChatKind.GROUP: 30.0}
+"""From one picture to the next at the least: half of those that somebody may have at all."""
 
 
 class DashboardBody(msgspec.Struct, frozen=True):
@@ -62,6 +66,44 @@ class DashboardPlace(msgspec.Struct, frozen=True):
 _encode = msgspec.msgpack.Encoder().encode
 _body = msgspec.msgpack.Decoder(DashboardBody).decode
 _place = msgspec.msgpack.Decoder(DashboardPlace).decode
+
+
+class PreviewedCamera(msgspec.Struct, frozen=True):
+    """A picture for a card.
+
+    Attributes:
+        robot: Whose it is.
+        at_ns: When it was taken, wall clock.
+        content: None once it was shown: what is shown is not kept.
+    """
+
+    robot: RobotId
+    at_ns: int
+    content: Attachment | None = None
+
+
+class PreviewViewer:
+    """Somebody looks at a robot on a card.
+
+    Attributes:
+        asked: The tap.
+        until_ns: So long, monotonic clock.
+        next_ns: No picture is taken by itself before, monotonic clock.
+    """
+
+    __slots__ = ("asked", "next_ns", "robot", "until_ns")
+
+    def __init__(self, asked: CommandContext, robot: RobotId, now_ns: int) -> None:
+        self.asked = asked
+        self.robot = robot
+        self.until_ns = now_ns + int(LOOKING_S * SECOND_NS)
+        self.next_ns = 0
+        self.wait(now_ns)
+
+    def wait(self, now_ns: int) -> None:
+        """A picture has just been asked for."""
+        every_s = RENEWED_S.get(self.asked.inbound.chat.kind, RENEWED_S[ChatKind.GROUP])
+        self.next_ns = now_ns + int(every_s * SECOND_NS)
 
 
 class Dashboard:

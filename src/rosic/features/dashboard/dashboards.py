@@ -20,8 +20,13 @@ from rosic.core.message import ChatKind, Weight
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessageGone, MessengerFault, RecordUnavailable, TooManyRequests
 from rosic.features.dashboard import messages as words
-from rosic.features.dashboard.camera_preview import PreviewedCamera
-from rosic.features.dashboard.dashboard import KIND, Dashboard, chat_of, read_fact
+from rosic.features.dashboard.dashboard import (
+    KIND,
+    Dashboard,
+    PreviewedCamera,
+    chat_of,
+    read_fact,
+)
 from rosic.features.dashboard.rendering import ROBOTS_AT_MOST, DashboardRendering, in_order, pace_of
 from rosic.gateway.chat_dashboards import key_of
 
