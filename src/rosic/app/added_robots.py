@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 import re
 from hashlib import blake2b
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
 import msgspec
 
@@ -31,8 +31,7 @@ from rosic.gateway.office import check_private
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from rosic.app.gateway import Gateway
-    from rosic.app.robot_registry import RobotRegistry
+    from rosic.app.running import RunningGateway
     from rosic.config.profiles import ReadProfile
     from rosic.container.files import StoredFile
     from rosic.core.identity import PrincipalId
@@ -172,6 +171,26 @@ AS: Final = "as"
 _DIGEST: Final = re.compile(rf"[0-9a-f]{{{DIGEST_LETTERS}}}", re.IGNORECASE)
 
 
+class RobotAdder(Protocol):
+    """Adds robots to a gateway that runs."""
+
+    async def check(self, draft: Draft, role: str = "") -> tuple[Profile, Sequence[str]]:
+        """Return the robot of a profile that nobody would take for another, and advice about it.
+
+        Raises:
+            NotUnderstood: Everything that is wrong with it.
+        """
+        ...
+
+    async def add(self, draft: Draft, by: PrincipalId, role: str = "") -> str:
+        """Add a robot. Return what is said of it.
+
+        Raises:
+            Refusal: Why not. Nothing was changed.
+        """
+        ...
+
+
 class AddRobotFromChat:
     """Adds robots for whoever may both assign tasks and give rights: rights reach it at once.
 
@@ -182,7 +201,7 @@ class AddRobotFromChat:
     """
 
     def __init__(
-        self, enlisting: RobotRegistry, holdings: ContainerContext, organiser: Organiser
+        self, enlisting: RobotAdder, holdings: ContainerContext, organiser: Organiser
     ) -> None:
         self._enlisting = enlisting
         self._holdings = holdings
@@ -255,11 +274,11 @@ def _read(said: str) -> tuple[str, str, str]:
     return " ".join(words_said), role, digest
 
 
-def newcomers_of(gateway: Gateway) -> None:
+def newcomers_of(gateway: RunningGateway, enlisting: RobotAdder) -> None:
     """Let robots be added from files, where files are kept."""
     holding = gateway.holding
     if holding.holdings is not None and holding.receiving is not None:
-        newcomers = AddRobotFromChat(gateway.enlisting, holding.holdings, gateway.rooms.organiser)
+        newcomers = AddRobotFromChat(enlisting, holding.holdings, gateway.rooms.organiser)
         gateway.furnishing.fleet.robots.newcomer = newcomers.add
         holding.receiving.offer = newcomers.offering(holding.receiving.offer)
 

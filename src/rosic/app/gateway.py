@@ -25,6 +25,7 @@ from rosic.app.retention import AuditStore, Retention
 from rosic.app.robot_registry import RobotConnections, RobotRegistry
 from rosic.app.robot_startup import board_of, robots_of
 from rosic.app.robot_to_robot_feature import fellowship_of, gathering_of
+from rosic.app.running import RunningGateway
 from rosic.app.settings import GatewayParts, GatewaySettings
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.translations import LANGUAGES, catalogue, whose
@@ -61,7 +62,6 @@ if TYPE_CHECKING:
     from rosic.core.records import Memory
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.errors import ChatGone
-    from rosic.features.media.context import MediaContext
     from rosic.gateway.confirmation import Resolver
     from rosic.gateway.delivery.chat_queue import Item
 
@@ -77,30 +77,15 @@ TOLD_BY_S = 3.8
 HOLD_WITHIN_S = 0.3
 
 
-class Gateway:
+class Gateway(RunningGateway):
     """A running ROSIC.
 
     Attributes:
-        pipeline, rooms, stop_lane, outbox, robots: Made by ``open``.
-        profiles: Of every robot; what the rooms look into, so that it grows for all of them.
-        authority, enforcer, access, furnishing, holding: Likewise.
-        languages, seeing, alarms, among: Likewise.
+        outbox: Keeps what is still to be said, over a crash.
         enlisting: Adds robots while it runs.
     """
 
-    pipeline: Pipeline
-    rooms: Components
-    stop_lane: StopLane
     outbox: Outbox
-    robots: dict[RobotId, Robot]
-    profiles: dict[RobotId, Profile]
-    authority: PolicyService
-    enforcer: PolicyEnforcer
-    access: AccessFeature
-    furnishing: FeatureSetup
-    holding: DataFeature
-    seeing: MediaContext
-    languages: ChatLanguages
     enlisting: RobotRegistry
 
     def __init__(self, settings: GatewaySettings, parts: GatewayParts) -> None:
@@ -250,7 +235,7 @@ class Gateway:
         if isinstance(parts.store, ContainerStore):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
-            newcomers_of(self)
+            newcomers_of(self, self.enlisting)
 
     def _elsewhere(self, reach: Notifier) -> UndeliverableHandler:
         rooms = self.rooms

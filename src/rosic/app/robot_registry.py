@@ -35,8 +35,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from rosic.app.added_robots import Draft
-    from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
     from rosic.app.policy import PolicyOutlook
+    from rosic.app.running import RunningGateway
+    from rosic.app.settings import GatewayParts, GatewaySettings
     from rosic.contracts.robot import Robot
     from rosic.core.alerts.rule import AlertRule
     from rosic.core.identity import PrincipalId
@@ -90,7 +91,7 @@ class RobotRegistry:
 
     def __init__(
         self,
-        gateway: Gateway,
+        gateway: RunningGateway,
         settings: GatewaySettings,
         parts: GatewayParts,
         memory: Memory,

@@ -33,8 +33,9 @@ from rosic.gateway.commands import CommandMenus
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from rosic.app.gateway import Gateway, GatewayParts
     from rosic.app.policy import PolicyService
+    from rosic.app.running import RunningGateway
+    from rosic.app.settings import GatewayParts
     from rosic.config.gateway_file import ConfigFile
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
@@ -101,7 +102,9 @@ class GroupsFeature:
             self.windows.passed(messenger, passing)
 
 
-def gathering_of(gateway: Gateway, teller: ChatSender, clock: Clock, place: str) -> GroupsFeature:
+def gathering_of(
+    gateway: RunningGateway, teller: ChatSender, clock: Clock, place: str
+) -> GroupsFeature:
     """Make it for a gateway whose rooms are furnished."""
     furnishing, pipeline = gateway.furnishing, gateway.pipeline
     around = GroupQueries(
@@ -139,7 +142,7 @@ def _admins(authority: PolicyService, clock: Clock) -> list[PrincipalId]:
 
 
 def fellowship_of(
-    gateway: Gateway, parts: GatewayParts, teller: ChatSender, memory: Memory
+    gateway: RunningGateway, parts: GatewayParts, teller: ChatSender, memory: Memory
 ) -> RobotMessaging:
     """Make it for a gateway whose rooms are furnished, and have its robots meet.
 
