@@ -25,8 +25,7 @@ from rosic.features.access.admin_policy import FOR_GOOD_NS
 from rosic.features.files.content import content_of
 from rosic.features.fleet import newcomers_messages as words
 from rosic.features.fleet.task_commands import ASSIGN
-from rosic.gateway.builtin_commands import Reply
-from rosic.gateway.office import check_private
+from rosic.gateway.office import Reply, check_private
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

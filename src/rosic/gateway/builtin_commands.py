@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
-import msgspec
 from msgspec.structs import replace
 
-from rosic.contracts.messenger import Messenger
 from rosic.core import messages
 from rosic.core.i18n import joined, said
 from rosic.core.language import Help, Line, Start, Status, Use
-from rosic.core.message import Attachment, Button, Chat
+from rosic.core.message import Button, Chat
 from rosic.errors import RobotTaken
 from rosic.gateway.button_rows import rows
 from rosic.gateway.help_menu import HelpMenu
+from rosic.gateway.office import Reply
 from rosic.gateway.replies import ASK_FIRST, PREVIOUS, TRAIL
 
 if TYPE_CHECKING:
@@ -81,24 +79,6 @@ NOTHING_TO_UNDO = said(
     "There is no choice to take back here. What a robot has done is not undone by this."
 )
 NONE = "nothing"
-
-
-class Reply(msgspec.Struct, frozen=True):
-    """A text and its buttons, not bound to anybody yet.
-
-    Attributes:
-        attachment: A file that goes with it, for a messenger that sends files of its size.
-        about: The robot that it speaks of, for whoever replies to it; empty for none.
-        anew: It is said in a message of its own: what was tapped is about to go.
-        landed: Hears through which messenger, in which chat, which message says it.
-    """
-
-    text: str
-    buttons: tuple[tuple[Button, ...], ...] = ()
-    attachment: Attachment | None = None
-    about: str = ""
-    landed: Callable[[Messenger, Chat, str], None] | None = None
-    anew: bool = False
 
 
 class BuiltinCommands:

@@ -22,7 +22,7 @@ from rosic.core.robot.profile import RobotId
 from rosic.core.time_units import MINUTE_NS
 from rosic.errors import OrderVoid, Refusal
 from rosic.gateway import cancel_messages as words
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.gateway.order_execution import CANCELLED_BEFORE
 from rosic.gateway.replies import CONFIRMED
 from rosic.gateway.resting import comes_to_rest

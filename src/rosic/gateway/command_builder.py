@@ -16,8 +16,8 @@ from rosic.core.language.arguments import place
 from rosic.core.language.formatting import beginning, show, show_choice, show_named, stepped
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood, Refusal
-from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.button_rows import rows
+from rosic.gateway.office import Reply
 from rosic.gateway.replies import ASK_FIRST, CONFIRMED, DO_IT, LEAVE, LEAVE_IT, PREVIOUS, TRAIL
 
 if TYPE_CHECKING:

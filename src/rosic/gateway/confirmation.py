@@ -20,7 +20,7 @@ from rosic.core.policy.roles import ASSURANCES, Assurance, StepRequired
 from rosic.errors import Expired, FirstNeeded, NotPermitted
 from rosic.gateway import cancel_messages as words
 from rosic.gateway.agreement import ResolvedAct
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.gateway.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
 from rosic.organiser.organiser import AuthContext
 from rosic.organiser.refusals import ANY_CHANNEL, bound_of

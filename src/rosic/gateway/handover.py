@@ -10,7 +10,7 @@ from rosic.core.message import Button
 from rosic.core.messages import no_robot
 from rosic.core.policy.scope import FLEET
 from rosic.errors import NotPermitted, NotUnderstood, RobotBusy
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.gateway.resting import comes_to_rest
 
 if TYPE_CHECKING:

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from rosic.core.policy.roles import ASSURANCES, Assurance
 from rosic.organiser.organiser import AuthContext
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, PrincipalId
-    from rosic.core.message import Inbound
+    from rosic.core.message import Chat, Inbound
     from rosic.core.robot.profile import RobotId
-    from rosic.gateway.reception import SteppedUp
+
+
+SteppedUp: TypeAlias = "Callable[[PrincipalId, Chat], bool]"
+"""Whether somebody has shown a second factor lately, in a chat."""
 
 
 class Requester(Protocol):

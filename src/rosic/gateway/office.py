@@ -10,14 +10,31 @@ import msgspec
 from rosic.contracts.messenger import Messenger
 from rosic.core.i18n import said
 from rosic.core.identity import Caller, CommandId
-from rosic.core.message import ChatKind, Inbound
+from rosic.core.message import Attachment, Button, Chat, ChatKind, Inbound
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
-from rosic.gateway.builtin_commands import Reply
 
 if TYPE_CHECKING:
     from rosic.core.language import CommandLine
 
 ONLY_IN_PRIVATE = said("Ask me that in a private chat with me, please.")
+
+
+class Reply(msgspec.Struct, frozen=True):
+    """A text and its buttons, not bound to anybody yet.
+
+    Attributes:
+        attachment: A file that goes with it, for a messenger that sends files of its size.
+        about: The robot that it speaks of, for whoever replies to it; empty for none.
+        anew: It is said in a message of its own: what was tapped is about to go.
+        landed: Hears through which messenger, in which chat, which message says it.
+    """
+
+    text: str
+    buttons: tuple[tuple[Button, ...], ...] = ()
+    attachment: Attachment | None = None
+    about: str = ""
+    landed: Callable[[Messenger, Chat, str], None] | None = None
+    anew: bool = False
 
 
 class CommandContext(msgspec.Struct, frozen=True):

@@ -64,9 +64,9 @@ if TYPE_CHECKING:
     from rosic.core.order import Order, Request
     from rosic.core.order_status import Face
     from rosic.core.robot.skill import Argument
-    from rosic.gateway.builtin_commands import Reply
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.sender import ChatSender
+    from rosic.gateway.office import Reply
     from rosic.gateway.stop import StopLane
 
 

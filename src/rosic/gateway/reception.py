@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.message import Inbound
     from rosic.core.robot.profile import RobotId
-    from rosic.gateway.builtin_commands import Reply
     from rosic.gateway.confirmation import Confirmation, Resolver
+    from rosic.gateway.message_context import SteppedUp
+    from rosic.gateway.office import Reply
 
 _dashed = re.compile("[-\u2013\u2014\u2212]").search  # phones turn a hyphen into a longer line
 
-SteppedUp: TypeAlias = Callable[[PrincipalId, Chat], bool]
 ProofUsed: TypeAlias = Callable[[PrincipalId, Chat], None]
 Refused: TypeAlias = Callable[[Caller, Refusal], None]
 

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Address, Caller, CommandId
     from rosic.core.message import Chat, Inbound
-    from rosic.gateway.builtin_commands import Reply
     from rosic.gateway.components import Components
     from rosic.gateway.message_context import MessageContext
+    from rosic.gateway.office import Reply
 
 # What only a button says; typed, it means nothing.
 LEAVE = "leave it"

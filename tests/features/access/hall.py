@@ -37,13 +37,12 @@ from rosic.features.access.profile_commands import AccountCommands
 from rosic.features.access.revoke_lock import AccessNotices, RevokeLockCommands
 from rosic.features.access.second_factor import SecondFactorCommands
 from rosic.gateway.agreement import ActPart, ResolvedAct
-from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.confirmation import Confirmation
 from rosic.gateway.delivery.notifier import Notifier, nobody_to_tell
 from rosic.gateway.delivery.outbox import Outbox
 from rosic.gateway.delivery.redaction import SecretRedaction
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
-from rosic.gateway.office import CommandContext, CommandRegistry
+from rosic.gateway.office import CommandContext, CommandRegistry, Reply
 from rosic.gateway.replies import LEAVE
 from rosic.messengers.memory import MemoryMessenger
 from rosic.organiser.grants import GRANT

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Button
     from rosic.core.records import Record
     from rosic.core.slot import BookedSlot
-    from rosic.gateway.builtin_commands import Reply
+    from rosic.gateway.office import Reply
     from rosic.organiser.timezones import Zone
 
 __all__ = ["HOUR", "MIN", "NOW", "VIENNA", "Lab"]

@@ -26,9 +26,8 @@ from rosic.features.files.upload import FileUpload
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
 from rosic.features.personal_data.commands import employ_clerks, take_over
 from rosic.features.personal_data.erasure import ErasureCommands, ErasureQueries
-from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.container_context import ContainerContext
-from rosic.gateway.office import CommandContext
+from rosic.gateway.office import CommandContext, Reply
 from rosic.organiser.timezones import zone_named
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore

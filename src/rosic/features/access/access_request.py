@@ -12,7 +12,7 @@ from rosic.core.message import Button
 from rosic.errors import Expired, NotPermitted, NotUnderstood, OutOfBounds
 from rosic.features.access import request_messages as words
 from rosic.features.access.access_request_parser import read_tail, want_of
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.organiser import petitions_messages
 from rosic.organiser.access_requests import (
     LONGEST_S,

@@ -16,7 +16,7 @@ from rosic.core.policy.roles import priority_of
 from rosic.core.policy.scope import FLEET, GRANT
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access import messages
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping

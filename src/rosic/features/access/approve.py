@@ -11,7 +11,7 @@ from rosic.core.message import Button
 from rosic.errors import Expired, NotUnderstood
 from rosic.features.access import messages as words
 from rosic.features.access.admin_policy import INVITE
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable

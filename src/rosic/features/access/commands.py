@@ -18,7 +18,7 @@ from rosic.features.access.reminding import MOST
 from rosic.features.access.revoke_lock import RevokeLockCommands
 from rosic.features.access.roles import RoleCommands
 from rosic.features.access.second_factor import SecondFactorCommands
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 
 if TYPE_CHECKING:
     from rosic.gateway.confirmation import Confirmation

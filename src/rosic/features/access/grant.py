@@ -21,8 +21,7 @@ from rosic.features.access.admin_policy import (
     sure,
 )
 from rosic.features.access.invite import read_grant
-from rosic.gateway.builtin_commands import Reply
-from rosic.gateway.office import check_private
+from rosic.gateway.office import Reply, check_private
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.calendar_messages import moment
 

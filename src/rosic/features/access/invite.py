@@ -28,8 +28,7 @@ from rosic.features.access import messages, request_messages, roles_messages
 from rosic.features.access.admin_policy import INVITE, PEOPLE
 from rosic.features.access.limit_line import limit_typed
 from rosic.features.access.roles import MAY, can_be_a_role
-from rosic.gateway.builtin_commands import Reply
-from rosic.gateway.office import check_length, check_private
+from rosic.gateway.office import Reply, check_length, check_private
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -18,7 +18,7 @@ from rosic.features.access import messages as words
 from rosic.features.access.admin_policy import PEOPLE
 from rosic.features.access.invite import INVITATION
 from rosic.features.access.newcomer_chat import OfferedInvitation
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 
 if TYPE_CHECKING:
     from collections.abc import Callable

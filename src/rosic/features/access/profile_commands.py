@@ -11,8 +11,7 @@ from rosic.core.policy.scope import FLEET, RESUME
 from rosic.features.access import access_messages, messages
 from rosic.features.access.admin_policy import PEOPLE
 from rosic.features.access.approve import buttons_for
-from rosic.gateway.builtin_commands import Reply
-from rosic.gateway.office import check_private
+from rosic.gateway.office import Reply, check_private
 from rosic.organiser.calendar_messages import moment
 from rosic.organiser.refusals import bound_of
 from rosic.organiser.timezones import UNIVERSAL, zone_named

@@ -16,8 +16,7 @@ from rosic.core.records import Fact
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access import access_messages, messages
 from rosic.features.access.admin_policy import BY_ID, LOCK, PEOPLE, PersonNames, asked_again, sure
-from rosic.gateway.builtin_commands import Reply
-from rosic.gateway.office import check_private
+from rosic.gateway.office import Reply, check_private
 from rosic.gateway.replies import LEAVE
 
 if TYPE_CHECKING:

@@ -17,8 +17,7 @@ from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access import messages, request_messages, roles_messages
 from rosic.features.access.admin_policy import FOR_GOOD_NS, asked_again, sure
 from rosic.features.access.limit_line import limit_typed
-from rosic.gateway.builtin_commands import Reply
-from rosic.gateway.office import check_length, check_private
+from rosic.gateway.office import Reply, check_length, check_private
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.roles import MOST_ROLES
 

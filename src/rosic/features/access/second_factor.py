@@ -13,8 +13,7 @@ from rosic.errors import RecordUnavailable
 from rosic.features.access import access_messages
 from rosic.features.access.admin_policy import PEOPLE, PersonNames
 from rosic.features.access.invite import TERMINAL, qr_picture
-from rosic.gateway.builtin_commands import Reply
-from rosic.gateway.office import check_private
+from rosic.gateway.office import Reply, check_private
 
 if TYPE_CHECKING:
     from rosic.core.identity import Principal

@@ -20,8 +20,7 @@ from rosic.features.alerts import messages as words
 from rosic.features.alerts.active_alerts import Silence
 from rosic.features.alerts.evaluator import LISTED_AT_MOST
 from rosic.features.alerts.notifications import MANY
-from rosic.gateway.builtin_commands import Reply
-from rosic.gateway.office import check_length
+from rosic.gateway.office import Reply, check_length
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator, Sequence

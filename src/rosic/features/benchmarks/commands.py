@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import joined
 from rosic.features.benchmarks import messages as words
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 
 if TYPE_CHECKING:
     from rosic.core.order_status import Face

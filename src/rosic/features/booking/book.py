@@ -17,7 +17,7 @@ from rosic.core.time_units import MINUTE_NS, SECOND_NS
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 from rosic.features.booking import messages as words
 from rosic.features.booking.context import decided
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_conflicts import SlotTaken
 from rosic.organiser.calendar_messages import moment

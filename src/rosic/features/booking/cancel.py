@@ -15,7 +15,7 @@ from rosic.errors import NotUnderstood
 from rosic.features.booking import messages as words
 from rosic.features.booking.context import decided
 from rosic.features.booking.messages import CANCEL
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_messages import no_such_time
 

@@ -15,7 +15,7 @@ from rosic.core.message import Button
 from rosic.errors import NotPermitted, Refusal, TooManyRequests
 from rosic.features.booking import scheduler_messages as words
 from rosic.features.booking.context import decided
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.organiser.planning.figures import figures_of
 from rosic.organiser.planning.greedy import first_come_first_served
 from rosic.organiser.planning.problem import Booked, PlanCaveat, PlanningProblem

@@ -12,7 +12,7 @@ from rosic.core.time_units import MINUTE_NS
 from rosic.errors import NotPermitted, NotUnderstood, RobotTaken
 from rosic.features.booking import messages as words
 from rosic.features.booking.context import decided
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_messages import moment
 from rosic.organiser.wait_queue import your_place

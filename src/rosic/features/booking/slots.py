@@ -13,7 +13,7 @@ from rosic.core.robot.profile import RobotId, Slots
 from rosic.core.time_units import HOUR_S, MINUTES_A_DAY, SECOND_NS
 from rosic.errors import NotUnderstood
 from rosic.features.booking import messages as words
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_messages import bookable
 from rosic.organiser.ical import icalendar

@@ -16,7 +16,7 @@ from rosic.core.robot.profile import Slots
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 from rosic.features.booking import messages, scheduler_messages
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_conflicts import SlotTaken
 from rosic.organiser.planning.problem import PRIORITIES

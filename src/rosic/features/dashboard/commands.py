@@ -12,7 +12,7 @@ from rosic.core.message import Button
 from rosic.core.messages import NOTHING_VISIBLE
 from rosic.errors import NotUnderstood
 from rosic.features.dashboard import messages as words
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 
 if TYPE_CHECKING:
     from rosic.core.language import Vocabulary

@@ -15,7 +15,7 @@ from msgspec.structs import replace
 from rosic.container import file_messages as words
 from rosic.core.message import Attachment, Outbound, Pieces
 from rosic.errors import ChatGone, MessengerFault, RosicError, TooManyRequests
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Awaitable, Callable

@@ -11,9 +11,8 @@ from rosic.core.message import Button
 from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.features.files.background import send_file
 from rosic.features.files.content import attachment_of
-from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.button_rows import rows
-from rosic.gateway.office import check_private
+from rosic.gateway.office import Reply, check_private
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable

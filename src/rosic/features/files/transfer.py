@@ -30,8 +30,8 @@ from rosic.errors import (
 from rosic.features.files.background import TransferProgress, send_file
 from rosic.features.files.content import IN_PIECES_FROM, content_of, pieces_of
 from rosic.features.files.robot_outbox import RobotOutbox
-from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.button_rows import rows
+from rosic.gateway.office import Reply
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.why_stopped import may_resume
 

@@ -29,8 +29,8 @@ from rosic.errors import (
     Refusal,
     TooManyRequests,
 )
-from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.button_rows import rows
+from rosic.gateway.office import Reply
 from rosic.gateway.requests import message_parts
 
 if TYPE_CHECKING:

@@ -35,7 +35,7 @@ from rosic.features.fleet.mission_schedule import KIND as TIMES
 from rosic.features.fleet.mission_schedule import PLANS_AT_MOST, MissionChat, MissionPlan
 from rosic.features.fleet.task_commands import ANY, ASSIGN, check_room
 from rosic.features.fleet.task_parser import able
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.gateway.requests import check_errand_fresh
 
 if TYPE_CHECKING:

@@ -27,8 +27,8 @@ from rosic.features.fleet.attempt import AwaitedLife
 from rosic.features.fleet.messages import wants_a_person
 from rosic.features.fleet.readiness import why_not_ready
 from rosic.features.fleet.task_parser import step_for
-from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.message_context import MessageContext
+from rosic.gateway.office import Reply
 from rosic.gateway.order_execution import SHUT_DOWN
 from rosic.gateway.order_status import OrderMessage, stop_button
 from rosic.gateway.replies import reply_id

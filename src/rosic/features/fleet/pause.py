@@ -19,8 +19,8 @@ from rosic.core.records import Decided
 from rosic.errors import NotUnderstood, Refusal
 from rosic.features.fleet import pause_messages as words
 from rosic.gateway import cancel_messages
-from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.message_context import MessageContext
+from rosic.gateway.office import Reply
 from rosic.gateway.requests import check_errand_fresh
 
 if TYPE_CHECKING:

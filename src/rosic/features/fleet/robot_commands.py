@@ -16,7 +16,7 @@ from rosic.features.fleet import messages
 from rosic.features.fleet import robot_messages as words
 from rosic.features.fleet.newcomers_messages import SUFFIXES
 from rosic.features.fleet.task_commands import ASSIGN
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Collection

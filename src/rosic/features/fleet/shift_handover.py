@@ -17,7 +17,7 @@ from rosic.core.records import Decided
 from rosic.core.time_units import MINUTE_NS
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.fleet import handing_messages as words
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock

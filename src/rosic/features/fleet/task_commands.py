@@ -18,7 +18,7 @@ from rosic.features.fleet.alternatives import refused
 from rosic.features.fleet.dispatch_state import TaskText
 from rosic.features.fleet.readiness import why_waits
 from rosic.features.fleet.task_parser import ANYBODY, able, read_wish
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.gateway.requests import check_errand_fresh
 
 if TYPE_CHECKING:

@@ -19,11 +19,10 @@ from rosic.core.policy.scope import FLEET, GRANT
 from rosic.core.records import Decided
 from rosic.core.time_units import DAY_S
 from rosic.errors import NotPermitted, NotUnderstood, Refusal
-from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.button_rows import rows
 from rosic.gateway.chat_dashboards import key_of
 from rosic.gateway.delivery.notifier import Notification
-from rosic.gateway.office import check_private
+from rosic.gateway.office import Reply, check_private
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger

@@ -11,7 +11,7 @@ from rosic.core.language.sanitise import echo
 from rosic.core.policy.scope import FLEET
 from rosic.core.records import Decided, Fact
 from rosic.errors import NotPermitted, NotUnderstood, TooManyRequests
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable

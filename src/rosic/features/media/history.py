@@ -13,8 +13,8 @@ from rosic.errors import NothingToSee, NotUnderstood
 from rosic.features.media import messages as words
 from rosic.features.media.render_queue import RenderJob
 from rosic.features.media.snapshot import ANSWERED_LATER, LOW, PICTURE_COST
-from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.button_rows import rows
+from rosic.gateway.office import Reply
 from rosic.gateway.robot_argument import RobotArgument
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from rosic.core.robot.view import Clip, Encoded, Grid, Raster, Sight, View
 from rosic.errors import NothingToSee, NotUnderstood
 from rosic.features.media import messages as words
 from rosic.features.media.render_queue import RenderJob
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.gateway.robot_argument import RobotArgument
 
 if TYPE_CHECKING:

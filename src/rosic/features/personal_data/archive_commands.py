@@ -19,7 +19,7 @@ from rosic.errors import (
     StoreFault,
 )
 from rosic.features.personal_data import messages as words
-from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.office import Reply
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.calendar_messages import moment
 

@@ -25,8 +25,7 @@ from rosic.features.personal_data.archive_commands import ArchiveCommands, hande
 from rosic.features.personal_data.order_history import OrderHistory
 from rosic.features.personal_data.settings import SettingsCommands
 from rosic.features.personal_data.shared_data import ShareCommands
-from rosic.gateway.builtin_commands import Reply
-from rosic.gateway.office import check_private
+from rosic.gateway.office import Reply, check_private
 from rosic.gateway.replies import LEAVE
 
 if TYPE_CHECKING:

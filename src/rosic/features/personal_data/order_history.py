@@ -22,8 +22,7 @@ from rosic.core.order_status import BETWEEN, ended_as
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotPermitted, NotUnderstood, RecordUnavailable, StoreFault
 from rosic.features.personal_data import messages as words
-from rosic.gateway.builtin_commands import Reply
-from rosic.gateway.office import check_private
+from rosic.gateway.office import Reply, check_private
 from rosic.organiser.calendar_messages import moment
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from rosic.core.i18n import capital, said
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood
 from rosic.features.personal_data import messages as words
-from rosic.gateway.builtin_commands import Reply
-from rosic.gateway.office import check_private
+from rosic.gateway.office import Reply, check_private
 from rosic.organiser.timezones import known_zones, zone_named
 
 if TYPE_CHECKING:

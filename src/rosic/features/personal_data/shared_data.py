@@ -14,9 +14,8 @@ from rosic.core.message import Button
 from rosic.core.time_units import DAY_S
 from rosic.errors import NotUnderstood
 from rosic.features.personal_data import messages as words
-from rosic.gateway.builtin_commands import Reply
 from rosic.gateway.button_rows import rows
-from rosic.gateway.office import check_length, check_private
+from rosic.gateway.office import Reply, check_length, check_private
 from rosic.organiser.calendar_messages import moment
 
 if TYPE_CHECKING:

@@ -14,8 +14,7 @@ from rosic.core.time_units import DAY_S
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 from rosic.features.robot_to_robot import messages as words
 from rosic.features.robot_to_robot.subscriptions import Subscriber, SubscriberChat
-from rosic.gateway.builtin_commands import Reply
-from rosic.gateway.office import check_length
+from rosic.gateway.office import Reply, check_length
 from rosic.gateway.requests import check_errand_fresh
 
 if TYPE_CHECKING:
