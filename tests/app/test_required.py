@@ -18,6 +18,7 @@ from rosic.core.policy.query import PolicyState
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
 from rosic.features.access.approve import ApprovalCommands
 from rosic.features.access.newcomer_chat import NewcomerChat
+from rosic.features.alerts.actions import AlertActions
 from rosic.gateway.delivery.notifier import Notifier
 from rosic.gateway.delivery.redaction import SecretRedaction
 from rosic.gateway.delivery.sender import ChatSender
@@ -40,6 +41,7 @@ DECIDED_BY = [
     (ChatSender, "gone"),
     (SecretRedaction, "note"),
     (ButtonTokens, "count"),
+    (AlertActions, "author_of"),
     (NewcomerChat, "count"),
     (ApprovalCommands, "forget"),
     (SecretRedaction, "is_good"),

@@ -71,7 +71,7 @@ class AlertFeature:
         self.reacting = AlertReactions(self.alerting, rooms.authoriser.directory, hands.reach)
         self.absences = Absences(rooms, hands.reach, clock)
         self.broken_stops = BrokenStops(rooms, hands.reach, clock, circles)
-        self.running = AlertActions(rooms, hands, access.changes, clock, book)
+        self._hands, self._clock = hands, clock
 
     def furnish(self, pipeline: Pipeline, memory: Memory, people: Iterable[Seed]) -> None:
         """Read the rules, take over what earlier runs have raised, and take the errands."""
@@ -82,7 +82,9 @@ class AlertFeature:
         changes.keep(TOLD, _so_already)
         rules, lines = read_rules(rooms.profiles.values(), rooms.vocabulary)
         named = named_in_file(people, memory, rooms.authoriser)
-        self.running.author_of = lambda name: named.get(name.casefold())
+        self.running = AlertActions(
+            rooms, self._hands, changes, self._clock, book, lambda name: named.get(name.casefold())
+        )
         self.alerting.follow(rules, lines, self.running)
         open_now = {
             following.rule.key: following.alarm

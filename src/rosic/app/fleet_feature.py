@@ -101,8 +101,8 @@ class FleetFeature:
         self.help_book = HelpRequests(clock.wall_ns)
         self.watching = FleetMonitor(rooms, self.dispatching, clock, self.help_book.engages)
         self.telling = TaskNotifications(rooms, hands.reach, self.dispatching, hands.ends)
-        self.dispatching.tell = self.telling.tell
-        self.dispatching.changed = self._changed
+        self.dispatching.tell.connect(self.telling.tell)
+        self.dispatching.changed.connect(self._changed)
         self._usage = FleetUsage(clock.monotonic_ns)
         self._hands = hands
         self.overview = FleetOverview(

@@ -61,8 +61,10 @@ class AlertActions:
     """Gives the orders of rules: once an occurrence, and not more often than a rule says.
 
     Attributes:
-        author_of: Returns who is called so in the configuration; None: nobody.
         tasks: Keeps the tasks of a fleet; None: there are none.
+
+    Args:
+        author_of: Returns who is called so in the configuration; None: nobody.
     """
 
     def __init__(
@@ -72,9 +74,10 @@ class AlertActions:
         changes: Transactions,
         clock: Clock,
         book: AlertLog,
+        author_of: Callable[[str], PrincipalId | None],
     ) -> None:
         self.tasks: AlertTasks | None = None
-        self.author_of: Callable[[str], PrincipalId | None] = _nobody
+        self._author_of = author_of
         self._rooms = rooms
         self._hands = hands
         self._changes = changes
@@ -121,7 +124,7 @@ class AlertActions:
         Raises:
             NotPermitted: They have no access, or could not be told what came of it.
         """
-        author = self.author_of(rule.alert.author)
+        author = self._author_of(rule.alert.author)
         if author is None or not self._rooms.authoriser.has_access(author):
             raise NotPermitted(words.no_author(rule.alert.author))
         return author
@@ -226,7 +229,3 @@ class AlertActions:
         life = card.add(order.cid, shown, titled, self._clock.wall_ns())
         hands.lives.begin(order, AutomatedRequester(caller), card, life)
         hands.teller.show(card)
-
-
-def _nobody(_name: str) -> PrincipalId | None:
-    return None

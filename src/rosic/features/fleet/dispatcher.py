@@ -15,6 +15,7 @@ from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import HELD, OVER, RESTING, TaskReason, TaskState, idle_first
 from rosic.core.fleet.transitions import react
 from rosic.core.order import Ending
+from rosic.core.signal import Signal
 from rosic.errors import RecordUnavailable, Refusal, RosicError, Unrecognised
 from rosic.features.fleet.attempt import TaskRequester, attempt_id, end_after, end_of
 from rosic.features.fleet.dispatch_state import RetryBackoff, TaskTexts
@@ -75,8 +76,8 @@ class TaskDispatcher:
         self.rested: dict[TaskId, bool] = {}
         self.finished: dict[RobotId, int] = {}
         self.patience = RetryBackoff()
-        self.tell: Callable[[Task, Task], object] = _unheard
-        self.changed: Callable[[], object] = _nothing
+        self.tell: Signal[[Task, Task]] = Signal()
+        self.changed: Signal[[]] = Signal()
         self.behind = behind
         self._rooms = rooms
         self._changes = changes
@@ -114,7 +115,7 @@ class TaskDispatcher:
             else:
                 await turn.write((*records, *facts))
         self._do(step.doings)
-        self.changed()
+        self.changed.emit()
         return True
 
     async def give(self, cid: CommandId, make: Callable[[], Given]) -> list[tuple[Task, TaskText]]:
@@ -144,7 +145,7 @@ class TaskDispatcher:
         for gone in stale:
             self.why.pop(gone, None)
             self.rested.pop(gone, None)
-        self.changed()
+        self.changed.emit()
         return given
 
     async def ended(self, author: PrincipalId) -> None:
@@ -201,7 +202,7 @@ class TaskDispatcher:
                 self._spawn(self._recall(doing))
             else:
                 self._forget_attempt(doing.after)
-                self.tell(doing.before, doing.after)
+                self.tell.emit(doing.before, doing.after)
 
     def _forget_attempt(self, task: Task) -> None:
         if task.state not in HELD:
@@ -295,7 +296,7 @@ class TaskDispatcher:
         organiser = self._rooms.organiser
         if organiser.holder(robot) == author and not organiser.lease(robot).active:
             organiser.release(robot)
-            self.changed()
+            self.changed.emit()
 
     def _note(self, event: e.Ended, outcome: Outcome) -> None:
         """ROSIC is being shut down: what is known is kept, and nothing begins because of it."""
@@ -341,11 +342,3 @@ class TaskDispatcher:
         for task in tuple(self._tasks):
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
-
-
-def _unheard(_before: Task, _after: Task) -> None:
-    return None
-
-
-def _nothing() -> None:
-    return None
