@@ -74,7 +74,7 @@ class GroupsFeature:
             changes,
             lambda name: (name,) if name in profiles else vocabulary.members(name),
         )
-        rooms.container.here = self.topics.of
+        rooms.container.here.bind(self.topics.of)
         pipeline.reception.office.employ("topic", self.topics.topic)
         directory = rooms.authoriser.directory
         others = {code: found for code in LANGUAGES if (found := catalogue(code)) is not None}

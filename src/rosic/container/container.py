@@ -17,6 +17,7 @@ from msgspec.structs import replace
 
 from rosic.container import records
 from rosic.container.patience import Patience
+from rosic.core.deferred import Deferred
 from rosic.core.i18n import said
 from rosic.core.language import bind, show
 from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, Permit, Request, Spoken
@@ -143,7 +144,7 @@ class Containers:
         self._store = store
         self._patience = Patience(store, clock)
         self._clock = clock
-        self.here: Callable[[Chat], str] = _nowhere
+        self.here: Deferred[[Chat], str] = Deferred(_nowhere)
         self.usual: Callable[[PrincipalId], str] | None = None
         self._people: dict[PrincipalId, PersonContainer] = {}
         self._there: Counter[bytes] = Counter()
