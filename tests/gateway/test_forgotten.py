@@ -31,6 +31,7 @@ NAMES = frozenset(
         "viewer",
         "senior",
         "admin",
+        "wizard",
         "move",
         "wave",
         "look",

@@ -122,6 +122,9 @@ class _Anybody:
     async def get_me(self) -> SimpleNamespace:
         return SimpleNamespace(username="bench_bot", can_read_all_group_messages=True)
 
+    async def get_chat_administrators(self, *_args: object, **_more: object) -> tuple[()]:
+        return ()
+
     def __getattr__(self, name: str) -> Callable[..., Awaitable[SimpleNamespace]]:
         async def yes(*_args: object, **_more: object) -> SimpleNamespace:
             return SimpleNamespace(message_id=1)

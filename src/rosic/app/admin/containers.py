@@ -84,7 +84,7 @@ class ContainersAdmin:
         """Erase a container, for good.
 
         Raises:
-            NotUnderstood, NotPermitted, RobotBusy, RecordUnavailable: As `Erasing.erase`.
+            NotUnderstood, NotPermitted, RobotBusy, RecordUnavailable: As `ErasureCommands.erase`.
         """
         if self._books.erasing is None:
             raise NotUnderstood(NEEDS_A_GATEWAY)

@@ -53,7 +53,7 @@ class Help(msgspec.Struct, frozen=True):
     """What can be said? A robot's or a group's name alone asks this of it.
 
     Attributes:
-        topic: A robot's id, a group's name, one of `words.HELP_PAGES`, or empty.
+        topic: A robot's id, a group's name, one of `keywords.HELP_PAGES`, or empty.
     """
 
     topic: str = ""
@@ -94,7 +94,7 @@ class CommandLine(msgspec.Struct, frozen=True):
     """Something asked of ROSIC itself: who am I, book a robot, invite somebody.
 
     Attributes:
-        verb: One of ``words.ERRANDS``.
+        verb: One of ``keywords.ERRANDS``.
         rest: The line after it, as typed.
     """
 

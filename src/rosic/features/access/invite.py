@@ -228,23 +228,22 @@ class _Reading:
         said = self._said if self._inviting else ""
         offers = tuple(f"/invite {_with(said, word, other)}" for other in close) if said else ()
         sentence = messages.no_role_no_robot(word, close, tuple(self._roles.values()))
-        make = "" if close else self._making(word)
-        if not make:
+        scope = "" if close else self._example_of(word)
+        if not scope:
             return NotUnderstood(sentence, offers=offers)
-        choice = (roles_messages.make_a_role(word), make)
-        return NotUnderstood(
-            joined("\n", (sentence, roles_messages.to_make(make))), choices=(choice,)
-        )
+        choice = (roles_messages.make_a_role(word), f"/role {word} {MAY} {scope}")
+        how = roles_messages.to_make(word, scope)
+        return NotUnderstood(joined("\n", (sentence, how)), choices=(choice,))
 
-    def _making(self, word: str) -> str:
-        """Return a line by which a role of this name can be made; it is asked before it is done."""
+    def _example_of(self, word: str) -> str:
+        """Return what a role of this name might give; empty: none can be called so, or made here."""
         fleet = self._rights.fleet
         meant = (robot for said in _folded(_raw(self._said)) for robot in fleet.robots(said))
         robot = next((robot for robot in (*meant, *fleet.skills) if robot in fleet.skills), "")
         if not robot or self._given or not can_be_a_role(word, fleet):
             return ""
         moving = [name for name, s in fleet.skills[robot].items() if s.kind is SkillClass.MOTION]
-        return f"/role {word} {MAY} {robot}:{next(iter(moving), READ)}"
+        return f"{robot}:{next(iter(moving), READ)}"
 
 
 def _with(said: str, word: str, other: str) -> str:

@@ -124,9 +124,11 @@ def question(name: str, role: Role, before: Role | None, people: Sequence[str]) 
     )
 
 
-def to_make(line: str) -> str:
+def to_make(name: str, scope: str) -> str:
     """Return how a role that is not there is made, by a line that works as it is."""
-    return said("To make such a role, for example: {line}", line=line)
+    return said(
+        "To make such a role, for example: /role {role} may {scope}", role=name, scope=scope
+    )
 
 
 def make_a_role(name: str) -> str:

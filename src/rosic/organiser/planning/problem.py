@@ -114,7 +114,7 @@ class Allocation(msgspec.Struct, frozen=True):
 
 
 class LeftOverReason(StrEnum):
-    """Why a wish was left over. The sentences are in ``words_plan``."""
+    """Why a wish was left over. The sentences are in `metrics`."""
 
     NO_SUCH_ROBOT = "no-such-robot"
     WINDOW_TOO_SHORT = "window-too-short"
@@ -125,7 +125,7 @@ class LeftOverReason(StrEnum):
 
 
 class PlanCaveat(StrEnum):
-    """Why a plan may not be the best there is. The sentences are in ``words_plan``."""
+    """Why a plan may not be the best there is. The sentences are in `metrics`."""
 
     NOT_PROVEN = "not-proven"
     NOTHING_FOUND = "nothing-found"
