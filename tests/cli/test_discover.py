@@ -10,7 +10,7 @@ import pytest
 
 from rosic.app.setup.discovery import left_out, robots_in
 from rosic.app.setup.profile_draft import JOINTS, LOCATED, SeenRobot, drafted, robot_id
-from rosic.app.setup.profile_draft_nav2 import FOLLOW, GRIP, NAVIGATE, ArmDraft, NavigatorDraft
+from rosic.app.setup.profile_draft_nav2 import FOLLOW, GRIP, NAVIGATE, ArmDraft, MapPose
 from rosic.config.profiles import read_profile
 from rosic.robots.ros2.client.graph import GraphSnapshot, GraphTopic, OfferedEndpoint
 from tests.cli.running import SOURCE, cold_rosic
@@ -232,7 +232,7 @@ def test_what_nav2_is_made_of_inside_is_left_out(tmp_path: Path) -> None:
     }
     said = {"/rover/odom": "nav_msgs/msg/Odometry", "/rover/amcl_pose": LOCATED}
     heard = {"/rover/cmd_vel": "geometry_msgs/msg/TwistStamped"}
-    seen = SeenRobot("/rover", heard, said, {}, actions, stand=NavigatorDraft(1.2345, 2.0, 0.5))
+    seen = SeenRobot("/rover", heard, said, {}, actions, stand=MapPose(1.2345, 2.0, 0.5))
 
     profile = profile_of(drafted(seen, lambda _: None), tmp_path)
 

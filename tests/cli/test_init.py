@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import load_config
-from rosic.app.setup.init import SetupWizard, found, zone_here
+from rosic.app.setup.init import SetupAnswers, found, zone_here
 from rosic.cli.main import main
 from rosic.config.profiles import shipped_profiles
 from rosic.errors import ConfigurationError
@@ -244,7 +244,7 @@ def test_answers_that_end_too_soon_write_nothing(folder: Path) -> None:
 
 def test_drafts_become_profiles_of_their_own(folder: Path) -> None:
     path = folder / "rosic.toml"
-    made = found(path, SetupWizard(name="lab", drafts={"rover": DRAFT}), SystemClock())
+    made = found(path, SetupAnswers(name="lab", drafts={"rover": DRAFT}), SystemClock())
 
     assert left(folder) == ["robots/rover.yaml", "rosic.toml"]
     assert list(made.written) == [str(folder / "robots/rover.yaml"), str(path)]
@@ -252,7 +252,7 @@ def test_drafts_become_profiles_of_their_own(folder: Path) -> None:
 
 
 def test_a_draft_that_is_no_profile_takes_everything_back(folder: Path) -> None:
-    answers = SetupWizard(name="lab", drafts={"rover": DRAFT.replace("task", "fly")})
+    answers = SetupAnswers(name="lab", drafts={"rover": DRAFT.replace("task", "fly")})
     with pytest.raises(ConfigurationError, match=r"rover\.yaml:6"):
         found(folder / "rosic.toml", answers, SystemClock())
 
@@ -261,7 +261,7 @@ def test_a_draft_that_is_no_profile_takes_everything_back(folder: Path) -> None:
 
 def test_no_robot_is_no_configuration(folder: Path) -> None:
     with pytest.raises(ConfigurationError, match="There is no robot"):
-        found(folder / "rosic.toml", SetupWizard(name="lab"), SystemClock())
+        found(folder / "rosic.toml", SetupAnswers(name="lab"), SystemClock())
     assert left(folder) == []
 
 

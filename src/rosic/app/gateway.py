@@ -17,7 +17,7 @@ from rosic.app.data_feature import DataFeature, OwnDataQueries, preferences_of
 from rosic.app.features import FeatureSetup
 from rosic.app.maintenance import Maintenance, rates_of, save, save_now_and_then
 from rosic.app.messenger_setup import take_in
-from rosic.app.opening import StartupNotices, warn_of_thieves
+from rosic.app.opening import RobotStartup, warn_of_thieves
 from rosic.app.people import remember, seed
 from rosic.app.policy import PolicyEnforcer, PolicyService
 from rosic.app.record_monitor import record_watch_of
@@ -112,7 +112,7 @@ class Gateway(RunningGateway):
             if self._know_enlisted(memory):
                 vocabulary = self._vocabulary()
             await self._compose(memory, vocabulary)
-            opening = StartupNotices(self._robot_says, self.furnishing, self._opened)
+            opening = RobotStartup(self._robot_says, self.furnishing, self._opened)
             await opening.all(self.robots.values())
             await self._recover(memory)
         except BaseException:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rosic.errors import MessengerFault
 
 
-class StartupNotices:
+class RobotStartup:
     """Opens one robot after the other.
 
     Args:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rosic.app.setup.init import (
-    SetupWizard,
+    SetupAnswers,
     can_be_simulated,
     check_absent,
     check_account,
@@ -187,7 +187,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _answers(options: argparse.Namespace, ask: Questions) -> SetupWizard:
+def _answers(options: argparse.Namespace, ask: Questions) -> SetupAnswers:
     name = options.name or ask.text("Name of this place?", NAME)
     zone = options.zone or ask.fit("Its time zone?", zone_here(), check_zone)
     token = _token(options, ask)
@@ -196,7 +196,7 @@ def _answers(options: argparse.Namespace, ask: Questions) -> SetupWizard:
     robots = _robots(options, ask, drafts)
     shipped = tuple(robot for robot in robots if not is_file(robot))
     link, not_simulated = _link(options, ask, shipped)
-    return SetupWizard(
+    return SetupAnswers(
         name=name,
         zone=zone,
         token=token,

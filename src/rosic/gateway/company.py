@@ -34,7 +34,7 @@ WAITING_AT_MOST: Final = 200
 WITHIN_S: Final = 5.0
 
 
-class SeveralRobots:
+class GroupChatPeople:
     """Knows who is in chats of many, as far as a stop needs it."""
 
     def __init__(self, rooms: Components, clock: Clock) -> None:

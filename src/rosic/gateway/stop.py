@@ -18,7 +18,7 @@ from rosic.core.order import Rest
 from rosic.core.records import Stopped
 from rosic.errors import ChatGone, MessageGone, MessengerFault, Unrecognised
 from rosic.gateway.button_rows import rows
-from rosic.gateway.company import SeveralRobots, is_unnamed
+from rosic.gateway.company import GroupChatPeople, is_unnamed
 from rosic.gateway.delivery.chat_queue import OutgoingMessage
 from rosic.gateway.replies import ask_for_it
 from rosic.gateway.resume import RESUMED_AT_MOST
@@ -124,7 +124,7 @@ class StopLane:
         self.resuming = resuming
         self._authoriser = rooms.authoriser
         self._organiser = rooms.organiser
-        self._company = SeveralRobots(rooms, clock)
+        self._company = GroupChatPeople(rooms, clock)
         self._linker = rooms.linker
         self._board = rooms.board
         self._profiles = rooms.profiles
@@ -138,7 +138,7 @@ class StopLane:
         self._outbox = outbox
 
     def hears(self, inbound: Inbound) -> bool:
-        """Whether a stop could be in a message at all; see `SeveralRobots`."""
+        """Whether a stop could be in a message at all; see `GroupChatPeople`."""
         return self._company.hears(inbound)
 
     async def stop(
@@ -152,7 +152,7 @@ class StopLane:
 
         A stranger's stop changes nothing: he sees no robot. A stop without an identity (an
         anonymous admin, a channel) counts for the people recognised in that chat; see
-        `SeveralRobots`.
+        `GroupChatPeople`.
 
         Args:
             messenger: By which it came, and is answered.

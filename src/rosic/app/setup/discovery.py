@@ -18,7 +18,7 @@ from rosic.app.setup.profile_draft import (
     drafted,
     robot_id,
 )
-from rosic.app.setup.profile_draft_nav2 import FOLLOW, NAVIGATE, ArmDraft, NavigatorDraft
+from rosic.app.setup.profile_draft_nav2 import FOLLOW, NAVIGATE, ArmDraft, MapPose
 from rosic.errors import ConfigurationError, RosicError
 from rosic.robots.ros2.client.graph import GraphSnapshot, snapshot
 from rosic.robots.ros2.client.runtime import RosRuntime
@@ -52,13 +52,13 @@ async def looked_at(runtime: RosRuntime, seen: SeenRobot) -> SeenRobot:
     return seen
 
 
-async def _stand(runtime: RosRuntime, seen: SeenRobot) -> NavigatorDraft | None:
+async def _stand(runtime: RosRuntime, seen: SeenRobot) -> MapPose | None:
     located = await _heard(runtime, seen, LOCATED)
     if located is None:
         return None
     pose = located.pose.pose
     yaw = 2 * atan2(pose.orientation.z, pose.orientation.w)
-    return NavigatorDraft(pose.position.x, pose.position.y, yaw, located.header.frame_id or "map")
+    return MapPose(pose.position.x, pose.position.y, yaw, located.header.frame_id or "map")
 
 
 async def _limbs(runtime: RosRuntime, seen: SeenRobot) -> dict[str, ArmDraft]:

@@ -32,7 +32,7 @@ UTC = "UTC"
 TELEGRAM, TERMINAL = "telegram", "terminal"
 
 
-class SetupWizard(msgspec.Struct, frozen=True, kw_only=True):
+class SetupAnswers(msgspec.Struct, frozen=True, kw_only=True):
     """The answers.
 
     Attributes:
@@ -191,7 +191,7 @@ def check_account(text: str) -> Address:
     return Address(TELEGRAM, account)
 
 
-def found(path: Path, answers: SetupWizard, clock: Clock) -> SetupResult:
+def found(path: Path, answers: SetupAnswers, clock: Clock) -> SetupResult:
     """Write everything, and look at it as a start would.
 
     Raises:
@@ -214,7 +214,7 @@ def found(path: Path, answers: SetupWizard, clock: Clock) -> SetupResult:
     return SetupResult(tuple(map(str, made)), advice)
 
 
-def _files(path: Path, answers: SetupWizard) -> dict[str, str]:
+def _files(path: Path, answers: SetupAnswers) -> dict[str, str]:
     files = {f"{ROBOTS}/{name}.yaml": text for name, text in answers.drafts.items()}
     if answers.token:
         files[TOKEN_FILE] = f"{answers.token}\n"
@@ -228,7 +228,7 @@ def _beside(file: str, path: Path) -> str:
     return f"./{Path(file).relative_to(folder)}" if Path(file).is_relative_to(folder) else file
 
 
-def _lines(path: Path, answers: SetupWizard) -> Iterator[str]:
+def _lines(path: Path, answers: SetupAnswers) -> Iterator[str]:
     yield "# Written by rosic init. What each line means: docs/configuration.md"
     yield "# People and roles are seeded from here once; from then on the record has the say."
     yield from _table("[gateway]", {"name": answers.name, "zone": answers.zone})
@@ -247,7 +247,7 @@ def _lines(path: Path, answers: SetupWizard) -> Iterator[str]:
         yield from _table("[[principal]]", person)
 
 
-def _messenger(answers: SetupWizard) -> dict[str, str | dict[str, str]]:
+def _messenger(answers: SetupAnswers) -> dict[str, str | dict[str, str]]:
     if not answers.has_telegram:
         return {"kind": TERMINAL}
     if answers.token_env:

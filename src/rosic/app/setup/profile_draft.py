@@ -15,7 +15,7 @@ from rosic.app.setup import profile_draft_nav2 as others
 from rosic.config.profile_rest import enough_s
 
 if TYPE_CHECKING:
-    from rosic.app.setup.profile_draft_nav2 import ArmDraft, NavigatorDraft
+    from rosic.app.setup.profile_draft_nav2 import ArmDraft, MapPose
 
 Fields: TypeAlias = Callable[[str], Mapping[str, str] | None]
 """Name of an action type to its goal's fields and their types; None when it is not installed."""
@@ -93,7 +93,7 @@ class SeenRobot(NamedTuple):
     said: Mapping[str, str]
     services: Mapping[str, str]
     actions: Mapping[str, str]
-    stand: NavigatorDraft | None = None
+    stand: MapPose | None = None
     limbs: Mapping[str, ArmDraft] = {}
     mixed: str = ""
     reported: Reported = Reported()

@@ -36,7 +36,7 @@ GRIP_NOTE = """\
 """
 
 
-class NavigatorDraft(NamedTuple):
+class MapPose(NamedTuple):
     """Where a robot was seen to be on its map: m, and rad from the x axis."""
 
     x: float
@@ -56,9 +56,9 @@ class ArmDraft(NamedTuple):
     positions: Mapping[str, float]
 
 
-def navigating(name: str, stand: NavigatorDraft | None) -> dict[str, Any]:
+def navigating(name: str, stand: MapPose | None) -> dict[str, Any]:
     """Return the skills of a robot with Nav2."""
-    here = stand or NavigatorDraft(0.0, 0.0, 0.0)
+    here = stand or MapPose(0.0, 0.0, 0.0)
     action: dict[str, Any] = {"name": name, "type": NAVIGATE}
     rest = {"remaining": "distance_remaining", "timeout_s": 600}
     frame = {"pose.header.frame_id": here.frame}

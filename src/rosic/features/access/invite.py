@@ -236,7 +236,7 @@ class _Reading:
         return NotUnderstood(joined("\n", (sentence, how)), choices=(choice,))
 
     def _example_of(self, word: str) -> str:
-        """Return what a role of this name might give; empty: none can be called so, or made here."""
+        """Return what a role of this name might give; empty: none can be made of it here."""
         fleet = self._rights.fleet
         meant = (robot for said in _folded(_raw(self._said)) for robot in fleet.robots(said))
         robot = next((robot for robot in (*meant, *fleet.skills) if robot in fleet.skills), "")

@@ -57,7 +57,7 @@ NOTICE_LIVES_S: Final = float(HOUR_S)
 log = logging.getLogger("rosic.among")
 
 
-class NoTasks(msgspec.Struct, frozen=True, array_like=True):
+class SilencedRobot(msgspec.Struct, frozen=True, array_like=True):
     """Until when nobody hears a robot, wall clock, and who did that."""
 
     until_ns: int
@@ -65,7 +65,7 @@ class NoTasks(msgspec.Struct, frozen=True, array_like=True):
 
 
 _encode = msgspec.msgpack.Encoder().encode
-_read_quiet = msgspec.msgpack.Decoder(NoTasks).decode
+_read_quiet = msgspec.msgpack.Decoder(SilencedRobot).decode
 
 
 class PeerGroup(NamedTuple):
@@ -92,7 +92,7 @@ class RobotMessaging:
         self.circle = circle
         self.around = circle.around
         self.inboxes: dict[RobotId, Inbox] = {}
-        self._quiet: dict[RobotId, NoTasks] = {}
+        self._quiet: dict[RobotId, SilencedRobot] = {}
         self._peopled = asyncio.Event()
         self._do: dict[type, Do] = {
             said_by.Share: self._share,
@@ -347,7 +347,7 @@ class RobotMessaging:
 
     # ---- silence ----
 
-    def quiet(self, robot: RobotId) -> NoTasks | None:
+    def quiet(self, robot: RobotId) -> SilencedRobot | None:
         """Return until when nobody hears a robot, and by whom; None if it is heard."""
         quiet = self._quiet.get(robot)
         return quiet if quiet is not None and self.around.clock.wall_ns() < quiet.until_ns else None
@@ -358,7 +358,7 @@ class RobotMessaging:
         At once, and written down as soon as it can be: it takes something away.
         """
         now_ns = self.around.clock.wall_ns()
-        body = _encode(NoTasks(until_ns, by)) if until_ns > now_ns else b""
+        body = _encode(SilencedRobot(until_ns, by)) if until_ns > now_ns else b""
         decided = Decided(act="robot-quiet", by=by, about=robot, at_ns=now_ns)
         async with self.around.changes.turn() as turn:
             await turn.act((decided, Fact(kind=QUIET, key=robot, body=body)))
