@@ -230,6 +230,19 @@ async def test_of_too_much_strangers_messages_are_read_rather_than_posts() -> No
         assert len(ear.heard) == UNREAD_AT_MOST
 
 
+async def test_of_too_much_a_stop_is_read_also_where_nobody_was_met() -> None:
+    number = UNREAD_AT_MOST + 3 * BATCH
+    ear = KeepingEar(
+        *mix(1, (0,), said="stop"),
+        *mix(number, (0,), 1),
+        *mix(1, (0,), number + 1, said="stop"),
+    )
+    ear.serves_lab_alone()
+    async with ear.listening():
+        assert ear.texts[:2] == ["stop", "stop"], "and before whatever else they sent"
+        assert ear.listener.counts["unread"] >= 3 * BATCH
+
+
 async def test_what_nobody_sent_where_somebody_was_met_is_read_though_more_keeps_coming() -> None:
     """What strangers send is not, and holds up nobody's order; a stop without a name counts."""
     ear = KeepingEar(text(1, "status"), *mix(BATCH - 2, (0, 1), 1))

@@ -88,6 +88,13 @@ OF_BREAKS = (
         caught_by=(f"{DEAD_MAN}::test_a_robot_that_began_anew_knows_nothing_of_what_it_was_told",),
     ),
     Fault(
+        name="I6 a drive goes on after nothing was sent for as long as the watchdog waits",
+        file="robots/ros2/velocity_stream.py",
+        guard="            if sent and unsent_s > side.watchdog_s:",
+        without="            if False:",
+        caught_by=("tests/rosic_sim/test_velocity_gaps.py",),
+    ),
+    Fault(
         name="I6 whose name came after the drive began is not known again",
         file="robots/ros2/rebirths.py",
         guard="self.first = named_since(self.first, now)",

@@ -56,9 +56,16 @@ OF_READING = (
     Fault(
         name="L2 posts where nobody was met are searched before anything is followed",
         file="messengers/telegram/reading.py",
-        guard="if self.serves(Chat(incoming.PLATFORM, str(message.chat.id))) else UNMET",
-        without="if True else UNMET",
+        guard="            if self.serves(Chat(incoming.PLATFORM, str(message.chat.id))):\n",
+        without="            if True:\n",
         caught_by=(f"{STEPS}::test_a_stop_behind_a_mix_is_found_as_soon_as_it_is_handed_over",),
+    ),
+    Fault(
+        name="L2 a stop where nobody was met is left unread when much comes with it",
+        file="messengers/telegram/reading.py",
+        guard="return UNMET_STOP if len(text) <= SHORT and self._says_stop(text) else UNMET",
+        without="return UNMET",
+        caught_by=(f"{READING}::test_of_too_much_a_stop_is_read_also_where_nobody_was_met",),
     ),
     Fault(
         name="L2 what strangers sent fills what Telegram gives out",

@@ -36,10 +36,13 @@ T = TypeVar("T")
 AHEAD_NS = 2 * SECOND_NS
 TURNS = 4
 """Of the event loop, for each step of reading on: whatever is to be done has several."""
-KNOWN, UNNAMED, STRANGER, UNMET = range(4)
+KNOWN, UNNAMED, UNMET_STOP, STRANGER, UNMET = range(5)
 """In this order updates are read. Of somebody unnamed only a stop counts (I17), of a stranger
 nothing; anybody may send any number of either. Last is what is unnamed where nobody known here was
-met: to look for a stop takes longest of all, and hardly ever one counts there."""
+met: to look for a stop takes longest of all, and hardly ever one counts there. Where it is short,
+that is found out at once, and what is a stop is neither put off nor left unread."""
+SHORT: Final = 16
+"""No stop word is longer; a hundred such texts are searched within a step."""
 UNREAD_AT_MOST: Final = 1_000
 """Of what strangers sent. Of more, the newest in chats where nobody was met is not read at all."""
 
@@ -157,7 +160,7 @@ class Reading:
     async def _read_on(self, window: UpdateWindow) -> None:
         pause = BatchPause()
         while self._unread:
-            if self._unread[0].rank > UNNAMED and (self.hurried or not window.has_room):
+            if self._unread[0].rank > UNMET_STOP and (self.hurried or not window.has_room):
                 self._wake.clear()
                 await self._wake.wait()
                 continue
@@ -179,7 +182,7 @@ class Reading:
 
     def _pass_over(self, window: UpdateWindow) -> None:
         """Do not read at all what is too much of strangers."""
-        while len(self._unread) > UNREAD_AT_MOST and self._unread[-1].rank > UNNAMED:
+        while len(self._unread) > UNREAD_AT_MOST and self._unread[-1].rank > UNMET_STOP:
             window.admit(AdmittedUpdate(self._unread.pop().number, None))
             self._counts["unread"] += 1
             if self._counts["unread"] % UNREAD_AT_MOST == 1:
@@ -200,7 +203,10 @@ class Reading:
             message = updates.written(update)
             if message is None:
                 return KNOWN
-            return UNNAMED if self.serves(Chat(incoming.PLATFORM, str(message.chat.id))) else UNMET
+            if self.serves(Chat(incoming.PLATFORM, str(message.chat.id))):
+                return UNNAMED
+            text = message.text or message.caption or ""
+            return UNMET_STOP if len(text) <= SHORT and self._says_stop(text) else UNMET
         return KNOWN if self.known(who) else STRANGER
 
     def news(
@@ -252,7 +258,9 @@ class Reading:
             log.exception("%s: what happened in a chat was not followed", self._name)
 
     def _is_stop(self, inbound: Inbound) -> bool:
-        said = inbound.text if inbound.nonce is None else inbound.nonce
+        return self._says_stop(inbound.text if inbound.nonce is None else inbound.nonce)
+
+    def _says_stop(self, said: str) -> bool:
         return is_urgent(said) or self._chats.stops(said)
 
     def _check_clock(self, inbound: Inbound, update: updates.Update) -> None:

@@ -148,7 +148,6 @@ class UpdateWindow:
             self._open.add(one.update_id)
             self._idle.clear()
         if one.stop:
-            self._light.discard(one.update_id)
             self._group.create_task(self._hand_over(one.update_id, one.inbound))
         else:
             self._admitted.append((one.update_id, one.inbound))

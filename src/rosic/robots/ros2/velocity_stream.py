@@ -48,7 +48,7 @@ class VelocityStream:
         self._publisher = publisher
         self._message = publisher.made(values)
         self._pace = pace
-        self._begun_ns = 0
+        self._begun_ns = self._sent_ns = 0
         self._newcomers = Newcomers(publisher.takers(), errand.side.watchdog_s / 2)
         self._births = errand.side.measured.births
 
@@ -75,6 +75,12 @@ class VelocityStream:
             if broken is not None or past_s >= self._pace.duration_s or not errand.allowed():
                 self._ended(broken, dead_man.last_ns)
                 return broken
+            # Whoever had no name for so long may have one now; the robot has come to rest by then.
+            unsent_s = (now_ns - self._sent_ns) / SECOND_NS
+            if sent and unsent_s > side.watchdog_s:
+                broken = Break(Cause.NAMELESS, unsent_s)
+                self._ended(broken, self._sent_ns)
+                return broken
             # A process that was frozen goes on from wherever it was: the look takes its time, so
             # the clock is asked once more, and nothing stands between its answer and the sending.
             if dead_man.late(clock.monotonic_ns()):
@@ -94,6 +100,7 @@ class VelocityStream:
         if self._newcomers.waits:
             return False
         self._publisher.send(self._message)
+        self._sent_ns = self._errand.side.clock.monotonic_ns()
         return True
 
     def _look(self, dead_man: DeadMan, now_ns: int) -> Break | None:
