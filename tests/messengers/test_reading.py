@@ -243,6 +243,20 @@ async def test_of_too_much_a_stop_is_read_also_where_nobody_was_met() -> None:
         assert ear.listener.counts["unread"] >= 3 * BATCH
 
 
+async def test_what_is_long_and_names_nobody_is_read_last_wherever_it_is() -> None:
+    ear = KeepingEar(
+        text(1, LONG, chat=LAB, **ANONYMOUS),
+        text(2, "hello", EVE),
+        text(3, "stop", chat=LAB, **ANONYMOUS),
+        text(4, "status"),
+    )
+    ear.serves_lab_alone()
+    read: list[int] = []
+    ear.note_what_is_read(read)
+    async with ear.listening():
+        assert read == [4, 3, 2, 1]
+
+
 async def test_what_nobody_sent_where_somebody_was_met_is_read_though_more_keeps_coming() -> None:
     """What strangers send is not, and holds up nobody's order; a stop without a name counts."""
     ear = KeepingEar(text(1, "status"), *mix(BATCH - 2, (0, 1), 1))

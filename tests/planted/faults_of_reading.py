@@ -61,6 +61,13 @@ OF_READING = (
         caught_by=(f"{STEPS}::test_a_stop_behind_a_mix_is_found_as_soon_as_it_is_handed_over",),
     ),
     Fault(
+        name="L2 long posts where somebody was met are searched before anything is followed",
+        file="messengers/telegram/reading.py",
+        guard="return UNNAMED if len(text) <= UNNAMED_SIGNS else UNMET",
+        without="return UNNAMED",
+        caught_by=(f"{READING}::test_what_is_long_and_names_nobody_is_read_last_wherever_it_is",),
+    ),
+    Fault(
         name="L2 a stop where nobody was met is left unread when much comes with it",
         file="messengers/telegram/reading.py",
         guard="return UNMET_STOP if len(text) <= SHORT and self._says_stop(text) else UNMET",
