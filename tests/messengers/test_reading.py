@@ -14,7 +14,7 @@ from rosic.core.time_units import SECOND_NS
 from rosic.messengers.telegram import incoming
 from rosic.messengers.telegram.batch import BATCH, STEP_BYTES
 from rosic.messengers.telegram.polling import AT_ONCE_S
-from rosic.messengers.telegram.reading import TURNS, UNREAD_AT_MOST
+from rosic.messengers.telegram.reading import TURNS, UNNAMED_SIGNS, UNREAD_AT_MOST
 from rosic.messengers.telegram.update_window import HELD_NS, UpdateWindow
 from tests.messengers.ear import ADA, EVE, LAB, POLL_S, Ear, ScriptedBot, member, raw, text
 
@@ -271,13 +271,13 @@ async def test_what_nobody_sent_where_somebody_was_met_is_read_though_more_keeps
 
 async def test_an_order_does_not_wait_for_what_nobody_sent_after_it() -> None:
     """Somebody may go on sending in a chat that this bot serves, and every bit of it is read."""
-    ear = KeepingEar()
+    ear, posted = KeepingEar(), "x" * UNNAMED_SIGNS
     reading, received = ear.listener.reading, incoming.ReceivedAt(0, 0)
     async with asyncio.TaskGroup() as group:
         window = UpdateWindow(group, ear.receive, ear.clock, Counter())
-        first = [*mix(5, (0,), said=LONG), text(6, "status")]
+        first = [*mix(5, (0,), said=posted), text(6, "status")]
         await reading.take_in(group, window, first, received)
-        await reading.take_in(group, window, mix(60, (0,), 6, said=LONG), received)
+        await reading.take_in(group, window, mix(60, (0,), 6, said=posted), received)
         while "status" not in ear.texts:  # noqa: ASYNC110 - nobody is told
             await asyncio.sleep(0)
         assert reading.behind

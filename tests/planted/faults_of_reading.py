@@ -56,8 +56,8 @@ OF_READING = (
     Fault(
         name="L2 posts where nobody was met are searched before anything is followed",
         file="messengers/telegram/reading.py",
-        guard="            if self.serves(Chat(incoming.PLATFORM, str(message.chat.id))):\n",
-        without="            if True:\n",
+        guard="return UNMET_STOP if len(text) <= SHORT and self._says_stop(text) else UNMET",
+        without="return UNNAMED",
         caught_by=(f"{STEPS}::test_a_stop_behind_a_mix_is_found_as_soon_as_it_is_handed_over",),
     ),
     Fault(

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -94,9 +95,15 @@ async def test_telemetry_keeps_the_newest_value(runtime: RosRuntime, peer: RosPr
     assert latest.message() is None
     assert latest.age_s is None
     await listened_to(peer, "count", 1)
-    peer.say("burst 500")
-    await asyncio.to_thread(peer.expect, "ok burst")
-    await _value(latest, 500)
+    for _ in range(5):  # telemetry is best effort: of a burst the last may be lost
+        peer.say("burst 500")
+        await asyncio.to_thread(peer.expect, "ok burst")
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(10 * pace()):
+                await _value(latest, 500)
+            break
+    assert (newest := latest.message()) is not None
+    assert newest.data == 500
     assert latest.received_ns is not None
     assert latest.age_s is not None
     assert latest.age_s < 5

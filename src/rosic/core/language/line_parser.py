@@ -432,9 +432,10 @@ class LineReader:
         named, _ = self._callee(at)
         return Use(named.name) if named is not None else self._trouble().no_such_robot(at)
 
-    def start(self, _: Callee | None, at: int) -> Line:
-        """Read ``start`` and the payload of an invitation."""
-        return Start(self._raw[at][:LONGEST_PAYLOAD] if at < len(self._raw) else "")
+    def start(self, callee: Callee | None, at: int) -> Line:
+        """Read ``start`` and the payload of an invitation; behind a robot's name stands none."""
+        brings = callee is None and at < len(self._raw)
+        return Start(self._raw[at][:LONGEST_PAYLOAD] if brings else "")
 
     def _trouble(self) -> Misunderstanding:
         words = (self._raw, self._low)
