@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from pathlib import Path
 
-    from rosic.config.source_map import Place, Source
+    from rosic.config.source_map import Source
+    from rosic.contracts.file_rules import Place
 
 WRITTEN = '''\
 title = "a # b"   # 1

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, cast
 
 from rosic.app.people import Seed, named_in_file
-from rosic.config.validation import ValidationFinding
+from rosic.contracts.file_rules import ValidationFinding
 from rosic.contracts.messenger import watch_reactions
 from rosic.core.alerts.rule import read_run, rules_of
 from rosic.features.alerts.absences import Absences

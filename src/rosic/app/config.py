@@ -29,8 +29,9 @@ from rosic.config.missions import Missions, rulebook_of
 from rosic.config.profiles import find_profile, fleet_findings, known_units, read_profile
 from rosic.config.secrets import SecretSettings
 from rosic.config.toml_source import read_toml
-from rosic.config.validation import ValidationFinding, Walker
+from rosic.config.validation import Walker
 from rosic.container.files import FileQuota
+from rosic.contracts.file_rules import ValidationFinding
 from rosic.core.fleet.mission import Mission
 from rosic.core.policy.roles import RoleRules
 from rosic.core.rate_limit import RateLimit, parse_rate

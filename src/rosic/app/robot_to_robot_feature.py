@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.config.translations import LANGUAGES, catalogue
-from rosic.config.validation import ValidationFinding
+from rosic.contracts.file_rules import ValidationFinding
 from rosic.contracts.messenger import menus_of, watch_chats
 from rosic.contracts.robot import PeerRobot
 from rosic.core.identity import ROBOT

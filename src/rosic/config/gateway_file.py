@@ -9,10 +9,17 @@ import msgspec
 
 from rosic.config.missions import fleet_of, rulebook_of
 from rosic.config.profile_fields import NAMED
-from rosic.config.source_map import Place, nearest
-from rosic.config.validation import Field, FieldForm, NumberBounds, Rules, ValidationFinding
 from rosic.container.file_messages import MB
 from rosic.container.files import FILES_MOST, PERSON_BYTES, PLACE_BYTES, FileQuota
+from rosic.contracts.file_rules import (
+    Field,
+    FieldForm,
+    NumberBounds,
+    Place,
+    Rules,
+    ValidationFinding,
+    nearest,
+)
 from rosic.core.identity import Address
 from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, SkillPrecondition

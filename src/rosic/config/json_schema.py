@@ -25,7 +25,7 @@ from rosic.core.robot.dialogue_protocol import Utterance
 from rosic.core.robot.profile import Profile
 
 if TYPE_CHECKING:
-    from rosic.config.validation import FieldForm, NumberBounds
+    from rosic.contracts.file_rules import FieldForm, NumberBounds
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 

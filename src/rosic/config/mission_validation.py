@@ -6,8 +6,7 @@ import re
 from math import isfinite
 from typing import TYPE_CHECKING, Final
 
-from rosic.config.source_map import Place, nearest
-from rosic.config.validation import ValidationFinding
+from rosic.contracts.file_rules import Place, ValidationFinding, nearest
 from rosic.core.alerts.condition import seconds
 from rosic.core.fleet.mission import Late, MissionPart
 from rosic.core.fleet.task import STEPS_AT_MOST

@@ -9,8 +9,9 @@ from msgspec import inspect
 
 from rosic.config.mission_validation import MissionCheck, quantity_findings, unused_findings
 from rosic.config.profile_fields import NAMED
-from rosic.config.validation import Field, FieldForm, NumberBounds, Rules, ValidationFinding, Walker
+from rosic.config.validation import Walker
 from rosic.config.yaml_source import read_yaml
+from rosic.contracts.file_rules import Field, FieldForm, NumberBounds, Rules, ValidationFinding
 from rosic.core.fleet.mission import InvalidMission, Mission, MissionPart, lay_out
 from rosic.core.fleet.task import PRIORITIES
 from rosic.core.language import Vocabulary, skills_of

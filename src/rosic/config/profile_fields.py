@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from rosic.config.validation import Field, FieldForm, NumberBounds
+from rosic.contracts.file_rules import Field, FieldForm, NumberBounds
 from rosic.core.robot.alert_config import AlertConfig
 from rosic.core.robot.benchmark import Benchmark, ErrorBound
 from rosic.core.robot.geography import GeographicFrame

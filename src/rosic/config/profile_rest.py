@@ -6,7 +6,7 @@ import re
 from math import ceil
 from typing import TYPE_CHECKING, Final
 
-from rosic.config.validation import ValidationFinding
+from rosic.contracts.file_rules import ValidationFinding
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.config.source_map import Place, nearest
-from rosic.config.validation import ValidationFinding
+from rosic.contracts.file_rules import Place, ValidationFinding, nearest
 from rosic.core.robot.benchmark import POSE
 
 if TYPE_CHECKING:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from rosic.config.validation import ValidationFinding
+from rosic.contracts.file_rules import ValidationFinding
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rosic.config.source_map import Place
+    from rosic.contracts.file_rules import Place
     from rosic.core.robot.profile import Profile
     from rosic.core.robot.skill import Skill
 

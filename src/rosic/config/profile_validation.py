@@ -11,8 +11,7 @@ from rosic.config.profile_fields import BOUNDS, FORMS, HIDDEN
 from rosic.config.profile_rest import unseen_axes
 from rosic.config.profile_skill_validation import expected, meant, moved, of_trajectory
 from rosic.config.profile_types import fitting_booleans, of_one_type, said_stop, watched
-from rosic.config.source_map import Place, nearest
-from rosic.config.validation import Rules, ValidationFinding
+from rosic.contracts.file_rules import Place, Rules, ValidationFinding, nearest
 from rosic.core.alerts.rule import InvalidAlertRule, compile_rule, read_run, rules_of
 from rosic.core.language import UnitTable, Vocabulary
 from rosic.core.policy.scope import AMONG, FILES, READ, RESUME

@@ -11,16 +11,17 @@ import msgspec
 from msgspec import inspect
 
 from rosic.config.profile_validation import advice, clash, profile_rules
-from rosic.config.source_map import Data, Place, Source, nearest
 from rosic.config.units import compile_units
-from rosic.config.validation import ValidationFinding, Walker
+from rosic.config.validation import Walker
 from rosic.config.yaml_source import parse_yaml, read_yaml
+from rosic.contracts.file_rules import Place, ValidationFinding, nearest
 from rosic.core.robot.profile import Profile
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from rosic.config.source_map import Data, Source
     from rosic.core.language import UnitTable
 
 SUFFIXES = (".yaml", ".yml")

@@ -9,12 +9,14 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.config.source_map import Data, Place, Source, read_text, readable_by_others
+from rosic.config.source_map import Data, Source, read_text, readable_by_others
 from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+
+    from rosic.contracts.file_rules import Place
 
 # A plain text under such a key is hidden as well, although it would better stand elsewhere.
 CONFIDENTIAL = re.compile(r"(?:.*_)?(?:token|password|passphrase|secret|key|credentials?)")

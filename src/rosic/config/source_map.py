@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import stat
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping
     from pathlib import Path
+
+    from rosic.contracts.file_rules import Place
 
 SIZE_LIMIT_BYTES = 1 << 20
 
 # What a file says, before anything about it is known: whoever uses it looks first.
 Data: TypeAlias = Any
-# The way from the top of a file to one of its parts: ("skills", "grasp", "words", 0).
-Place: TypeAlias = tuple[str | int, ...]
 
 
 class Source:
@@ -87,12 +86,3 @@ def read_text(path: Path, missing: str = "") -> str:
 def readable_by_others(path: Path) -> bool:
     """Whether anybody but the owner of a file may read it."""
     return bool(stat.S_IMODE(path.stat().st_mode) & (stat.S_IRWXG | stat.S_IRWXO))
-
-
-def nearest(word: str, known: Iterable[str], *, say_all: bool = True) -> str:
-    """Return a hint: what was probably meant, or else all there is to choose from."""
-    names = sorted(known)
-    close = get_close_matches(word, names, n=1, cutoff=0.6)
-    if close:
-        return f"Did you mean {close[0]}?"
-    return f"Known here: {', '.join(names)}." if names and say_all else ""

@@ -6,11 +6,13 @@ import re
 import tomllib
 from typing import TYPE_CHECKING
 
-from rosic.config.source_map import Place, Source, read_text
+from rosic.config.source_map import Source, read_text
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from rosic.contracts.file_rules import Place
 
 _SYNTAX = re.compile(
     r"(?P<what>.*?) \(at (?:line (?P<line>\d+), column (?P<column>\d+)|end of .*)\)"

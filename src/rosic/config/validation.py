@@ -7,69 +7,19 @@ and msgspec makes the objects only where nothing was found wrong.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
 from math import isfinite
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import msgspec
 from msgspec import inspect
 
-from rosic.config.source_map import Data, Place, Source, nearest
+from rosic.contracts.file_rules import FieldForm, NumberBounds, Place, Rules, nearest
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from rosic.config.source_map import Data, Source
     from rosic.errors import ConfigurationError
-
-
-class FieldForm(NamedTuple):
-    """What a text must look like.
-
-    Attributes:
-        pattern: Must match the whole text.
-        meaning: Ends the sentence "this is not ...".
-        empty: Whether nothing at all is right too.
-    """
-
-    pattern: str
-    meaning: str
-    hint: str
-    empty: bool = False
-
-
-class NumberBounds(NamedTuple):
-    """Inclusive bounds of a number."""
-
-    least: float
-    most: float
-
-
-class ValidationFinding(NamedTuple):
-    """One thing that is wrong, in the part of the file that a rule was given.
-
-    Attributes:
-        place: Relative to that part.
-    """
-
-    place: Place
-    sentence: str
-    hint: str = ""
-
-
-Field: TypeAlias = tuple[type, str]
-Rule: TypeAlias = Callable[[Any], Iterator[ValidationFinding]]
-
-
-class Rules(NamedTuple):
-    """What is asked beyond the types.
-
-    Attributes:
-        hidden: Fields that a file may not set.
-        checks: Run on every object of a class that could be made.
-    """
-
-    bounds: Mapping[Field, NumberBounds]
-    forms: Mapping[Field, FieldForm]
-    hidden: frozenset[Field]
-    checks: Mapping[type, tuple[Rule, ...]]
 
 
 _KINDS: tuple[tuple[type, str], ...] = (

@@ -13,12 +13,14 @@ from typing import TYPE_CHECKING
 
 import yaml
 
-from rosic.config.source_map import Data, Place, Source, read_text
+from rosic.config.source_map import Data, Source, read_text
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
+    from rosic.contracts.file_rules import Place
 
 DEPTH_LIMIT = 16
 PARTS_LIMIT = 20_000

@@ -13,7 +13,7 @@ import msgspec
 from rosic.app.setup.check import check_all
 from rosic.config.plugins import demand_good, robot_factory
 from rosic.config.profiles import SUFFIXES, check_profile, load_profile, shipped_profiles
-from rosic.config.source_map import nearest
+from rosic.contracts.file_rules import nearest
 from rosic.core.identity import Address
 from rosic.errors import ConfigurationError, OutOfBounds
 from rosic.organiser.timezones import zone_named
