@@ -95,7 +95,7 @@ SECONDS = {
     "tests/journeys/test_stepping.py": 25,
     "tests/journeys/test_card.py": 25,
     "tests/mutants/test_mutants.py": 20,
-    "tests/organiser/test_allocation.py": 20,
+    "tests/organiser/test_planning_problem.py": 20,
     "tests/core/policy/test_exhaustive.py": 20,
     "tests/rendering/test_drawings.py": 20,
     "tests/journeys/test_channel.py": 20,

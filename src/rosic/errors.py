@@ -67,8 +67,8 @@ class Refusal(RosicError):
 
     Attributes:
         offers: Commands, written as the person would type them, that would be accepted instead.
-        petition: The errand that asks somebody else for the right that is missing; empty when
-            nobody could give it.
+        access_request: The command that asks somebody else for the right that is missing; empty
+            when nobody could give it.
         choices: What else can be tapped: a label, and what it says as if typed; or the sign with
             which the same command is done in another way.
         silent: True when the right answer is none.
@@ -84,13 +84,13 @@ class Refusal(RosicError):
         sentence: str,
         *,
         offers: tuple[str, ...] = (),
-        petition: str = "",
+        access_request: str = "",
         choices: tuple[tuple[str, str], ...] = (),
     ) -> None:
         super().__init__(sentence)
         self.offers = offers
         self.choices = choices
-        self.petition = petition
+        self.access_request = access_request
 
     def reworded(self, sentence: str) -> Self:
         """Say something else: what was done before it came to this stands in front of why not."""

@@ -30,14 +30,14 @@ def inbound(sender: Address = ADA, chat: str = "c") -> Inbound:
     )
 
 
-class Desk:
+class OnePerson:
     """An authoriser that knows Ada."""
 
     def __init__(self, *, expires_in_s: float | None = None) -> None:
         self.clock = ManualClock()
         entropy = SeededEntropy()
-        self.tally = Counters()
-        self.keys = KeyRing(MonotonicWallClock(self.clock), entropy, self.tally)
+        self.counters = Counters()
+        self.keys = KeyRing(MonotonicWallClock(self.clock), entropy, self.counters)
         self.authoriser = Authoriser(Directory(), self.keys, self.clock, entropy)
         expires_ns = None if expires_in_s is None else self._at(expires_in_s)
         self.key = AuthorisationKey(
@@ -51,7 +51,7 @@ class Desk:
 
 
 def test_a_caller_carries_the_id_of_the_key() -> None:
-    caller = Desk().authoriser.identify(inbound())
+    caller = OnePerson().authoriser.identify(inbound())
     assert (caller.principal, caller.key, caller.name) == ("p1", "k1", "Ada")
 
 
@@ -59,14 +59,14 @@ def test_a_caller_carries_the_id_of_the_key() -> None:
     "address", [Address("telegram", "1002"), Address("matrix", "1001"), Address("telegram", "")]
 )
 def test_identity_is_platform_and_id(address: Address) -> None:
-    desk = Desk()
+    one = OnePerson()
     with pytest.raises(Unrecognised, match="I do not know you yet"):
-        desk.authoriser.identify(inbound(address))
-    assert desk.tally.by_kind() == {"stranger": 1}
+        one.authoriser.identify(inbound(address))
+    assert one.counters.by_kind() == {"stranger": 1}
 
 
 def test_a_session_key_per_conversation_that_never_repeats() -> None:
-    authoriser = Desk().authoriser
+    authoriser = OnePerson().authoriser
     first = authoriser.identify(inbound(chat="a")).session
     assert authoriser.identify(inbound(chat="a")).session == first
     others = {authoriser.identify(inbound(chat=f"c{n}")).session for n in range(1_000)}
@@ -74,71 +74,71 @@ def test_a_session_key_per_conversation_that_never_repeats() -> None:
 
 
 def test_a_revoked_key_ends_every_conversation_at_once() -> None:
-    desk = Desk()
-    desk.authoriser.identify(inbound())
-    assert desk.authoriser.revoke("k1") == "p1"
+    one = OnePerson()
+    one.authoriser.identify(inbound())
+    assert one.authoriser.revoke("k1") == "p1"
     with pytest.raises(Unrecognised, match="Your access here has ended"):
-        desk.authoriser.identify(inbound())
-    assert desk.authoriser.revoke("no such key") is None
+        one.authoriser.identify(inbound())
+    assert one.authoriser.revoke("no such key") is None
 
 
 def test_a_key_ends_when_it_expires() -> None:
-    desk = Desk(expires_in_s=60.0)
-    desk.authoriser.identify(inbound())
-    desk.clock.jump_wall(60.0)
+    one = OnePerson(expires_in_s=60.0)
+    one.authoriser.identify(inbound())
+    one.clock.jump_wall(60.0)
     with pytest.raises(Unrecognised):
-        desk.authoriser.identify(inbound())
+        one.authoriser.identify(inbound())
 
 
 def test_a_new_key_lets_in_again() -> None:
-    desk = Desk()
-    desk.authoriser.revoke("k1")
-    person = desk.authoriser.directory.person("p1")
+    one = OnePerson()
+    one.authoriser.revoke("k1")
+    person = one.authoriser.directory.person("p1")
     assert person is not None
     key = AuthorisationKey(id="k2", principal="p1", issuer="test", issued_ns=1)
-    desk.authoriser.enrol(person, key)
-    assert desk.authoriser.identify(inbound()).key == "k2"
+    one.authoriser.enrol(person, key)
+    assert one.authoriser.identify(inbound()).key == "k2"
 
 
 def test_the_time_to_authenticate_is_measured() -> None:
-    desk = Desk()
+    one = OnePerson()
     for _ in range(3):
-        desk.authoriser.identify(inbound())
-    assert len(desk.authoriser.times_to_authenticate_s()) == 3
+        one.authoriser.identify(inbound())
+    assert len(one.authoriser.times_to_authenticate_s()) == 3
 
 
 def test_the_newest_times_to_authenticate_are_kept_oldest_first() -> None:
-    desk = Desk()
+    one = OnePerson()
     ticks = iter(range(10_000_000))
-    desk.clock.monotonic_ns = lambda: next(ticks) ** 2  # type: ignore[method-assign]
+    one.clock.monotonic_ns = lambda: next(ticks) ** 2  # type: ignore[method-assign]
     for _ in range(TIMES_KEPT + 2):
-        desk.authoriser.identify(inbound())
-    times_s = desk.authoriser.times_to_authenticate_s()
+        one.authoriser.identify(inbound())
+    times_s = one.authoriser.times_to_authenticate_s()
     assert len(times_s) == TIMES_KEPT
     assert times_s[0] == 9e-9, "the first two are forgotten: from 4 to 5 ticks, squared"
     assert list(times_s) == sorted(times_s)
 
 
 def test_who_was_recognised_in_a_chat() -> None:
-    desk = Desk()
-    desk.authoriser.identify(inbound(chat="g"))
-    assert desk.authoriser.company(Chat("telegram", "g")) == {"p1"}
-    assert desk.authoriser.company(Chat("telegram", "h")) == frozenset()
+    one = OnePerson()
+    one.authoriser.identify(inbound(chat="g"))
+    assert one.authoriser.company(Chat("telegram", "g")) == {"p1"}
+    assert one.authoriser.company(Chat("telegram", "h")) == frozenset()
 
 
 def test_somebody_stands_for_a_rule_of_theirs_only_under_a_good_key() -> None:
-    desk = Desk(expires_in_s=60.0)
-    caller = desk.authoriser.stand_for("p1")
+    one = OnePerson(expires_in_s=60.0)
+    caller = one.authoriser.stand_for("p1")
     assert (caller.principal, caller.key, caller.address) == ("p1", "k1", ADA)
     with pytest.raises(Unrecognised):
-        desk.authoriser.stand_for("nobody")
-    assert desk.authoriser.has_access("p1")
-    over = KeyEnd(by="test", at_ns=desk.clock.wall_ns())  # a grace that is over
-    desk.keys.apply(Fact(kind=KIND, key="k1", body=msgspec.msgpack.encode(over)))
+        one.authoriser.stand_for("nobody")
+    assert one.authoriser.has_access("p1")
+    over = KeyEnd(by="test", at_ns=one.clock.wall_ns())  # a grace that is over
+    one.keys.apply(Fact(kind=KIND, key="k1", body=msgspec.msgpack.encode(over)))
     with pytest.raises(Unrecognised):
-        desk.authoriser.stand_for("p1")
-    assert not desk.authoriser.has_access("p1")
-    revoked = Desk()
+        one.authoriser.stand_for("p1")
+    assert not one.authoriser.has_access("p1")
+    revoked = OnePerson()
     revoked.authoriser.revoke("k1")
     with pytest.raises(Unrecognised):
         revoked.authoriser.stand_for("p1")

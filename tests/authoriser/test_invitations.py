@@ -13,7 +13,7 @@ from rosic.authoriser.invite_codes import ALPHABET, CODE_BYTES
 from rosic.core.identity import OPERATOR
 from rosic.core.records import Fact
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
-from tests.authoriser.office import BO, CY, DI, Office, account
+from tests.authoriser.enrolment_rooms import BO, CY, DI, EnrolmentRooms, account
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Entropy
@@ -22,8 +22,8 @@ DAY_S = 86_400.0
 
 
 @pytest.fixture
-async def office() -> Office:
-    return await Office().with_admins()
+async def enrolling() -> EnrolmentRooms:
+    return await EnrolmentRooms().with_admins()
 
 
 def away(answer: Answer) -> TurnedAway:
@@ -55,16 +55,16 @@ def inside(answer: Answer) -> CodeRedeemed:
     ],
 )
 async def test_what_is_no_invitation_is_refused(
-    office: Office, changes: dict[str, object], error: type[Refusal]
+    enrolling: EnrolmentRooms, changes: dict[str, object], error: type[Refusal]
 ) -> None:
     given = msgspec.structs.replace(InvitedRights(roles=("viewer",)), **changes)
     with pytest.raises(error, match="Nothing was done"):
-        office.enrolment.invitations.invite(InvitationRequest(given=given), "ada")
+        enrolling.enrolment.invitations.invite(InvitationRequest(given=given), "ada")
     for code_ttl_s in (0.0, 8 * DAY_S, float("nan")):
         wanted = InvitationRequest(given=InvitedRights(roles=("viewer",)), code_ttl_s=code_ttl_s)
         with pytest.raises(OutOfBounds, match="Nothing was done"):
-            office.enrolment.invitations.invite(wanted, "ada")
-    assert office.enrolment.invitations.open() == ()
+            enrolling.enrolment.invitations.invite(wanted, "ada")
+    assert enrolling.enrolment.invitations.open() == ()
 
 
 class Unlucky:
@@ -82,30 +82,30 @@ class Unlucky:
         return self._entropy.token(length)
 
 
-async def test_no_code_is_heard_as_a_stop(office: Office) -> None:
-    invitations = office.enrolment.invitations
+async def test_no_code_is_heard_as_a_stop(enrolling: EnrolmentRooms) -> None:
+    invitations = enrolling.enrolment.invitations
     unlucky = invitations._entropy = Unlucky(invitations._entropy)
     offer = invitations.invite(InvitationRequest(given=InvitedRights(roles=("viewer",))), "ada")
     assert not unlucky.drawn, "the code was drawn"
     assert "PARA" not in offer.code.reveal()
 
 
-async def test_deciding_alone_changes_nothing(office: Office) -> None:
-    code, made = await office.invite("viewer")
+async def test_deciding_alone_changes_nothing(enrolling: EnrolmentRooms) -> None:
+    code, made = await enrolling.invite("viewer")
     for address in (CY, DI, account(1)):
-        inside(office.enrolment.redeem(code, address, private=True, name="Cy"))
-    office.enrolment.redeem(code, CY, private=False)
-    office.enrolment.invitations.withdraw(made.id, "ada")
-    assert office.enrolment.invitations.open() == (made,)
+        inside(enrolling.enrolment.redeem(code, address, private=True, name="Cy"))
+    enrolling.enrolment.redeem(code, CY, private=False)
+    enrolling.enrolment.invitations.withdraw(made.id, "ada")
+    assert enrolling.enrolment.invitations.open() == (made,)
 
 
-async def test_what_is_written_names_nobody_and_tells_no_code(office: Office) -> None:
-    offer = office.enrolment.invitations.invite(
+async def test_what_is_written_names_nobody_and_tells_no_code(enrolling: EnrolmentRooms) -> None:
+    offer = enrolling.enrolment.invitations.invite(
         InvitationRequest(given=InvitedRights(roles=("viewer",)), name="Zenobia"), "ada"
     )
-    await office.write(offer.records)
-    answer = await office.redeem(offer.code.reveal(), BO)
-    await office.redeem("0000-0000", DI, name="Zenobia")
+    await enrolling.write(offer.records)
+    answer = await enrolling.redeem(offer.code.reveal(), BO)
+    await enrolling.redeem("0000-0000", DI, name="Zenobia")
     bodies = b"".join(
         record.body for record in (*offer.records, *answer.records) if isinstance(record, Fact)
     )
@@ -120,57 +120,59 @@ async def test_what_is_written_names_nobody_and_tells_no_code(office: Office) ->
 # ---- over a restart, and with damage ----
 
 
-async def test_a_restart_forgets_nothing_that_counts(office: Office) -> None:
-    used, _ = await office.invite("viewer")
-    inside(await office.redeem(used))
-    good, _ = await office.invite("viewer")
-    again = await office.restarted()
+async def test_a_restart_forgets_nothing_that_counts(enrolling: EnrolmentRooms) -> None:
+    used, _ = await enrolling.invite("viewer")
+    inside(await enrolling.redeem(used))
+    good, _ = await enrolling.invite("viewer")
+    again = await enrolling.restarted()
     assert away(await again.redeem(used, DI)).kind == "code-used"
     inside(await again.redeem(good, DI))
 
 
-async def test_a_damaged_invitation_lets_nobody_in_and_stops_nobody(office: Office) -> None:
-    bad, made = await office.invite("viewer")
-    good, _ = await office.invite("viewer")
+async def test_a_damaged_invitation_lets_nobody_in_and_stops_nobody(
+    enrolling: EnrolmentRooms,
+) -> None:
+    bad, made = await enrolling.invite("viewer")
+    good, _ = await enrolling.invite("viewer")
     for body in (b"\xc1", b"\x80", b"{}", msgspec.msgpack.encode({"id": "other"})):
-        office.enrolment.apply(Fact(kind="invitation", key=made.id, body=body))
-        assert away(await office.redeem(bad, account(len(body)))).kind == "code-unknown"
-    inside(await office.redeem(good))
+        enrolling.enrolment.apply(Fact(kind="invitation", key=made.id, body=body))
+        assert away(await enrolling.redeem(bad, account(len(body)))).kind == "code-unknown"
+    inside(await enrolling.redeem(good))
 
 
 async def test_without_the_sealed_key_no_code_is_good_until_one_is_made_anew(
-    office: Office,
+    enrolling: EnrolmentRooms,
 ) -> None:
-    old, _ = await office.invite("viewer")
-    office.enrolment.apply(Fact(kind="code-key", key="code-key", body=b"\x01"))
-    assert away(await office.redeem(old)).kind == "code-unknown"
-    new, _ = await office.invite("viewer")
-    inside(await office.redeem(new))
+    old, _ = await enrolling.invite("viewer")
+    enrolling.enrolment.apply(Fact(kind="code-key", key="code-key", body=b"\x01"))
+    assert away(await enrolling.redeem(old)).kind == "code-unknown"
+    new, _ = await enrolling.invite("viewer")
+    inside(await enrolling.redeem(new))
 
 
-async def test_a_clock_set_back_revives_no_code(office: Office) -> None:
-    code, _ = await office.invite("viewer")
-    await office.clock.advance(601.0)
-    await office.write(office.time.due())
-    office.clock.jump_wall(-DAY_S)
-    assert away(await office.redeem(code)).kind == "code-expired"
-    again = await office.restarted()
+async def test_a_clock_set_back_revives_no_code(enrolling: EnrolmentRooms) -> None:
+    code, _ = await enrolling.invite("viewer")
+    await enrolling.clock.advance(601.0)
+    await enrolling.write(enrolling.time.due())
+    enrolling.clock.jump_wall(-DAY_S)
+    assert away(await enrolling.redeem(code)).kind == "code-expired"
+    again = await enrolling.restarted()
     assert away(await again.redeem(code)).kind == "code-expired"
 
 
-async def test_a_clock_set_back_lengthens_no_code(office: Office) -> None:
-    code, _ = await office.invite("viewer")
-    office.clock.jump_wall(-DAY_S)
-    await office.clock.advance(601.0)
-    assert away(await office.redeem(code)).kind == "code-expired"
+async def test_a_clock_set_back_lengthens_no_code(enrolling: EnrolmentRooms) -> None:
+    code, _ = await enrolling.invite("viewer")
+    enrolling.clock.jump_wall(-DAY_S)
+    await enrolling.clock.advance(601.0)
+    assert away(await enrolling.redeem(code)).kind == "code-expired"
 
 
-async def test_what_ended_long_ago_is_forgotten(office: Office) -> None:
-    await office.invite("viewer")
-    await office.clock.advance(600.0 + 6 * DAY_S)
-    assert office.enrolment.invitations.stale() == ()
-    await office.clock.advance(DAY_S + 1)
-    stale = office.enrolment.invitations.stale()
+async def test_what_ended_long_ago_is_forgotten(enrolling: EnrolmentRooms) -> None:
+    await enrolling.invite("viewer")
+    await enrolling.clock.advance(600.0 + 6 * DAY_S)
+    assert enrolling.enrolment.invitations.stale() == ()
+    await enrolling.clock.advance(DAY_S + 1)
+    stale = enrolling.enrolment.invitations.stale()
     assert [fact.body for fact in stale] == [b""]
-    await office.write(stale)
-    assert (await office.store.open()).facts.get("invitation") is None
+    await enrolling.write(stale)
+    assert (await enrolling.store.open()).facts.get("invitation") is None

@@ -7,20 +7,20 @@ import pytest
 from rosic.core.records import Decided, Fact
 from rosic.errors import NotPermitted, NotUnderstood, StoreFault
 from rosic.stores.memory import MemoryStore
-from tests.authoriser.office import Office
+from tests.authoriser.enrolment_rooms import EnrolmentRooms
 
 
 @pytest.fixture
-async def office() -> Office:
-    return await Office().with_admins()
+async def enrolling() -> EnrolmentRooms:
+    return await EnrolmentRooms().with_admins()
 
 
-async def test_a_lock_holds_until_another_admin_undoes_it(office: Office) -> None:
-    records = office.locks.lock("cy", "ada")
+async def test_a_lock_holds_until_another_admin_undoes_it(enrolling: EnrolmentRooms) -> None:
+    records = enrolling.locks.lock("cy", "ada")
     assert isinstance(records[0], Decided)
-    assert not office.locks.locked("cy")
-    await office.write(records)
-    again = await office.restarted()
+    assert not enrolling.locks.locked("cy")
+    await enrolling.write(records)
+    again = await enrolling.restarted()
     assert again.locks.locked("cy")
     assert again.locks.all()["cy"].by == "ada"
     assert list(again.locks.everybody()) == ["cy"]
@@ -33,22 +33,22 @@ async def test_a_lock_holds_until_another_admin_undoes_it(office: Office) -> Non
         again.locks.unlock("cy", "bo", "Cy")
 
 
-async def test_anybody_may_lock_themselves(office: Office) -> None:
-    await office.write(office.locks.lock("ada", "ada"))
-    assert office.locks.locked("ada")
+async def test_anybody_may_lock_themselves(enrolling: EnrolmentRooms) -> None:
+    await enrolling.write(enrolling.locks.lock("ada", "ada"))
+    assert enrolling.locks.locked("ada")
 
 
-async def test_a_lock_that_cannot_be_read_holds(office: Office) -> None:
-    office.locks.restore([Fact(kind="lock", key="cy", body=b"\xc1")])
-    assert office.locks.locked("cy")
-    await office.write(office.locks.unlock("cy", "ada", "Cy"))
-    assert not office.locks.locked("cy")
+async def test_a_lock_that_cannot_be_read_holds(enrolling: EnrolmentRooms) -> None:
+    enrolling.locks.restore([Fact(kind="lock", key="cy", body=b"\xc1")])
+    assert enrolling.locks.locked("cy")
+    await enrolling.write(enrolling.locks.unlock("cy", "ada", "Cy"))
+    assert not enrolling.locks.locked("cy")
 
 
 async def test_a_lock_that_cannot_be_written_acts_all_the_same() -> None:
-    office = Office(store=MemoryStore())  # never opened: nothing can be written
-    records = office.locks.lock("cy", "ada")
+    enrolling = EnrolmentRooms(store=MemoryStore())  # never opened: nothing can be written
+    records = enrolling.locks.lock("cy", "ada")
     with pytest.raises(StoreFault):
-        await office.store.write(*records)
-    office.apply(records)
-    assert office.locks.locked("cy")
+        await enrolling.store.write(*records)
+    enrolling.apply(records)
+    assert enrolling.locks.locked("cy")

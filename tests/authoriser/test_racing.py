@@ -10,13 +10,13 @@ from rosic.authoriser.enrolment_records import ApplicantWaits, CodeRedeemed, Tur
 from rosic.authoriser.guessing import GuessLimits
 from rosic.errors import Expired
 from rosic.stores.memory import MemoryStore
-from tests.authoriser.office import CY, DI, Office, account
+from tests.authoriser.enrolment_rooms import CY, DI, EnrolmentRooms, account
 
 if TYPE_CHECKING:
     from rosic.core.records import Record
 
 ROUNDS = 10_000
-ROUNDS_PER_OFFICE = 100
+ROUNDS_EACH = 100
 MANY = GuessLimits(tries=10**6, breaker_tries=10**6)
 
 
@@ -49,25 +49,29 @@ async def race(rounds: int, *, locked: bool = True) -> dict[str, int]:
     """Count how rounds of two redeemers ended."""
     chance = Random(4)  # noqa: S311  which task yields when, no secret
     ends = {"one": 0, "none": 0, "both": 0}
-    office = Office()
+    enrolling = EnrolmentRooms()
     for number in range(rounds):
-        if number % ROUNDS_PER_OFFICE == 0:
-            office = await Office(limits=MANY, store=SlowStore(chance), seed=number).with_admins()
+        if number % ROUNDS_EACH == 0:
+            enrolling = await EnrolmentRooms(
+                limits=MANY, store=SlowStore(chance), seed=number
+            ).with_admins()
             if not locked:
-                office.lock = NoLock()  # type: ignore[assignment]
-        code, _ = await office.invite("viewer", confirm=chance.random() < 0.5)
+                enrolling.lock = NoLock()  # type: ignore[assignment]
+        code, _ = await enrolling.invite("viewer", confirm=chance.random() < 0.5)
         first, second = CY, DI
         if chance.random() < 0.5:
             first, second = second, first
-        answers = await asyncio.gather(office.redeem(code, first), office.redeem(code, second))
+        answers = await asyncio.gather(
+            enrolling.redeem(code, first), enrolling.redeem(code, second)
+        )
         won = [answer for answer in answers if not isinstance(answer, TurnedAway)]
         ends[("none", "one", "both")[len(won)]] += 1
         for answer in won:
             if isinstance(answer, ApplicantWaits):
-                declined = office.enrolment.decline(
+                declined = enrolling.enrolment.decline(
                     answer.applicant.pending.id, "ada", may_admit=True
                 )
-                await office.write(declined.records)
+                await enrolling.write(declined.records)
             else:
                 assert isinstance(answer, CodeRedeemed)
     return ends
@@ -84,23 +88,25 @@ async def test_the_race_is_one() -> None:
 
 async def test_many_redeemers_of_one_code() -> None:
     chance = Random(5)  # noqa: S311
-    office = await Office(limits=MANY, store=SlowStore(chance)).with_admins()
-    code, _ = await office.invite("viewer")
-    answers = await asyncio.gather(*(office.redeem(code, a) for a in map(account, range(200))))
+    enrolling = await EnrolmentRooms(limits=MANY, store=SlowStore(chance)).with_admins()
+    code, _ = await enrolling.invite("viewer")
+    answers = await asyncio.gather(*(enrolling.redeem(code, a) for a in map(account, range(200))))
     assert sum(isinstance(answer, CodeRedeemed) for answer in answers) == 1
-    assert office.tally["code-used"] == 199
+    assert enrolling.counters["code-used"] == 199
 
 
 async def test_two_admins_tap_at_once() -> None:
     chance = Random(6)  # noqa: S311
-    office = await Office(store=SlowStore(chance)).with_admins()
+    enrolling = await EnrolmentRooms(store=SlowStore(chance)).with_admins()
     for number in range(100):
-        code, _ = await office.invite("senior")
-        waiting = await office.redeem(code, account(number))
+        code, _ = await enrolling.invite("senior")
+        waiting = await enrolling.redeem(code, account(number))
         assert isinstance(waiting, ApplicantWaits)
         pending = waiting.applicant.pending.id
         taps = await asyncio.gather(
-            office.confirm(pending, "ada"), office.confirm(pending, "bo"), return_exceptions=True
+            enrolling.confirm(pending, "ada"),
+            enrolling.confirm(pending, "bo"),
+            return_exceptions=True,
         )
         assert sum(isinstance(tap, CodeRedeemed) for tap in taps) == 1
         assert sum(isinstance(tap, Expired) for tap in taps) == 1

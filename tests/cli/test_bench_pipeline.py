@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from rosic.bench import orders, pipeline
-from rosic.bench.lanes import BenchMessenger
+from rosic.bench.senders import BenchMessenger
 from rosic.core.message import Chat, Outbound
 from tests.pace import pace
 

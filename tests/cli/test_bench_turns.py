@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.bench.fed import FedRobot, Feed
-from rosic.bench.feeding import Beat, Values, frame
-from rosic.bench.many import profile_of
-from rosic.bench.turns import REPORTS, in_turns, times_as_much, waiting
+from rosic.bench.load_generator import Beat, Values, frame
+from rosic.bench.paired_runs import REPORTS, in_turns, times_as_much, waiting
+from rosic.bench.reporting_robots import FedRobot, Feed
+from rosic.bench.scaling_process import profile_of
 from rosic.core.order_gate import OrderGate
 from rosic.core.robot.view import Pose
 from rosic.system import SystemClock

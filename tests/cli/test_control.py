@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 LONG_BYTES = 4 << 20  # far more than a socket holds for somebody who does not read
 
 
-class Desk:
-    """Stands where the operator's desk is: answers, and lets a test decide when."""
+class AdminStandIn:
+    """Stands where the operator's interface is: answers, and lets a test decide when."""
 
     def __init__(self) -> None:
         self.stopped: list[tuple[str, ...]] = []
@@ -66,12 +66,12 @@ class Desk:
 
 
 @pytest.fixture
-def desk() -> Desk:
-    return Desk()
+def desk() -> AdminStandIn:
+    return AdminStandIn()
 
 
 @pytest.fixture
-async def server(tmp_path: Path, desk: Desk) -> AsyncIterator[ControlServer]:
+async def server(tmp_path: Path, desk: AdminStandIn) -> AsyncIterator[ControlServer]:
     server = ControlServer(tmp_path, cast("AdminDispatcher", desk))
     await server.open()
     yield server
@@ -94,7 +94,7 @@ async def raw(folder: Path, sent: bytes) -> bytes:
 
 
 @pytest.mark.usefixtures("server")
-async def test_questions_are_answered_line_by_line(tmp_path: Path, desk: Desk) -> None:
+async def test_questions_are_answered_line_by_line(tmp_path: Path, desk: AdminStandIn) -> None:
     assert await answers(tmp_path, Verb.STATUS, "omni") == [("omni: at rest\nomni", True)]
     assert await answers(tmp_path, Verb.STOP) == [
         ("STOP sent to omni.", True),
@@ -123,7 +123,9 @@ async def test_questions_are_answered_line_by_line(tmp_path: Path, desk: Desk) -
         b'{"verb":"status","names":["' + b"x" * (2 * ASK_BYTES) + b'"]}\n',
     ],
 )
-async def test_what_is_no_request_is_turned_away(tmp_path: Path, sent: bytes, desk: Desk) -> None:
+async def test_what_is_no_request_is_turned_away(
+    tmp_path: Path, sent: bytes, desk: AdminStandIn
+) -> None:
     answer = await raw(tmp_path, sent)
 
     assert b"no request" in answer
@@ -133,7 +135,7 @@ async def test_what_is_no_request_is_turned_away(tmp_path: Path, sent: bytes, de
 
 @pytest.mark.usefixtures("server")
 async def test_a_stop_gets_through_when_everything_else_must_wait(
-    tmp_path: Path, desk: Desk
+    tmp_path: Path, desk: AdminStandIn
 ) -> None:
     desk.hold.clear()
     waiting = [
@@ -148,7 +150,9 @@ async def test_a_stop_gets_through_when_everything_else_must_wait(
     await asyncio.gather(*waiting)
 
 
-async def test_whoever_does_not_read_keeps_nobody_waiting(tmp_path: Path, desk: Desk) -> None:
+async def test_whoever_does_not_read_keeps_nobody_waiting(
+    tmp_path: Path, desk: AdminStandIn
+) -> None:
     server = ControlServer(tmp_path, cast("AdminDispatcher", desk), read_within_s=0.2)
     await server.open()
     deaf = [socket.socket(socket.AF_UNIX) for _ in range(AT_ONCE)]
@@ -171,7 +175,7 @@ async def test_whoever_does_not_read_keeps_nobody_waiting(tmp_path: Path, desk: 
 
 
 async def test_it_closes_without_waiting_for_who_does_not_read(
-    tmp_path: Path, desk: Desk, caplog: pytest.LogCaptureFixture
+    tmp_path: Path, desk: AdminStandIn, caplog: pytest.LogCaptureFixture
 ) -> None:
     server = ControlServer(tmp_path, cast("AdminDispatcher", desk))
     await server.open()
@@ -210,7 +214,7 @@ def test_the_kernel_says_who_asks() -> None:
         assert peer_uid(ours) == os.getuid()
 
 
-async def test_another_user_is_turned_away(tmp_path: Path, desk: Desk) -> None:
+async def test_another_user_is_turned_away(tmp_path: Path, desk: AdminStandIn) -> None:
     ours = os.geteuid()
     # Only root can ask as somebody else; anybody else asks a gateway of somebody else.
     owner, stranger = (ours, 65534) if ours == 0 else (ours + 1, ours)
@@ -267,7 +271,7 @@ async def test_where_nobody_listens_it_says_so(tmp_path: Path) -> None:
 
 
 async def test_a_socket_that_was_removed_or_replaced_is_made_anew(
-    tmp_path: Path, desk: Desk, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, desk: AdminStandIn, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Whoever asks meanwhile waits for it: the lock of the folder says that somebody is there."""
     monkeypatch.setattr(control_socket, "LOOK_EVERY_S", 0.05)
@@ -324,7 +328,7 @@ async def test_a_gateway_that_hangs_is_told_of_soon_and_not_waited_for_long(
 
 @pytest.mark.usefixtures("server")
 async def test_an_answer_that_takes_long_is_waited_for(
-    tmp_path: Path, desk: Desk, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, desk: AdminStandIn, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(control_client, "HEARD_WITHIN_S", 0.2)
     desk.hold.clear()
@@ -343,7 +347,7 @@ async def test_a_gateway_that_dies_while_asked_is_a_fault(tmp_path: Path) -> Non
             await answers(tmp_path, Verb.STOP)
 
 
-async def test_what_is_no_socket_is_left_where_it_is(tmp_path: Path, desk: Desk) -> None:
+async def test_what_is_no_socket_is_left_where_it_is(tmp_path: Path, desk: AdminStandIn) -> None:
     (tmp_path / "control.sock").write_text("precious")
 
     with pytest.raises(ConfigurationError, match="in the way"):

@@ -103,7 +103,7 @@ def test_a_piped_demonstration_imports_nothing_it_does_not_use() -> None:
     )
     imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
 
-    assert {"rosic.app.demo", "rosic_sim.robots.theatre"} <= imported
+    assert {"rosic.app.demo", "rosic_sim.robots.simulation_loop"} <= imported
     heavy = {"alembic", "numpy", "pint", "prompt_toolkit", "rclpy", "sqlalchemy", "telegram"}
     assert heavy.isdisjoint(imported)
 

@@ -15,18 +15,18 @@ from PIL import Image
 from rosic.core.message import Chat, Outbound
 from rosic.rendering.style import SEVERAL
 from rosic.system import SystemClock, SystemEntropy
-from rosic_sim.robots.theatre import theatre_of
-from rosic_sim.scenarios.curtain import TerminalView
-from rosic_sim.scenarios.playing import FastClock, ScenarioOptions, play
-from rosic_sim.scenarios.repertoire import NAMES, play_named
-from rosic_sim.scenarios.stage import OffScript
+from rosic_sim.robots.simulation_loop import theatre_of
+from rosic_sim.scenarios.registry import NAMES, play_named
+from rosic_sim.scenarios.runner import FastClock, ScenarioOptions, play
+from rosic_sim.scenarios.scenario import OffScript
+from rosic_sim.scenarios.terminal_view import TerminalView
 from tests.cli.running import ROSIC, Ran, environment, rosic
 from tests.cli.terminal import rosic_at
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rosic_sim.scenarios.stage import ScenarioRunner
+    from rosic_sim.scenarios.scenario import ScenarioRunner
 
 WITHIN_S = 300.0
 SUMMARY = "What happened, by the record and by the robots\n"

@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from rosic_sim.scenarios.repertoire import NAMES
+from rosic_sim.scenarios.registry import NAMES
 from tests.cli.running import ROSIC, environment
 from tests.pace import patience
 

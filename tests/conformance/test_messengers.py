@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.testing.faulty.messengers import FETCHING_SINNERS, FaultyMessenger, catches, rules
-from rosic.testing.faulty.messengers import SINNERS as OTHER_SINNERS
+from rosic.testing.faulty.messengers import FAULTS_BY_RULE as OTHER_FAULTS_BY_RULE
+from rosic.testing.faulty.messengers import FETCHING_FAULTS_BY_RULE, FaultyMessenger, catches, rules
 from rosic.testing.messengers import MessengerConformance
-from tests.conformance.messenger_stages import MemoryStage, TelegramStage, telegram_stage
+from tests.conformance.messenger_harnesses import MemoryStage, TelegramStage, telegram_stage
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
 # Some break a rule by never doing something: they are waited for in vain.
-SINNERS_PATIENCE_S = 0.5
-SINNERS = OTHER_SINNERS | FETCHING_SINNERS
+FAULTS_PATIENCE_S = 0.5
+FAULTS_BY_RULE = OTHER_FAULTS_BY_RULE | FETCHING_FAULTS_BY_RULE
 
 
 class TestMemory(MessengerConformance):
@@ -32,16 +32,17 @@ class TestTelegram(MessengerConformance):
             yield stage
 
 
-def test_every_rule_has_its_sinner() -> None:
-    assert rules() == set(SINNERS)
-    assert all(SINNERS.values())
+def test_every_rule_has_its_fault() -> None:
+    assert rules() == set(FAULTS_BY_RULE)
+    assert all(FAULTS_BY_RULE.values())
 
 
 @pytest.mark.parametrize(
-    ("rule", "sinner"), [(rule, sinner) for rule, all_of in SINNERS.items() for sinner in all_of]
+    ("rule", "faulty"),
+    [(rule, faulty) for rule, all_of in FAULTS_BY_RULE.items() for faulty in all_of],
 )
-async def test_a_sinner_is_caught(rule: str, sinner: type[FaultyMessenger]) -> None:
-    assert await catches(rule, sinner, MemoryStage(SINNERS_PATIENCE_S))
+async def test_a_fault_is_caught(rule: str, faulty: type[FaultyMessenger]) -> None:
+    assert await catches(rule, faulty, MemoryStage(FAULTS_PATIENCE_S))
 
 
 @pytest.mark.parametrize("rule", sorted(rules()))

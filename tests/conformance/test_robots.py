@@ -13,7 +13,7 @@ from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Skill
 from rosic.robots.memory import MemoryRobot
 from rosic.system import SystemClock
-from rosic.testing.faulty.robots import SINNERS, FaultyRobot
+from rosic.testing.faulty.robots import FAULTS_BY_RULE, FaultyRobot
 from rosic.testing.robots import RobotConformance
 from rosic_sim.robots.robot import SimulatedRobot
 
@@ -92,29 +92,29 @@ class TestSimulated(RobotConformance):
 
 
 # Some break a rule by never answering: they are waited for in vain.
-SINNERS_BOUND_S = 3.0
+FAULTS_BOUND_S = 3.0
 RULES = sorted(name for name in vars(RobotConformance) if name.startswith("test_"))
 
 
-def test_every_rule_has_its_sinner() -> None:
-    assert set(RULES) == set(SINNERS)
+def test_every_rule_has_its_fault() -> None:
+    assert set(RULES) == set(FAULTS_BY_RULE)
 
 
 @pytest.mark.parametrize("rule", RULES)
-async def test_the_sinner_is_caught(rule: str, clock: SystemClock) -> None:
-    sinner: type[FaultyRobot] = SINNERS[rule]
+async def test_the_fault_is_caught(rule: str, clock: SystemClock) -> None:
+    faulty: type[FaultyRobot] = FAULTS_BY_RULE[rule]
 
     @asynccontextmanager
-    async def make_wicked() -> AsyncIterator[FaultyRobot]:
+    async def make_faulty() -> AsyncIterator[FaultyRobot]:
         async with opened(SlowMemoryRobot(memory_profile(), OrderGate.new("m1"), clock)) as honest:
-            yield sinner(honest)
+            yield faulty(honest)
 
     class Suite(TestMemory):
-        bound_s = SINNERS_BOUND_S
+        bound_s = FAULTS_BOUND_S
 
         def acted(self, robot: Robot) -> int:
             assert isinstance(robot, FaultyRobot)
             return super().acted(robot.honest)
 
     with pytest.raises((AssertionError, pytest.fail.Exception, TimeoutError)):
-        await getattr(Suite(), rule)(make_wicked, clock)
+        await getattr(Suite(), rule)(make_faulty, clock)

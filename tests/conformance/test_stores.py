@@ -1,4 +1,4 @@
-"""Every store and every latch here keeps every rule, and every rule catches its sinner."""
+"""Every store and every latch here keeps every rule, and every rule catches its faulty one."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore
 from rosic.stores.stop_latch import FileLatch, MemoryLatch
 from rosic.testing.clock import ManualClock
-from rosic.testing.faulty.stores import SINNERS, WickedPremises
-from rosic.testing.stop_latches import LATCH_SINNERS, LatchConformance, WickedLatchPremises
+from rosic.testing.faulty.stores import FAULTS_BY_RULE, FaultyStoreFixture
+from rosic.testing.stop_latches import LATCH_FAULTS_BY_RULE, FaultyLatchFixture, LatchConformance
 from rosic.testing.stores import StoreConformance
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 CAUGHT = (AssertionError, RosicError, KeyError, pytest.fail.Exception)
 
 
-class MemoryPremises:
+class MemoryStoreFixture:
     def make(self) -> MemoryStore:
         return MemoryStore()
 
@@ -36,7 +36,7 @@ class MemoryPremises:
         return copy.deepcopy(store)
 
 
-class DatabasePremises:
+class DatabaseFixture:
     """What survives is what is in the folder, not what is in the process."""
 
     def __init__(self, root: Path) -> None:
@@ -60,17 +60,17 @@ class DatabasePremises:
 
 class TestMemoryStore(StoreConformance):
     @pytest.fixture
-    def premises(self) -> MemoryPremises:
-        return MemoryPremises()
+    def fixture(self) -> MemoryStoreFixture:
+        return MemoryStoreFixture()
 
 
 class TestDatabaseStore(StoreConformance):
     @pytest.fixture
-    def premises(self, tmp_path: Path) -> DatabasePremises:
-        return DatabasePremises(tmp_path)
+    def fixture(self, tmp_path: Path) -> DatabaseFixture:
+        return DatabaseFixture(tmp_path)
 
 
-class MemoryLatchPremises:
+class MemoryLatchFixture:
     def make(self) -> MemoryLatch:
         return MemoryLatch()
 
@@ -79,7 +79,7 @@ class MemoryLatchPremises:
         return copy.deepcopy(latch)
 
 
-class FileLatchPremises:
+class FileLatchFixture:
     def __init__(self, root: Path) -> None:
         self._root = root
         self._names = count()
@@ -99,34 +99,34 @@ class FileLatchPremises:
 
 class TestMemoryLatch(LatchConformance):
     @pytest.fixture
-    def premises(self) -> MemoryLatchPremises:
-        return MemoryLatchPremises()
+    def fixture(self) -> MemoryLatchFixture:
+        return MemoryLatchFixture()
 
 
 class TestFileLatch(LatchConformance):
     @pytest.fixture
-    def premises(self, tmp_path: Path) -> FileLatchPremises:
-        return FileLatchPremises(tmp_path)
+    def fixture(self, tmp_path: Path) -> FileLatchFixture:
+        return FileLatchFixture(tmp_path)
 
 
 def rules(suite: type) -> set[str]:
     return {name for name in dir(suite) if name.startswith("test_")}
 
 
-def test_no_rule_lacks_its_sinner() -> None:
-    assert rules(StoreConformance) == set(SINNERS)
-    assert rules(LatchConformance) == set(LATCH_SINNERS)
+def test_no_rule_lacks_its_fault() -> None:
+    assert rules(StoreConformance) == set(FAULTS_BY_RULE)
+    assert rules(LatchConformance) == set(LATCH_FAULTS_BY_RULE)
 
 
-@pytest.mark.parametrize("rule", sorted(SINNERS))
-async def test_the_sinner_is_caught(rule: str) -> None:
-    premises = WickedPremises(MemoryPremises(), SINNERS[rule])
+@pytest.mark.parametrize("rule", sorted(FAULTS_BY_RULE))
+async def test_the_fault_is_caught(rule: str) -> None:
+    fixture = FaultyStoreFixture(MemoryStoreFixture(), FAULTS_BY_RULE[rule])
     with pytest.raises(CAUGHT):
-        await getattr(StoreConformance(), rule)(premises)
+        await getattr(StoreConformance(), rule)(fixture)
 
 
-@pytest.mark.parametrize("rule", sorted(LATCH_SINNERS))
-async def test_the_wicked_latch_is_caught(rule: str) -> None:
-    premises = WickedLatchPremises(MemoryLatchPremises(), LATCH_SINNERS[rule])
+@pytest.mark.parametrize("rule", sorted(LATCH_FAULTS_BY_RULE))
+async def test_the_faulty_latch_is_caught(rule: str) -> None:
+    fixture = FaultyLatchFixture(MemoryLatchFixture(), LATCH_FAULTS_BY_RULE[rule])
     with pytest.raises(CAUGHT):
-        await getattr(LatchConformance(), rule)(premises)
+        await getattr(LatchConformance(), rule)(fixture)

@@ -213,8 +213,8 @@ def nothing_is_left(world: World) -> None:
         assert rooms.board[robot].latched == gateway.robots[robot].gate.latched, (
             f"{robot}: people are told one thing, the gate knows another"
         )
-    assert not gateway.pipeline._turns._chats, "a chat waits for its turn for ever"
-    left = list(world.store._lives.values())
+    assert not gateway.pipeline._chat_locks._chats, "a chat waits for its turn for ever"
+    left = list(world.store._open_orders.values())
     assert not left, f"L1: never told: {left}"
 
 

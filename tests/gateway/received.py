@@ -12,13 +12,13 @@ import msgspec
 
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import Seed
+from rosic.bench.bot_api_process import TOKEN
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.receiving import ScriptedLine
-from rosic.bench.stand_in import TOKEN
 from rosic.bench.steps import MeteredLoop, Step
 from rosic.bench.strangers import NAMED
 from rosic.core.identity import Address
-from rosic.core.language.keywords import ERRANDS
+from rosic.core.language.keywords import COMMANDS
 from rosic.core.rate_limit import RateLimit
 from rosic.messengers.telegram.messenger import TelegramMessenger
 from rosic.messengers.telegram.settings import read_settings
@@ -128,7 +128,7 @@ HEADS = (
     "@abot ",
     "/stop@abot ",
     "/robot add ",
-    *(f"/{verb} " for verb in sorted(ERRANDS)),
+    *(f"/{verb} " for verb in sorted(COMMANDS)),
 )
 TAILS = ("", "b", " b", "\nstop", " as x", " confirmed", " priority x")
 

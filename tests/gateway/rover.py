@@ -53,7 +53,7 @@ def draft(text: str = ROVER, **changes: str) -> Draft:
 
 async def add(place: Place, some: Draft | None = None) -> str:
     """Add a robot as the operator does, and return what was said."""
-    return await place.gateway.enlisting.add(some or draft(), OPERATOR)
+    return await place.gateway.robot_adder.add(some or draft(), OPERATOR)
 
 
 class Reluctant(MemoryRobot):
@@ -82,7 +82,7 @@ class Reluctant(MemoryRobot):
         return await super().stop(stop)
 
 
-class Holding(SlowStore):
+class HoldingStore(SlowStore):
     """Holds a robot back that is being written down, until ``ready``.
 
     Attributes:

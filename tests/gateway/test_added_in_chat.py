@@ -10,7 +10,7 @@ import pytest
 from rosic.core.identity import ROBOT, Address
 from rosic.core.message import ChatKind
 from rosic.core.records import Decided
-from tests.features.robot_to_robot.fellows import Fellows
+from tests.features.robot_to_robot.peers import PeerRobots
 from tests.gateway.place import ADA, BO, PEOPLE, VI, Place
 from tests.gateway.rover import CAN, ROVER
 from tests.pace import pace
@@ -44,7 +44,7 @@ async def send(
     before = len(place.chat.told)
     place.chat.enclose(name, content.encode(), account=account, chat=account)
     await place.quiet()
-    receiving = place.gateway.holding.receiving
+    receiving = place.gateway.data_feature.receiving
     assert receiving is not None
     async with asyncio.timeout(60 * pace()):
         while receiving._coming:  # noqa: ASYNC110 - a task of its own
@@ -97,7 +97,7 @@ async def test_two_taps_add_a_robot_that_was_sent_as_a_file() -> None:
         await say(place, "/robot add rover.yaml", "called rover here already")
 
 
-class Alone(Fellows):
+class Alone(PeerRobots):
     """No robot is anybody here yet."""
 
     people = PEOPLE  # type: ignore[assignment]  # fewer

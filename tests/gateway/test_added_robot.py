@@ -6,7 +6,7 @@ import asyncio
 
 from rosic.testing.clock import settle
 from tests.gateway.place import BO, Place
-from tests.gateway.rover import CAN, Holding, Lab, Reluctant, add, draft
+from tests.gateway.rover import CAN, HoldingStore, Lab, Reluctant, add, draft
 from tests.pace import pace
 
 # ---- it is there ----
@@ -80,7 +80,7 @@ async def test_what_runs_goes_on_and_what_waits_is_done() -> None:
 
 
 async def test_the_decision_is_on_record_with_the_profile_before_its_effect() -> None:
-    store = Holding()
+    store = HoldingStore()
     async with Place(store).open() as place:
         adding = asyncio.create_task(add(place))
         await asyncio.wait_for(store.reached.wait(), 60 * pace())
@@ -125,7 +125,7 @@ async def test_a_stop_while_it_is_being_added_means_it_too() -> None:
 
 
 async def test_a_stop_while_it_is_written_down_means_it_too() -> None:
-    store = Holding()
+    store = HoldingStore()
     async with Place(store).open() as place:
         adding = asyncio.create_task(add(place))
         await asyncio.wait_for(store.reached.wait(), 60 * pace())

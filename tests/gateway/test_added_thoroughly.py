@@ -61,7 +61,7 @@ async def test_what_it_reports_is_sampled_though_nobody_did() -> None:
         for _ in range(6):
             await place.clock.advance(0.5)
         now_s = place.clock.monotonic_ns() / 1e9
-        assert place.gateway.seeing.sampler.samples.points("rover", "battery", now_s)
+        assert place.gateway.media_feature.sampler.samples.points("rover", "battery", now_s)
 
 
 async def test_it_is_held_against_its_benchmarks_though_nobody_was() -> None:
@@ -70,7 +70,7 @@ async def test_it_is_held_against_its_benchmarks_though_nobody_was() -> None:
         await add(place, draft(**{TIMES: TIMES + benchmark}))
         assert "done" in await place.say("rover wiggle")
         assert "Wiggle" in await place.say("/benchmark rover")
-        assert "wiggle" in place.gateway.furnishing.judging.verdicts["rover"]
+        assert "wiggle" in place.gateway.furnished.judging.verdicts["rover"]
         assert place.gateway.alarms.alerting.judged is not None
 
 

@@ -163,8 +163,8 @@ async def is_other(place: Place, how: str) -> None:
     place.gateway.profiles.update(profiles)
     rooms = place.gateway.rooms
     rooms.vocabulary.become(Vocabulary.build(tuple(profiles.values()), known_units()))
-    rooms.container.enlist("omni", 10)
-    place.gateway.pipeline.enlist("omni", profiles["omni"].shown)
+    rooms.container.add_robot("omni", 10)
+    place.gateway.pipeline.add_robot("omni", profiles["omni"].shown)
 
 
 def _changed(profile: Profile, how: str) -> Profile:

@@ -146,11 +146,11 @@ async def test_a_session_that_is_ended() -> None:
 
 async def test_a_right_that_ends() -> None:
     async with booked(Slots.NONE) as place:
-        roster, vi = place.gateway.authority.roster, who(place, "Vi")
+        grants_book, vi = place.gateway.authority.grants_book, who(place, "Vi")
         ends_ns = place.clock.wall_ns() + 10**9
         grant = Grant(id="g1", scopes=("omni:wave",), expires_ns=ends_ns)
         async with place.gateway.access.changes.turn() as turn:
-            await turn.write(roster.give(vi, (grant,), "test"))
+            await turn.write(grants_book.give(vi, (grant,), "test"))
         await accepted(place, "omni wave", "Vi")
         place.clock.jump_wall(2.0)  # nobody has had time to see that it ended
         assert "ended" in await written(place)

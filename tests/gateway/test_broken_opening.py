@@ -15,7 +15,7 @@ from tests.gateway.place import Place
 if TYPE_CHECKING:
     from rosic.contracts.robot import Say
 
-STEPS = ("_authority", "_furnish", "_speaking", "_pipeline", "_recover")
+STEPS = ("_authority", "_set_up", "_speaking", "_pipeline", "_recover")
 
 
 class ClosedStore(MemoryStore):
@@ -43,7 +43,7 @@ async def test_what_was_made_is_closed_wherever_opening_breaks_off(
             made(gateway, *given)
         raise ConfigurationError("It breaks off here.")
 
-    waits = step in {"_authority", "_furnish", "_recover"}
+    waits = step in {"_authority", "_set_up", "_recover"}
     monkeypatch.setattr(Gateway, step, breaks if waits else breaks_at_once)
     place = Place(store := ClosedStore())
     with pytest.raises(ConfigurationError, match="breaks off here"):

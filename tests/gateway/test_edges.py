@@ -115,4 +115,4 @@ async def test_a_life_that_nobody_can_be_told_of_is_closed_at_the_next_start() -
         await store.shred(ada)
         async with Place(store).open() as after:
             await after.quiet()
-        assert not store._lives, "it counts against the room in the record for ever"
+        assert not store._open_orders, "it counts against the room in the record for ever"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.language.keywords import ERRANDS
+from rosic.core.language.keywords import COMMANDS
 from tests.gateway.place import BO, Place
 from tests.gateway.test_rights import who
 
@@ -44,13 +44,15 @@ async def test_without_a_good_key_nothing_is_done_and_nothing_is_told(end: End) 
         button, under = place.button("Wave")
         await place.clock.advance(31.0)
         await end(place)
-        tally = place.gateway.access.tally
-        before = tally["key-revoked"] + tally["key-expired"]
-        lines = (*READS, *WRITES, *(f"/{verb} omni" for verb in sorted(ERRANDS)))
+        counters = place.gateway.access.counters
+        before = counters["key-revoked"] + counters["key-expired"]
+        lines = (*READS, *WRITES, *(f"/{verb} omni" for verb in sorted(COMMANDS)))
         for line in lines:
             await place.clock.advance(30.0)  # whoever has no access is answered seldom
             assert await place.say(line, account=BO, chat=BO) == ENDED, line
         await place.clock.advance(30.0)
         assert await place.tap(button, under, account=BO) == ENDED
-        assert tally["key-revoked"] + tally["key-expired"] == before + len(lines) + 1, "each counts"
+        assert counters["key-revoked"] + counters["key-expired"] == before + len(lines) + 1, (
+            "each counts"
+        )
         assert [place.acted(robot) for robot in ("omni", "cf1", "cf2", "kuka1")] == [0, 0, 0, 0]

@@ -19,8 +19,8 @@ from rosic.core.language import (
     hears_stop,
     understand,
 )
-from rosic.core.language.cancelling import hears_cancel
-from rosic.core.language.keywords import ALIASES, ERRANDS, HELP_PAGES, PAGE_ALIASES, VERBS
+from rosic.core.language.cancel_detection import hears_cancel
+from rosic.core.language.keywords import ALIASES, COMMANDS, HELP_PAGES, PAGE_ALIASES, VERBS
 from rosic.core.language.line_parser import EXPLAINED, PAGE_OF
 from rosic.core.messages import button_label
 from rosic.core.policy.roles import DEFAULT_ROLES
@@ -77,9 +77,9 @@ def test_what_help_says_to_type_with_a_slash_is_one_link(
 
 
 def test_other_words_for_commands_mean_one_each_and_take_no_name_away() -> None:
-    assert set(ALIASES.values()) <= ERRANDS | VERBS
+    assert set(ALIASES.values()) <= COMMANDS | VERBS
     assert set(PAGE_ALIASES.values()) == HELP_PAGES
-    assert set(ALIASES).isdisjoint(ERRANDS | VERBS)
+    assert set(ALIASES).isdisjoint(COMMANDS | VERBS)
     assert all(hears_stop(word) is None for word in (*ALIASES, *PAGE_ALIASES))
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.container.patience import WITHIN_S
+from rosic.container.bounded_writes import WITHIN_S
 from rosic.core.history import RESUMED, HistoryQuery
 from rosic.core.message import Chat
 from rosic.core.records import Claimed, Concluded, Refused, Resumed, Told
@@ -111,7 +111,7 @@ async def test_only_the_newest_stop_of_a_robot_waits_for_the_stop_file() -> None
         assert [task.done() for task in taken] == [True, True, False, True, False]
         await place.clock.advance(LATCH_WITHIN_S)
         assert all(task.done() for task in taken)
-        assert not place.gateway.stop_lane._holding._newest
+        assert not place.gateway.stop_lane._latch_wait._newest
 
 
 async def late_order(place: Place, store: SlowStore) -> str:

@@ -80,7 +80,7 @@ async def test_a_thousand_robots_appear_at_once_and_orders_pass_in_between() -> 
         await here.clock.advance(5.0)
         await here.quiet()
         assert len(here.chat.told) == before, "robots that are as they should be tell nobody"
-        samples = here.gateway.seeing.sampler.samples
+        samples = here.gateway.media_feature.sampler.samples
         seen = [n for n in range(ROBOTS) if samples.names(f"r{n}")]
         assert len(seen) == ROBOTS
 
@@ -128,8 +128,8 @@ async def test_a_card_looks_at_those_that_it_shows_alone() -> None:
         assert "988 more" in await here.say("/card")
         await here.clock.advance(10.0)
         await here.quiet()
-        cards = here.gateway.furnishing.live_cards
-        assert len(cards._glimpses._seen) == ROBOTS_AT_MOST
+        cards = here.gateway.furnished.live_cards
+        assert len(cards._snapshots._seen) == ROBOTS_AT_MOST
 
 
 @pytest.mark.parametrize(("robots", "tasks"), [(0, 200), (200, 200), (1_000, 40), (10**6, 1)])
@@ -141,7 +141,7 @@ async def test_more_tasks_than_are_weighed_at_once_are_all_done() -> None:
     async with warehouse() as here:
         for _ in range(at_once(ROBOTS) + 5):
             await here.say("/task any wave")
-        fleet = here.gateway.furnishing.fleet.dispatching.fleet
+        fleet = here.gateway.furnished.fleet.dispatching.fleet
         assert len(fleet.waiting) == at_once(ROBOTS) + 5, "nobody is there yet"
         here.appear()
         await here.clock.advance(5.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rosic.config.translations import catalogue
 from rosic.core.message import Menu, MenuScope
-from rosic.gateway.commands import ADMINS, EVERYBODY, CommandMenus
+from rosic.gateway.command_menus import ADMINS, EVERYBODY, CommandMenus
 from tests.gateway.place import ADA, BO, VI, Place
 from tests.gateway.test_rights import who
 

@@ -9,7 +9,7 @@ from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.messages import headed
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.theatre import theatre_of
+from rosic_sim.robots.simulation_loop import theatre_of
 from tests.features.fleet.test_tasks import heard
 from tests.gateway.place import Place, edited, line_by_line
 

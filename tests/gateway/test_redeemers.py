@@ -60,7 +60,7 @@ async def race(rounds: int) -> None:
             (lost,) = set(pair) - set(won)
             assert told[lost] == NOT_GOOD
             assert len(place.gateway.rooms.authoriser.directory._people) == before + 1
-            assert place.gateway.access.tally["code-used"] == number + 1
+            assert place.gateway.access.counters["code-used"] == number + 1
             first_won += won == [pair[0]]
             await place.clock.advance(APART_S)
     assert rounds // 4 < first_won < rounds - rounds // 4, "chance decides who wins"
@@ -105,10 +105,10 @@ async def rush(redeemers: int) -> None:
         for account in crowd:
             button, under = joins[account]
             place.chat.tap(button, under=under, account=account)
-        tally, rivals = place.gateway.access.tally, min(redeemers, OFFERED) - 1
+        counters, rivals = place.gateway.access.counters, min(redeemers, OFFERED) - 1
         for _ in range(redeemers):
             await place.quiet()
-            if tally["code-used"] >= rivals:
+            if counters["code-used"] >= rivals:
                 break
         await place.quiet()
         won = [
@@ -118,7 +118,7 @@ async def rush(redeemers: int) -> None:
         (newcomer,) = set(people) - before
         assert [address.account for address in people[newcomer].addresses] == won
         # Fifty that were too late look like guessing: the admins hear of it, once.
-        assert (tally["code-used"], tally["code-breaker"]) == (rivals, 1)
+        assert (counters["code-used"], counters["code-breaker"]) == (rivals, 1)
 
 
 async def test_one_of_300_redeemers_of_one_code_is_in() -> None:

@@ -72,8 +72,8 @@ async def test_a_right_that_has_ended_is_not_revived() -> None:
     async with Place().open() as place:
         ends_ns = place.clock.wall_ns() + HOUR_S * 10**9
         grant = Grant(id="g1", scopes=("omni:wave",), expires_ns=ends_ns)
-        roster, vi = place.gateway.authority.roster, who(place, "Vi")
-        await write(place, lambda: roster.give(vi, (grant,), "test"))
+        grants_book, vi = place.gateway.authority.grants_book, who(place, "Vi")
+        await write(place, lambda: grants_book.give(vi, (grant,), "test"))
         await place.say("omni wave", account="3", chat="3")
         assert place.acted() == 1
         place.clock.jump_wall(HOUR_S)  # nobody has had time to write that it ended

@@ -61,7 +61,7 @@ async def guesses_of_many(place: Place) -> str:
     code = await invited(place)
     for number in range(50):
         await place.say(f"0000-00{number:02}", account=f"9{number}", chat=f"9{number}")
-    assert place.gateway.access.tally["code-unknown"] == 50
+    assert place.gateway.access.counters["code-unknown"] == 50
     alarm = "50 wrong codes came in within 60 minutes: somebody may be guessing."
     alarms = [t.outbound for t in place.chat.told if t.outbound.text.startswith(alarm)]
     assert [(out.chat.id, out.urgent) for out in alarms] == [(ADA, True)]
@@ -272,8 +272,8 @@ async def test_it_is_refused_told_and_counted(
         acted = 1 if case is a_double_tap else 0
         assert await case(place) == told
         assert place.acted() == acted, "nothing more moved"
-        tally = place.gateway.access.tally.by_kind()
-        assert tally == counted
+        counters = place.gateway.access.counters.by_kind()
+        assert counters == counted
         lines = place.gateway.access.security.text().splitlines()
         assert f"Unauthorised attempts since the first start: {sum(counted.values())}" in lines
         for kind, count in counted.items():
@@ -285,7 +285,7 @@ async def test_what_was_counted_is_not_lost_by_ending() -> None:
         await a_stranger(place)
         await a_person_without_the_right(place)
     async with Place(place.store, clock=place.clock).open() as again:
-        assert again.gateway.access.tally.by_kind() == {"stranger": 1, "no-right": 1}
+        assert again.gateway.access.counters.by_kind() == {"stranger": 1, "no-right": 1}
 
 
 async def test_a_stranger_is_told_once_and_not_again_soon() -> None:

@@ -123,11 +123,11 @@ async def test_a_slot_that_is_none(asked: str, told: str) -> None:
 
 async def test_a_time_after_the_right_to_it() -> None:
     async with vienna() as place:
-        roster, vi = place.gateway.authority.roster, who(place, "Vi")
+        grants_book, vi = place.gateway.authority.grants_book, who(place, "Vi")
         ends_ns = place.clock.wall_ns() + 2 * 3_600 * 10**9
         grant = Grant(id="g1", scopes=("kuka1:*",), expires_ns=ends_ns)
         async with place.gateway.access.changes.turn() as turn:
-            await turn.write(roster.give(vi, (grant,), "test"))
+            await turn.write(grants_book.give(vi, (grant,), "test"))
         calendar = place.gateway.rooms.organiser.calendar
         kept = len(calendar)
 

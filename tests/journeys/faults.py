@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 LATE_S = 0.3
 
 
-class Wicked:
+class Faulty:
     """A store that passes everything on."""
 
     def __init__(self, good: Store) -> None:
@@ -48,7 +48,7 @@ class Wicked:
         self._good.note(*records)
 
 
-class ForgetsDuplicates(Wicked):
+class ForgetsDuplicates(Faulty):
     """Says that a message is new, however often it was settled."""
 
     async def write(self, *records: Record) -> None:
@@ -58,7 +58,7 @@ class ForgetsDuplicates(Wicked):
             return
 
 
-class ClaimsAfterwards(Wicked):
+class ClaimsAfterwards(Faulty):
     """Lets the robot act first: a claim is written only a while later, or with its outcome."""
 
     def __init__(self, good: Store) -> None:
@@ -90,27 +90,27 @@ class ClaimsAfterwards(Wicked):
             await self._good.write(claim)
 
 
-class ForgetsNumbers(Wicked):
+class ForgetsNumbers(Faulty):
     """Begins to count orders and leases anew at every start."""
 
     async def open(self) -> Memory:
         return msgspec.structs.replace(await self._good.open(), numbers={})
 
 
-class ForgetsTheUnfinished(Wicked):
+class ForgetsTheUnfinished(Faulty):
     """Tells nobody what the last run did not."""
 
     async def open(self) -> Memory:
         return msgspec.structs.replace(await self._good.open(), unfinished=())
 
 
-async def serve(config_file: str, wicked: Callable[[Store], Store]) -> None:
+async def serve(config_file: str, faulty: Callable[[Store], Store]) -> None:
     """Run a gateway as `rosic run` does, with this store in place of the good one."""
     config, clock = load_config(config_file), SystemClock()
     log_to_standard_error(config.log_level.value, face_of(), secrets_of(config))
     latch = latch_of(config)
     parts: GatewayParts = parts_of(config, latch, clock, SystemEntropy())
-    parts = msgspec.structs.replace(parts, store=wicked(parts.store))
+    parts = msgspec.structs.replace(parts, store=faulty(parts.store))
     gateway = Gateway(settings_of(config), parts)
     ended = asyncio.Event()
     asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, ended.set)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import signal
 import time
-from collections import Counter as Tally
+from collections import Counter as Counted
 from collections import defaultdict
 from contextlib import suppress
 from random import Random
@@ -66,7 +66,7 @@ class Journey:
         self.control = control
         self.counter = counter
         self.ready_s: list[float] = []
-        self.moments: Tally[str] = Tally()
+        self.moments: Counted[str] = Counted()
         # What a gateway gets done in a second on a free machine, it is given the time for.
         self._longest_s = LONGEST_S * slowness()
         self._folder = folder

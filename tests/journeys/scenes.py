@@ -14,7 +14,7 @@ from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS
 from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.testing.ros2.graph import RosGraph
-from rosic_sim.scenarios.props import FOLDER
+from rosic_sim.scenarios.robots import FOLDER
 from tests.journeys.fleet import Person
 from tests.journeys.lab import Lab, lab
 from tests.journeys.ros import VARIABLES

@@ -391,7 +391,7 @@ async def test_what_a_robot_shows_is_what_is_seen() -> None:
 async def test_a_robot_that_comes_later_is_routed_to_as_well() -> None:
     two = Two()
     late = MemoryRobot(replace(PROFILE, id="late"), OrderGate.new("late"), two.clock)
-    two.linker.enlist(late)
+    two.linker.add_robot(late)
     assert two.linker.profile("late") is late.profile
     assert two.linker.current("late") is None
     assert two.linker.put(Entry(OrderBook(late.profile, two.clock).order("move"), []))

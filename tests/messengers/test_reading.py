@@ -16,7 +16,17 @@ from rosic.messengers.telegram.batch import BATCH, STEP_BYTES
 from rosic.messengers.telegram.polling import AT_ONCE_S
 from rosic.messengers.telegram.reading import TURNS, UNNAMED_SIGNS, UNREAD_AT_MOST
 from rosic.messengers.telegram.update_window import HELD_NS, UpdateWindow
-from tests.messengers.ear import ADA, EVE, LAB, POLL_S, Ear, ScriptedBot, member, raw, text
+from tests.messengers.inbox import (
+    ADA,
+    EVE,
+    LAB,
+    POLL_S,
+    HarnessInbox,
+    ScriptedBot,
+    member,
+    raw,
+    text,
+)
 
 if TYPE_CHECKING:
     from rosic.core.message import Inbound
@@ -59,7 +69,7 @@ class KeepingBot(ScriptedBot):
         return list(self.kept.values())[:limit]
 
 
-class KeepingEar(Ear):
+class KeepingEar(HarnessInbox):
     """Has received a message when that has ended, which takes a turn of the loop."""
 
     def __init__(self, *updates: Any, lost: set[int] | None = None) -> None:  # noqa: ANN401
@@ -111,67 +121,69 @@ async def test_nothing_is_lost_whenever_a_run_is_cut_off(lost: set[int]) -> None
     ]
     turns, was_behind, is_over = 0, False, False
     while not is_over:
-        ear = KeepingEar(*updates, lost=lost)
-        run = asyncio.ensure_future(ear.listener.run(ear.receive))
+        inbox = KeepingEar(*updates, lost=lost)
+        run = asyncio.ensure_future(inbox.listener.run(inbox.receive))
         for _ in range(turns):
             await asyncio.sleep(0)
-        is_over = len(ear.heard) == len(updates)
-        was_behind = was_behind or ear.listener.reading.behind
+        is_over = len(inbox.heard) == len(updates)
+        was_behind = was_behind or inbox.listener.reading.behind
         run.cancel()
         await asyncio.wait((run,))
-        ear.keeping.give(8, text(8, "hi", EVE + 1))
-        async with ear.listening(POLL_S):
-            assert ear.numbers == set(range(1, 9)), f"cut off after {turns} turns"
-            ear.keeping.give(9, text(9, "hi", EVE))
-            await ear.clock.advance(2 * POLL_S)
-            assert ear.numbers == set(range(1, 10)), f"cut off after {turns} turns"
-            assert not ear.keeping.kept, "all of it is confirmed"
+        inbox.keeping.give(8, text(8, "hi", EVE + 1))
+        async with inbox.listening(POLL_S):
+            assert inbox.numbers == set(range(1, 9)), f"cut off after {turns} turns"
+            inbox.keeping.give(9, text(9, "hi", EVE))
+            await inbox.clock.advance(2 * POLL_S)
+            assert inbox.numbers == set(range(1, 10)), f"cut off after {turns} turns"
+            assert not inbox.keeping.kept, "all of it is confirmed"
         turns += 1
     assert was_behind, "it was cut off while strangers were unread, too"
 
 
 async def test_what_strangers_sent_is_not_confirmed_before_it_is_read() -> None:
     """Though somebody known wrote behind it, and was answered."""
-    ear = KeepingEar(*(text(number, LONG, EVE) for number in range(1, 9)), text(9, "status"))
-    async with ear.listening(POLL_S):
-        assert ear.keeping.forgotten == list(range(1, 10))
-        assert ear.listener.counts == {"received": 9}, "each once"
+    inbox = KeepingEar(*(text(number, LONG, EVE) for number in range(1, 9)), text(9, "status"))
+    async with inbox.listening(POLL_S):
+        assert inbox.keeping.forgotten == list(range(1, 10))
+        assert inbox.listener.counts == {"received": 9}, "each once"
 
 
 async def test_those_known_here_wait_for_what_nobody_sent_as_a_stop_may_be_in_it() -> None:
-    ear = KeepingEar(text(1, "status"), text(2, "stop", chat=LAB, **ANONYMOUS), text(3, LONG, EVE))
-    async with ear.listening(POLL_S):
-        assert ear.texts == ["stop", "status", LONG]
+    inbox = KeepingEar(
+        text(1, "status"), text(2, "stop", chat=LAB, **ANONYMOUS), text(3, LONG, EVE)
+    )
+    async with inbox.listening(POLL_S):
+        assert inbox.texts == ["stop", "status", LONG]
 
 
 async def test_what_comes_while_strangers_are_read_is_searched_before_it_is_followed() -> None:
     """However often what is read beside it lets what was found be followed."""
-    ear = KeepingEar(*(text(number, LONG, EVE) for number in range(1, 61)))
-    run = asyncio.ensure_future(ear.listener.run(ear.receive))
-    while not ear.listener.reading.behind:  # noqa: ASYNC110 - nobody is told when they have come
+    inbox = KeepingEar(*(text(number, LONG, EVE) for number in range(1, 61)))
+    run = asyncio.ensure_future(inbox.listener.run(inbox.receive))
+    while not inbox.listener.reading.behind:  # noqa: ASYNC110 - nobody is told when they have come
         await asyncio.sleep(0)
     for number, said in enumerate(["status", *[f"{LONG}{n}" for n in range(4)], "stop"], 61):
-        ear.keeping.give(number, text(number, said))
-    await ear.clock.advance(AT_ONCE_S)
-    assert len(ear.keeping.times) == 2, "they are asked for though not everything is read"
-    assert ear.listener.reading.behind
-    while len(ear.heard) < 66:  # noqa: ASYNC110 - nor when all is received
+        inbox.keeping.give(number, text(number, said))
+    await inbox.clock.advance(AT_ONCE_S)
+    assert len(inbox.keeping.times) == 2, "they are asked for though not everything is read"
+    assert inbox.listener.reading.behind
+    while len(inbox.heard) < 66:  # noqa: ASYNC110 - nor when all is received
         await asyncio.sleep(0)
     run.cancel()
-    of_ada = [each.text for each in ear.heard if each.sender.account == str(ADA)]
+    of_ada = [each.text for each in inbox.heard if each.sender.account == str(ADA)]
     assert of_ada[:2] == ["stop", "status"]
 
 
 async def test_what_is_nobodys_message_is_read_with_those_known_here() -> None:
     """That the bot was put into a group, for one; then what somebody without a name wrote."""
-    ear, read = KeepingEar(), []
-    news = ear.listener.reading.news
+    inbox, read = KeepingEar(), []
+    news = inbox.listener.reading.news
 
     def noted(number: int, update: Any, received: Any, **of: bool) -> Any:  # noqa: ANN401
         read.append(number)
         return news(number, update, received, **of)
 
-    ear.listener.reading.news = noted  # type: ignore[method-assign]
+    inbox.listener.reading.news = noted  # type: ignore[method-assign]
     updates = [
         text(1, "hi", EVE),
         text(2, "hello", chat=LAB, **ANONYMOUS),
@@ -180,127 +192,127 @@ async def test_what_is_nobodys_message_is_read_with_those_known_here() -> None:
         raw(5, message={"message_id": "x"}),
     ]
     for number, each in enumerate(updates, 1):
-        ear.keeping.give(number, each)
-    async with ear.listening(POLL_S):
+        inbox.keeping.give(number, each)
+    async with inbox.listening(POLL_S):
         assert read == [3, 4, 5, 2, 1]
 
 
 async def test_a_stop_to_another_bot_is_passed_over_where_a_stranger_says_it() -> None:
     said = "@other_bot stop\n/stop@other_bot"
-    ear = KeepingEar(text(1, said, EVE), text(2, said, ADA))
-    async with ear.listening(POLL_S):
-        assert ear.numbers == {2}
+    inbox = KeepingEar(text(1, said, EVE), text(2, said, ADA))
+    async with inbox.listening(POLL_S):
+        assert inbox.numbers == {2}
 
 
 @pytest.mark.parametrize("who", [ADA, EVE])
 async def test_a_hundred_that_are_held_up_hide_no_stop_behind_them(who: int) -> None:
     """Of a stranger at once: nothing of theirs is in the way."""
-    ear = KeepingEar(*(text(number, "slow", who) for number in range(1, BATCH + 1)))
-    ear.keeping.give(BATCH + 1, text(BATCH + 1, "stop"))
-    ear.held_up["slow"] = asyncio.Event()
-    async with ear.listening(HELD_NS / SECOND_NS / 2):
-        assert ear.texts == ([] if who == ADA else ["stop"])
-        await ear.clock.advance(HELD_NS / SECOND_NS)
-        assert ear.texts[0] == "stop"
+    inbox = KeepingEar(*(text(number, "slow", who) for number in range(1, BATCH + 1)))
+    inbox.keeping.give(BATCH + 1, text(BATCH + 1, "stop"))
+    inbox.held_up["slow"] = asyncio.Event()
+    async with inbox.listening(HELD_NS / SECOND_NS / 2):
+        assert inbox.texts == ([] if who == ADA else ["stop"])
+        await inbox.clock.advance(HELD_NS / SECOND_NS)
+        assert inbox.texts[0] == "stop"
 
 
 async def test_what_strangers_sent_hides_nothing_behind_it_however_much_it_is() -> None:
     """Whether it is of one kind or mixed: they are read when nothing more is to be fetched."""
     for kinds in ((0,), (1,), (1, *[0] * 99)):
-        ear = KeepingEar(*mix(20 * BATCH, kinds))
+        inbox = KeepingEar(*mix(20 * BATCH, kinds))
         read: list[int] = []
-        ear.keeping.give(20 * BATCH + 1, text(20 * BATCH + 1, "stop"))
-        ear.serves_lab_alone()
-        ear.note_what_is_read(read)
-        async with ear.listening():
+        inbox.keeping.give(20 * BATCH + 1, text(20 * BATCH + 1, "stop"))
+        inbox.serves_lab_alone()
+        inbox.note_what_is_read(read)
+        async with inbox.listening():
             assert read[0] == 20 * BATCH + 1, "before any of theirs"
-            assert len(ear.keeping.times) < 25
-            assert ear.texts[0] == "stop"
-            assert not ear.keeping.kept
-            assert ear.listener.counts["unread"] == 20 * BATCH - UNREAD_AT_MOST
+            assert len(inbox.keeping.times) < 25
+            assert inbox.texts[0] == "stop"
+            assert not inbox.keeping.kept
+            assert inbox.listener.counts["unread"] == 20 * BATCH - UNREAD_AT_MOST
             assert set(read[1:]) == set(range(1, UNREAD_AT_MOST + 1)) or 1 in kinds
 
 
 async def test_of_too_much_strangers_messages_are_read_rather_than_posts() -> None:
-    ear = KeepingEar(*mix(UNREAD_AT_MOST, (0,)), *mix(2 * BATCH, (1,), UNREAD_AT_MOST))
-    ear.serves_lab_alone()
-    async with ear.listening():
-        of_strangers = {number for number in ear.numbers if number > UNREAD_AT_MOST}
+    inbox = KeepingEar(*mix(UNREAD_AT_MOST, (0,)), *mix(2 * BATCH, (1,), UNREAD_AT_MOST))
+    inbox.serves_lab_alone()
+    async with inbox.listening():
+        of_strangers = {number for number in inbox.numbers if number > UNREAD_AT_MOST}
         assert len(of_strangers) == 2 * BATCH
-        assert len(ear.heard) == UNREAD_AT_MOST
+        assert len(inbox.heard) == UNREAD_AT_MOST
 
 
 async def test_of_too_much_a_stop_is_read_also_where_nobody_was_met() -> None:
     number = UNREAD_AT_MOST + 3 * BATCH
-    ear = KeepingEar(
+    inbox = KeepingEar(
         *mix(1, (0,), said="stop"),
         *mix(number, (0,), 1),
         *mix(1, (0,), number + 1, said="stop"),
     )
-    ear.serves_lab_alone()
-    async with ear.listening():
-        assert ear.texts[:2] == ["stop", "stop"], "and before whatever else they sent"
-        assert ear.listener.counts["unread"] >= 3 * BATCH
+    inbox.serves_lab_alone()
+    async with inbox.listening():
+        assert inbox.texts[:2] == ["stop", "stop"], "and before whatever else they sent"
+        assert inbox.listener.counts["unread"] >= 3 * BATCH
 
 
 async def test_what_is_long_and_names_nobody_is_read_last_wherever_it_is() -> None:
-    ear = KeepingEar(
+    inbox = KeepingEar(
         text(1, LONG, chat=LAB, **ANONYMOUS),
         text(2, "hello", EVE),
         text(3, "stop", chat=LAB, **ANONYMOUS),
         text(4, "status"),
     )
-    ear.serves_lab_alone()
+    inbox.serves_lab_alone()
     read: list[int] = []
-    ear.note_what_is_read(read)
-    async with ear.listening():
+    inbox.note_what_is_read(read)
+    async with inbox.listening():
         assert read == [4, 3, 2, 1]
 
 
 async def test_what_nobody_sent_where_somebody_was_met_is_read_though_more_keeps_coming() -> None:
     """What strangers send is not, and holds up nobody's order; a stop without a name counts."""
-    ear = KeepingEar(text(1, "status"), *mix(BATCH - 2, (0, 1), 1))
-    ear.keeping.give(BATCH, text(BATCH, "stop", chat=LAB, **ANONYMOUS))
-    ear.serves_lab_alone()
+    inbox = KeepingEar(text(1, "status"), *mix(BATCH - 2, (0, 1), 1))
+    inbox.keeping.give(BATCH, text(BATCH, "stop", chat=LAB, **ANONYMOUS))
+    inbox.serves_lab_alone()
     read: list[int] = []
-    ear.note_what_is_read(read)
-    async with ear.listening():
+    inbox.note_what_is_read(read)
+    async with inbox.listening():
         assert read[:2] == [1, BATCH]
-        assert ear.texts[:2] == ["stop", "status"]
+        assert inbox.texts[:2] == ["stop", "status"]
 
 
 async def test_an_order_does_not_wait_for_what_nobody_sent_after_it() -> None:
     """Somebody may go on sending in a chat that this bot serves, and every bit of it is read."""
-    ear, posted = KeepingEar(), "x" * UNNAMED_SIGNS
-    reading, received = ear.listener.reading, incoming.ReceivedAt(0, 0)
+    inbox, posted = KeepingEar(), "x" * UNNAMED_SIGNS
+    reading, received = inbox.listener.reading, incoming.ReceivedAt(0, 0)
     async with asyncio.TaskGroup() as group:
-        window = UpdateWindow(group, ear.receive, ear.clock, Counter())
+        window = UpdateWindow(group, inbox.receive, inbox.clock, Counter())
         first = [*mix(5, (0,), said=posted), text(6, "status")]
         await reading.take_in(group, window, first, received)
         await reading.take_in(group, window, mix(60, (0,), 6, said=posted), received)
-        while "status" not in ear.texts:  # noqa: ASYNC110 - nobody is told
+        while "status" not in inbox.texts:  # noqa: ASYNC110 - nobody is told
             await asyncio.sleep(0)
         assert reading.behind
-        assert len(ear.heard) <= 6
+        assert len(inbox.heard) <= 6
 
 
 async def test_while_much_waits_nothing_more_of_strangers_is_read() -> None:
     """What cannot be followed does not pile up behind it."""
-    ear = KeepingEar(*mix(5 * BATCH, (1,)))
-    ear.held_up[SHORT] = asyncio.Event()
-    async with ear.listening(POLL_S):
-        assert ear.listener.reading.behind
-        assert not ear.keeping.kept
+    inbox = KeepingEar(*mix(5 * BATCH, (1,)))
+    inbox.held_up[SHORT] = asyncio.Event()
+    async with inbox.listening(POLL_S):
+        assert inbox.listener.reading.behind
+        assert not inbox.keeping.kept
         read: list[int] = []
-        ear.note_what_is_read(read)
-        ear.keeping.give(501, text(501, "stop"))
-        await ear.clock.advance(POLL_S)
+        inbox.note_what_is_read(read)
+        inbox.keeping.give(501, text(501, "stop"))
+        await inbox.clock.advance(POLL_S)
         assert read == [501]
-        ear.held_up[SHORT].set()
-        while ear.listener.reading.behind:  # noqa: ASYNC110 - nobody is told when all is read
+        inbox.held_up[SHORT].set()
+        while inbox.listener.reading.behind:  # noqa: ASYNC110 - nobody is told when all is read
             await asyncio.sleep(0)
-        await ear.clock.advance(POLL_S)
-        assert ear.numbers == set(range(1, 502))
+        await inbox.clock.advance(POLL_S)
+        assert inbox.numbers == set(range(1, 502))
 
 
 def mix(number: int, kinds: tuple[int, ...], after: int = 0, *, said: str = SHORT) -> list[Any]:
@@ -318,26 +330,26 @@ def mix(number: int, kinds: tuple[int, ...], after: int = 0, *, said: str = SHOR
 
 
 async def test_fewer_that_are_held_up_are_not_confirmed_before_they_are_received() -> None:
-    ear = KeepingEar(*(text(number, "slow") for number in range(1, BATCH)))
-    ear.held_up["slow"] = asyncio.Event()
-    async with ear.listening(10 * HELD_NS / SECOND_NS):
-        assert ear.keeping.forgotten == []
+    inbox = KeepingEar(*(text(number, "slow") for number in range(1, BATCH)))
+    inbox.held_up["slow"] = asyncio.Event()
+    async with inbox.listening(10 * HELD_NS / SECOND_NS):
+        assert inbox.keeping.forgotten == []
 
 
 async def test_long_messages_of_strangers_let_others_have_the_loop_between_them() -> None:
-    ear = KeepingEar(*(text(number, LONG, EVE + number) for number in range(1, 11)))
-    assert await turns_until_heard(ear, 10) > 10 * TURNS
+    inbox = KeepingEar(*(text(number, LONG, EVE + number) for number in range(1, 11)))
+    assert await turns_until_heard(inbox, 10) > 10 * TURNS
 
 
 async def test_many_short_messages_of_strangers_are_read_in_few_turns() -> None:
     """Others are let have the loop after what is a step's work, not after each message."""
-    ear = KeepingEar(*(text(number, "hi", EVE + number) for number in range(1, BATCH)))
-    assert await turns_until_heard(ear, BATCH - 1) < BATCH
+    inbox = KeepingEar(*(text(number, "hi", EVE + number) for number in range(1, BATCH)))
+    assert await turns_until_heard(inbox, BATCH - 1) < BATCH
 
 
-async def turns_until_heard(ear: Ear, number: int) -> int:
-    run, turns = asyncio.ensure_future(ear.listener.run(ear.receive)), 0
-    while len(ear.heard) < number:
+async def turns_until_heard(inbox: HarnessInbox, number: int) -> int:
+    run, turns = asyncio.ensure_future(inbox.listener.run(inbox.receive)), 0
+    while len(inbox.heard) < number:
         await asyncio.sleep(0)
         turns += 1
     run.cancel()

@@ -25,7 +25,7 @@ LOCAL_FLAGS = 3
 CONTROL_CHARACTERS = 6
 
 
-class Desk:
+class TypedTerminal:
     """A terminal: what is typed goes in at one end and is read at the other."""
 
     def __init__(self) -> None:
@@ -59,43 +59,43 @@ class Desk:
 
 
 @pytest.fixture
-def desk() -> Iterator[Desk]:
-    desk = Desk()
-    yield desk
-    desk.close()
+def terminal() -> Iterator[TypedTerminal]:
+    terminal = TypedTerminal()
+    yield terminal
+    terminal.close()
 
 
-async def test_a_key_between_two_lines_is_not_lost(desk: Desk) -> None:
+async def test_a_key_between_two_lines_is_not_lost(terminal: TypedTerminal) -> None:
     with (
-        create_app_session(input=create_input(desk.file), output=DummyOutput()),
+        create_app_session(input=create_input(terminal.file), output=DummyOutput()),
         PromptScreen(Completer(), colour=False) as screen,
     ):
-        desk.type("status\r")
+        terminal.type("status\r")
         assert await asyncio.wait_for(screen.read(), 60 * pace()) == "status"
-        desk.type("\x04")
+        terminal.type("\x04")
         assert await asyncio.wait_for(screen.read(), 60 * pace()) is None
-        assert desk.makes_signals, "while it leaves, a Ctrl-C is a signal again"
+        assert terminal.makes_signals, "while it leaves, a Ctrl-C is a signal again"
 
 
-async def test_a_terminal_is_left_as_it_was(desk: Desk) -> None:
-    with create_app_session(input=create_input(desk.file), output=DummyOutput()):
+async def test_a_terminal_is_left_as_it_was(terminal: TypedTerminal) -> None:
+    with create_app_session(input=create_input(terminal.file), output=DummyOutput()):
         with PromptScreen(Completer(), colour=False) as screen:
-            desk.type("status\r")
+            terminal.type("status\r")
             await asyncio.wait_for(screen.read(), 60 * pace())
-            assert not desk.makes_signals
-        assert desk.makes_signals
+            assert not terminal.makes_signals
+        assert terminal.makes_signals
 
 
-async def test_a_key_while_something_is_printed_is_not_lost(desk: Desk) -> None:
-    keyboard = create_input(desk.file)
+async def test_a_key_while_something_is_printed_is_not_lost(terminal: TypedTerminal) -> None:
+    keyboard = create_input(terminal.file)
     with (
         create_app_session(input=keyboard, output=DummyOutput()),
         PromptScreen(Completer(), colour=False) as screen,
     ):
-        desk.type("status\r")
+        terminal.type("status\r")
         assert await asyncio.wait_for(screen.read(), 60 * pace()) == "status"
         with keyboard.cooked_mode():  # as the toolkit does while it prints above the prompt
-            desk.type("\x04")
-            await asyncio.to_thread(desk.see, b"^D")  # taken by the terminal, and echoed
+            terminal.type("\x04")
+            await asyncio.to_thread(terminal.see, b"^D")  # taken by the terminal, and echoed
         assert await asyncio.wait_for(screen.read(), 60 * pace()) is None
-        assert desk.ends_at_ctrl_d, "while it leaves, a Ctrl-D is the end of the input again"
+        assert terminal.ends_at_ctrl_d, "while it leaves, a Ctrl-D is the end of the input again"

@@ -32,7 +32,7 @@ MODULES = (
         "gate",
         "core/order_gate.py",
         (
-            "tests/core/test_gate.py",
+            "tests/core/test_order_gate.py",
             "tests/robots/test_common_start.py",
         ),
     ),
@@ -40,7 +40,7 @@ MODULES = (
         "stop board",
         "core/stop_registry.py",
         (
-            "tests/core/test_stopboard.py",
+            "tests/core/test_stop_registry.py",
             "tests/linker/test_linker.py",
             "tests/gateway/test_stopping.py",
             "tests/gateway/test_stops_meet.py",
@@ -53,7 +53,7 @@ MODULES = (
         "linker/linker.py",
         (
             "tests/linker/test_linker.py",
-            "tests/linker/test_mailbox.py",
+            "tests/linker/test_robot_queue.py",
             "tests/gateway/test_stopping.py",
             "tests/gateway/test_stops_meet.py",
             "tests/gateway/test_between.py",
@@ -74,7 +74,7 @@ MODULES = (
         "mailbox",
         "linker/robot_queue.py",
         (
-            "tests/linker/test_mailbox.py",
+            "tests/linker/test_robot_queue.py",
             "tests/linker/test_linker.py",
             "tests/gateway/test_waited.py",
             "tests/gateway/test_replacing.py",
@@ -84,21 +84,21 @@ MODULES = (
         "latch",
         "stores/stop_latch.py",
         (
-            "tests/stores/test_latch.py",
+            "tests/stores/test_stop_latch.py",
             "tests/stores/test_latch_places.py",
             "tests/stores/test_overwritten.py",
             "tests/conformance/test_stores.py",
             "tests/linker/test_linker.py",
         ),
     ),
-    Module("stop file", "stores/slots.py", ("tests/stores/test_latch.py",)),
+    Module("stop file", "stores/slots.py", ("tests/stores/test_stop_latch.py",)),
     Module(
         "write thread",
         "stores/write_thread.py",
         (
-            "tests/stores/test_lane.py",
-            "tests/stores/test_trouble.py",
-            "tests/stores/test_latch.py",
+            "tests/stores/test_write_thread.py",
+            "tests/stores/test_errors.py",
+            "tests/stores/test_stop_latch.py",
         ),
     ),
     Module(
@@ -107,10 +107,10 @@ MODULES = (
         (
             "tests/stores/test_reconnecting.py",
             "tests/stores/test_lost_record.py",
-            "tests/stores/test_trouble.py",
+            "tests/stores/test_errors.py",
             "tests/stores/test_opening.py",
             "tests/stores/test_decisions.py",
-            "tests/stores/test_sealing.py",
+            "tests/stores/test_encryption.py",
             "tests/stores/test_overwritten.py",
             "tests/stores/test_parts_of_records.py",
             "tests/conformance/test_stores.py",
@@ -121,7 +121,7 @@ MODULES = (
         "root key",
         "stores/root_key.py",
         (
-            "tests/stores/test_rootkey.py",
+            "tests/stores/test_root_key.py",
             "tests/stores/test_opening.py",
         ),
     ),
@@ -130,7 +130,7 @@ MODULES = (
     Module("limits", "core/policy/limits.py", RIGHTS),
     Module("tables of rights", "core/policy/compiled.py", RIGHTS),
     Module(
-        "consent",
+        "confirmation",
         "gateway/confirmation.py",
         (
             "tests/gateway/test_second_person.py",
@@ -154,10 +154,10 @@ MODULES = (
         "buttons",
         "authoriser/button_tokens.py",
         (
-            "tests/authoriser/test_buttons.py",
+            "tests/authoriser/test_button_tokens.py",
             "tests/gateway/test_buttons.py",
             "tests/authoriser/test_authoriser.py",
-            "tests/gateway/test_retracting.py",
+            "tests/gateway/test_redaction.py",
             "tests/gateway/test_end_buttons.py",
         ),
     ),
@@ -174,8 +174,8 @@ MODULES = (
         "Telegram listener",
         "messengers/telegram/polling.py",
         (
-            "tests/messengers/test_listener.py",
-            "tests/messengers/test_listener_trouble.py",
+            "tests/messengers/test_polling.py",
+            "tests/messengers/test_polling_errors.py",
             "tests/messengers/test_reading.py",
         ),
     ),
@@ -183,14 +183,14 @@ MODULES = (
         "Telegram reading",
         "messengers/telegram/reading.py",
         (
-            "tests/messengers/test_listener.py",
-            "tests/messengers/test_listener_trouble.py",
+            "tests/messengers/test_polling.py",
+            "tests/messengers/test_polling_errors.py",
             "tests/messengers/test_reading.py",
         ),
     ),
     Module(
         "Telegram listening",
         "messengers/telegram/polling_gap.py",
-        ("tests/messengers/test_listening.py",),
+        ("tests/messengers/test_polling_gap.py",),
     ),
 )

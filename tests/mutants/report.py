@@ -43,7 +43,7 @@ class Row(msgspec.Struct, frozen=True):
         drawn: Which of them were: ``seed 2``, or ``all``.
         tried: So many of those changed what is compiled.
         noticed: Of them.
-        lives: So many survived, each with a reason.
+        executor: So many survived, each with a reason.
         gaps: So many survived that nobody has looked into yet.
         on: The day, ``2026-11-25``.
     """
@@ -54,14 +54,14 @@ class Row(msgspec.Struct, frozen=True):
     drawn: str
     tried: int
     noticed: int
-    lives: int
+    executor: int
     gaps: int
     on: str
 
     @property
     def cells(self) -> tuple[str, ...]:
         """What stands in its line."""
-        counts = (str(self.tried), str(self.noticed), str(self.lives), str(self.gaps))
+        counts = (str(self.tried), str(self.noticed), str(self.executor), str(self.gaps))
         each = share_in_words(self.noticed, self.tried)
         return (self.about, f"`{self.file}`", str(self.changes), self.drawn, *counts, each, self.on)
 

@@ -29,9 +29,9 @@ def test_every_module_of_the_campaign_has_its_line() -> None:
 def test_every_line_adds_up_and_its_survivors_have_reasons() -> None:
     reasons = Counter(each.file for each in listed())
     for row in ROWS:
-        assert row.noticed + row.lives + row.gaps == row.tried > 0, row
+        assert row.noticed + row.executor + row.gaps == row.tried > 0, row
         assert row.tried <= row.changes, row
-        assert row.lives <= reasons[row.file], f"{row}: a reason is gone, try it anew"
+        assert row.executor <= reasons[row.file], f"{row}: a reason is gone, try it anew"
         assert date.fromisoformat(row.on).isoformat() == row.on, row
         assert re.fullmatch(r"all|seed \d+", row.drawn), row
 
@@ -98,4 +98,4 @@ def test_what_was_cut_off_gets_no_line_and_what_nobody_looked_into_is_said(tmp_p
     (tmp_path / BOARD.file).write_text(SMALL)
     cut_off, alive = found(GATE, KILLED, KILLED), found(BOARD, KILLED, KILLED, SURVIVED)
     [row] = report.rows_of([cut_off, alive], (), 2, "2026-11-25", tmp_path).values()
-    assert (row.file, row.noticed, row.lives, row.gaps) == (BOARD.file, 2, 0, 1)
+    assert (row.file, row.noticed, row.executor, row.gaps) == (BOARD.file, 2, 0, 1)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import msgspec
 
-WAY = "tests/gateway/test_way.py"
+WAY = "tests/gateway/test_pipeline.py"
 STOPPING = "tests/gateway/test_stopping.py"
 BUTTONS = "tests/gateway/test_buttons.py"
 EDGES = "tests/gateway/test_edges.py"
@@ -20,7 +20,7 @@ TURNED_AWAY = "tests/gateway/test_turned_away.py"
 REDEEMERS = "tests/gateway/test_redeemers.py"
 WRONG = "tests/gateway/test_wrong_rights_and_times.py"
 ISOLATION = "tests/gateway/test_isolation.py"
-GATE = "tests/core/test_gate.py"
+GATE = "tests/core/test_order_gate.py"
 
 
 def place(file: str) -> Path:
@@ -110,7 +110,7 @@ FAULTS = (
         file="gateway/pipeline.py",
         guard="if urgent is not None and await self._urgent.take(messenger, inbound, urgent):",
         without=(
-            "if urgent is not None:\n            await self._turns.take(inbound.chat)\n"
+            "if urgent is not None:\n            await self._chat_locks.take(inbound.chat)\n"
             "            await self._urgent.take(messenger, inbound, urgent)"
         ),
         caught_by=(f"{STOPPING}::test_a_stop_does_not_wait_for_its_chat",),
@@ -129,7 +129,7 @@ FAULTS = (
         without=":",
         caught_by=(
             f"{WAY}::test_a_right_that_ends_while_an_order_waits_is_asked_again",
-            "tests/linker/test_mailbox.py",
+            "tests/linker/test_robot_queue.py",
         ),
     ),
     Fault(
@@ -231,7 +231,7 @@ FAULTS = (
     Fault(
         name="after a crash a robot in doubt moves on",
         file="gateway/recovery.py",
-        guard="if exists(life.robot):",
+        guard="if exists(order.robot):",
         without="if False:",
         caught_by=(
             f"{STOPPING}::test_a_claim_without_an_outcome_is_unknown_held_and_never_repeated",
@@ -247,10 +247,10 @@ FAULTS = (
     Fault(
         name="I7 an ending is told before it is on disk",
         file="gateway/order_execution.py",
-        guard="conclude(life.order, outcome, life.words, at_ns, life.concluded)",
+        guard="conclude(running.order, outcome, running.words, at_ns, running.concluded)",
         without=(
-            "conclude(life.order, outcome, life.words, at_ns, lambda: None)"
-            "\n        life.concluded()"
+            "conclude(running.order, outcome, running.words, at_ns, lambda: None)"
+            "\n        running.concluded()"
         ),
         caught_by=(f"{WAY}::test_an_ending_is_not_told_before_it_is_on_disk",),
     ),
@@ -283,14 +283,14 @@ FAULTS = (
     Fault(
         name="L1 an order is cut off before its first step",
         file="gateway/order_execution.py",
-        guard="server.task is not None and begun:",
-        without="server.task is not None:",
+        guard="worker.task is not None and begun:",
+        without="worker.task is not None:",
         caught_by=(f"{EDGES}::test_an_order_that_has_not_begun_when_the_gateway_closes_is_told",),
     ),
     Fault(
-        name="L1 a life that nobody can be told of takes room for ever",
+        name="L1 a running that nobody can be told of takes room for ever",
         file="gateway/recovery.py",
-        guard="self._let_go(life)  # erased with its container: there is nobody to tell",
+        guard="self._let_go(order)  # erased with its container: there is nobody to tell",
         without="pass",
         caught_by=(f"{EDGES}::test_a_life_that_nobody_can_be_told_of_is_closed_at_the_next_start",),
     ),

@@ -13,7 +13,7 @@ PURSUED = "tests/linker/test_pursuit.py"
 FROZEN = "tests/real/ros2/test_frozen_goal.py"
 HALVES = "tests/real/ros2/test_halves.py"
 MOVES = "tests/gateway/test_broken_stops.py"
-REBIRTHS = "tests/rosic_sim/test_rebirths.py"
+REBIRTHS = "tests/rosic_sim/test_endpoint_identity.py"
 
 OF_BREAKS = (
     Fault(
@@ -62,7 +62,7 @@ OF_BREAKS = (
     Fault(
         name="I6 a goal goes on after ROSIC stood still",
         file="robots/ros2/goal_watch.py",
-        guard="return Break(Cause.LATE, late_s) if late_s > self._errand.side.watchdog_s else None",
+        guard="return Break(Cause.LATE, late_s) if late_s > self._call.side.watchdog_s else None",
         without="return None",
         caught_by=(f"{FROZEN}::test_a_goal_of_a_gateway_that_was_frozen_is_called_off",),
     ),
@@ -96,7 +96,7 @@ OF_BREAKS = (
     ),
     Fault(
         name="I6 whose name came after the drive began is not known again",
-        file="robots/ros2/rebirths.py",
+        file="robots/ros2/endpoint_identity.py",
         guard="self.first = named_since(self.first, now)",
         without="self.first = self.first",
         caught_by=(
@@ -105,7 +105,7 @@ OF_BREAKS = (
     ),
     Fault(
         name="I6 beside one without a name, whoever joins is driven on",
-        file="robots/ros2/rebirths.py",
+        file="robots/ros2/endpoint_identity.py",
         guard="any(unknown or not name for name in joined)",
         without="any(not name for name in joined)",
         caught_by=(
@@ -114,7 +114,7 @@ OF_BREAKS = (
     ),
     Fault(
         name="I6 who has no name yet is driven on after a while",
-        file="robots/ros2/rebirths.py",
+        file="robots/ros2/endpoint_identity.py",
         guard="return self.waits and now_ns - self._since_ns >= self._patience_ns",
         without="return False",
         caught_by=(
@@ -132,7 +132,7 @@ OF_BREAKS = (
     ),
     Fault(
         name="I6 simulated machines go on while this process stands still",
-        file="rosic_sim/robots/theatre.py",
+        file="rosic_sim/robots/simulation_loop.py",
         guard="            self._lose_links(now_s)\n",
         without="",
         caught_by=(
@@ -143,7 +143,7 @@ OF_BREAKS = (
     Fault(
         name="I6 what waits behind a broken motion begins",
         file="gateway/order_execution.py",
-        guard="            self._linker.void(life.order.robot, AFTER_A_BREAK)",
+        guard="            self._linker.void(running.order.robot, AFTER_A_BREAK)",
         without="            pass",
         caught_by=(f"{AFTER}::test_what_waits_behind_a_motion_that_was_broken_off_is_not_done",),
     ),

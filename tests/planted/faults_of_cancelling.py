@@ -10,7 +10,7 @@ CONTINUING = "tests/gateway/test_continuing.py"
 SEVERAL = "tests/gateway/test_resuming_several.py"
 
 CONSOLE = "tests/app/test_console.py"
-LOWERING = "tests/gateway/test_lowering.py"
+LOWERING = "tests/gateway/test_limit_clamping.py"
 
 OF_CANCELLING = (
     Fault(

@@ -8,7 +8,7 @@ HISTORIES = "tests/core/fleet/test_histories.py::test_whatever_fails_no_promise_
 FOLLOW = "tests/rosic_sim/machines/test_follow.py"
 TIMES = "tests/features/fleet/test_mission_times.py"
 REACTING = "core/fleet/transitions.py"
-ASSIGNING = "tests/organiser/test_assigning.py"
+ASSIGNING = "tests/organiser/test_planning_solver.py"
 
 OF_FLEET = (
     Fault(
@@ -99,7 +99,7 @@ OF_TASKS = (
     Fault(
         name="of those that begin together some go on without the one that does not",
         file="features/fleet/multi_robot.py",
-        guard="                life.over = partial(pact.ended, order)\n",
+        guard="                life.over = partial(start.ended, order)\n",
         without="                pass\n",
         caught_by=("tests/features/fleet/test_together.py",),
     ),
@@ -128,7 +128,7 @@ OF_TASKS = (
     ),
     Fault(
         name="a robot counts as at rest without being seen so",
-        file="gateway/resting.py",
+        file="gateway/rest_wait.py",
         guard="    while linker.presence(robot).at_rest is False:\n",
         without="    while False:\n",
         caught_by=(f"{TASKS}::test_a_failure_moves_it_once_and_what_is_done_is_not_repeated",),

@@ -6,9 +6,9 @@ from tests.planted.faults import GATE, Fault
 
 LINKER = "tests/linker/test_linker.py"
 HUNG = "tests/gateway/test_hung.py"
-LATCH = "tests/stores/test_latch.py"
-LANE = "tests/stores/test_lane.py"
-ROOT_KEY = "tests/stores/test_rootkey.py"
+LATCH = "tests/stores/test_stop_latch.py"
+LANE = "tests/stores/test_write_thread.py"
+ROOT_KEY = "tests/stores/test_root_key.py"
 SECOND_PERSON = "tests/gateway/test_second_person.py"
 OPENING = "tests/stores/test_opening.py"
 
@@ -229,8 +229,8 @@ OF_KEEPING = (
     Fault(
         name="digests of robots bypass the archive",
         file="app/robot_to_robot_feature.py",
-        guard="teller, reach.messengers)",
-        without="teller, parts.messengers)",
+        guard="chat_sender, reach.messengers)",
+        without="chat_sender, parts.messengers)",
         caught_by=(
             "tests/features/robot_to_robot/test_sharing.py::test_a_digest_is_in_the_archive_of_the_chat_that_reads_it",
         ),

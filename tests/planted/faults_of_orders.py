@@ -7,7 +7,7 @@ from tests.planted.faults import BUTTONS, GATE, STOPPING, WAY, Fault
 ROBOTS = "tests/conformance/test_robots.py"
 AGREED = "tests/gateway/test_agreed_acts.py"
 VICTIMS = "tests/features/access/test_victims.py"
-MAILBOX = "tests/linker/test_mailbox.py"
+MAILBOX = "tests/linker/test_robot_queue.py"
 
 LATE = "tests/gateway/test_suspended.py"
 
@@ -120,7 +120,7 @@ OF_ORDERS = (
         guard="if limit.parameter in given or not isinstance(value, int | float):",
         without="if not isinstance(value, int | float):",
         caught_by=(
-            "tests/gateway/test_lowering.py::test_what_was_said_above_the_limit_is_refused_as_ever",
+            "tests/gateway/test_limit_clamping.py::test_what_was_said_above_the_limit_is_refused_as_ever",
         ),
     ),
     Fault(
@@ -155,7 +155,7 @@ OF_ORDERS = (
             "                return past_ns / 1e9, self._machine.at_rest()"
         ),
         without="if True:\n                return past_ns / 1e9, True",
-        caught_by=("tests/rosic_sim/test_worlds.py",),
+        caught_by=("tests/rosic_sim/test_simulation_loop.py",),
     ),
     Fault(
         name="I13 fences begin anew after a restart",
@@ -176,7 +176,7 @@ OF_ORDERS = (
         file="stores/stop_latch.py",
         guard="        elif state.generation < known.generation:\n            return\n",
         without="",
-        caught_by=("tests/stores/test_latch.py",),
+        caught_by=("tests/stores/test_stop_latch.py",),
     ),
     Fault(
         name="I14 a tap on what nobody was shown is taken for a command",

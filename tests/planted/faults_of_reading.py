@@ -5,7 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 READING = "tests/messengers/test_reading.py"
-WINDOW = "tests/messengers/test_window.py"
+WINDOW = "tests/messengers/test_update_window.py"
 STEPS = "tests/gateway/test_steps.py"
 HUNG = "tests/gateway/test_hung.py"
 IN_GROUPS = "tests/features/access/test_codes_in_groups.py"
@@ -127,21 +127,21 @@ OF_READING = (
     ),
     Fault(
         name="I10 whoever said something waits for the disk for as long as it hangs",
-        file="container/patience.py",
+        file="container/bounded_writes.py",
         guard="await asyncio.wait((task, patience), return_when=asyncio.FIRST_COMPLETED)",
         without="await asyncio.wait((task,))",
         caught_by=(f"{HUNG}::test_what_moves_nothing_does_not_wait_longer_either",),
     ),
     Fault(
         name="I10 each order waits anew for a record that hangs",
-        file="container/patience.py",
+        file="container/bounded_writes.py",
         guard="        if self._late:\n",
         without="        if False:\n",
         caught_by=(f"{HUNG}::test_while_something_is_late_nothing_else_waits",),
     ),
     Fault(
         name="I7 what is claimed too late is left open",
-        file="container/patience.py",
+        file="container/bounded_writes.py",
         guard="            disown()\n",
         without="            pass\n",
         caught_by=(f"{HUNG}::test_what_is_claimed_too_late_is_disowned_and_never_done",),
@@ -176,7 +176,7 @@ OF_READING = (
     ),
     Fault(
         name="a code is good that somebody known shows a group in a line that is understood",
-        file="gateway/reception.py",
+        file="gateway/hooks.py",
         guard=" or inbound.chat.kind is not ChatKind.PRIVATE:\n        return True",
         without=":\n        return True",
         caught_by=(f"{IN_GROUPS}::test_a_whole_gateway_burns_a_code_whatever_else_is_said",),

@@ -5,11 +5,11 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 OUTBOX = "tests/gateway/test_outbox.py"
-EXPIRING = "tests/gateway/test_expiring.py"
-SPEAKING = "tests/gateway/test_turns_to_speak.py"
+EXPIRING = "tests/gateway/test_button_expiry.py"
+SPEAKING = "tests/gateway/test_chat_queue.py"
 
 END_BUTTONS = "tests/gateway/test_end_buttons.py"
-LISTENING = "tests/messengers/test_listening.py"
+LISTENING = "tests/messengers/test_polling_gap.py"
 
 OF_TELLING = (
     Fault(
@@ -84,21 +84,23 @@ OF_TELLING = (
         file="gateway/replies.py",
         guard="if is_missed(inbound):",
         without="if False:",
-        caught_by=("tests/gateway/test_arrears.py",),
+        caught_by=("tests/gateway/test_catch_up.py",),
     ),
     Fault(
         name="what was said in a group in the last minute is forgotten over a restart",
         file="messengers/telegram/rate_limiter.py",
         guard="pace.go_on(self._lately.take(chat))",
         without="pass",
-        caught_by=("tests/messengers/test_limiter.py::test_a_groups_minute_outlives_a_restart",),
+        caught_by=(
+            "tests/messengers/test_rate_limiter.py::test_a_groups_minute_outlives_a_restart",
+        ),
     ),
     Fault(
         name="L2 the next message of a chat waits until a refusal is on disk",
         file="gateway/replies.py",
-        guard="if self.arrears.settles(said.messenger):",
-        without="if is_missed(said.inbound) and self.arrears.settles(said.messenger):",
-        caught_by=("tests/gateway/test_arrears.py",),
+        guard="if self.backlog.settles(said.messenger):",
+        without="if is_missed(said.inbound) and self.backlog.settles(said.messenger):",
+        caught_by=("tests/gateway/test_catch_up.py",),
     ),
     Fault(
         name="L1 what has become an outcome goes on waiting as a question",
@@ -137,6 +139,6 @@ OF_TELLING = (
         file="messengers/telegram/rate_limiter.py",
         guard="return one.weight, self._of(one)[0].paid_ns, one.number",
         without="return one.weight, 0, one.number",
-        caught_by=("tests/messengers/test_limiter.py",),
+        caught_by=("tests/messengers/test_rate_limiter.py",),
     ),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 TWO_BOTS = "tests/gateway/test_two_bots.py"
-LIMITER = "tests/messengers/test_limiter.py"
+LIMITER = "tests/messengers/test_rate_limiter.py"
 STOPPING = "tests/gateway/test_stopping.py"
 STOP_WORDS = "tests/core/language/test_stopping.py"
 STEPS = "tests/gateway/test_steps.py"
@@ -140,7 +140,7 @@ MESSENGER_FAULTS = (
         file="gateway/reply_context.py",
         guard="if about and visible.intersection(members(about)):",
         without="if False:",
-        caught_by=("tests/gateway/test_spoken_of.py",),
+        caught_by=("tests/gateway/test_reply_context.py",),
     ),
     Fault(
         name="what stayed behind in a group is sought where the group is now",

@@ -17,7 +17,7 @@ from rosic.system import SystemClock
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import OrderBook
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.theatre import theatre_of
+from rosic_sim.robots.simulation_loop import theatre_of
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock

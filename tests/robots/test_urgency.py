@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from concurrent.futures import ThreadPoolExecutor
 
-from rosic_sim.ros2.urgency import Urgency
+from rosic_sim.ros2.realtime_priority import Urgency
 
 
 def policies(*, wanted: bool) -> tuple[Urgency, list[int]]:

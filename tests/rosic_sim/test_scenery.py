@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from PIL import Image, ImageChops, ImageStat
 
-from rosic.app.portrait import FILE, played, robots
+from rosic.app.readme_picture import FILE, played, robots
 from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.order_gate import OrderGate
 from rosic.core.robot.view import Box, Grid, Scene, Sight, Tube, View
@@ -107,5 +107,5 @@ def test_the_picture_in_the_readme_is_what_would_be_drawn_now() -> None:
     drawn = Image.open(io.BytesIO(robots().content)).convert("RGB")
     assert shown.size == drawn.size
     apart = ImageStat.Stat(ImageChops.difference(shown, drawn)).mean
-    assert max(apart) < TOLERANCE, "run: python -m rosic.app.portrait"
+    assert max(apart) < TOLERANCE, "run: python -m rosic.app.readme_picture"
     assert f"({FILE})" in (ROOT / "README.md").read_text("utf-8")

@@ -9,7 +9,7 @@ import pytest
 from rosic.config.profiles import load_profile, shipped_profiles
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.theatre import theatre_of
+from rosic_sim.robots.simulation_loop import theatre_of
 from tests.gateway.place import Place
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from rosic.core.robot.profile import Link
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import OrderBook
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.theatre import theatre_of
+from rosic_sim.robots.simulation_loop import theatre_of
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator

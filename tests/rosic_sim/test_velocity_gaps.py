@@ -67,7 +67,7 @@ async def driven(monkeypatch: pytest.MonkeyPatch, sleeps_s: list[float], named_a
     way = SimpleNamespace(look=lambda: None)
     monkeypatch.setattr(velocity_stream, "MeasuredWay", lambda *_: way)
     monkeypatch.setattr(velocity_stream, "told_m_s", lambda _: 0.2)
-    errand: Any = SimpleNamespace(
+    call: Any = SimpleNamespace(
         side=SimpleNamespace(measured=side, watchdog_s=WATCHDOG_S, clock=clock),
         leave=lambda: None,
         allowed=lambda: True,
@@ -75,7 +75,7 @@ async def driven(monkeypatch: pytest.MonkeyPatch, sleeps_s: list[float], named_a
         running=lambda _share: None,
     )
     publisher: Any = side
-    stream = VelocityStream(errand, publisher, {}, StreamPace(0.05, 1.0))
+    stream = VelocityStream(call, publisher, {}, StreamPace(0.05, 1.0))
     return side.sent_s, await stream.run()
 
 

@@ -12,7 +12,7 @@ import pytest
 from rosic.errors import ConfigurationError, StoreFault
 from rosic.stores import slots
 from rosic.stores.stop_latch import FileLatch
-from tests.stores.test_latch import ROOM, a_latch
+from tests.stores.test_stop_latch import ROOM, a_latch
 
 if TYPE_CHECKING:
     from collections.abc import Callable

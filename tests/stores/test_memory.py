@@ -23,7 +23,7 @@ async def test_ids_are_kept_up_to_a_horizon() -> None:
 
 
 async def test_commands_that_are_never_told_are_bounded() -> None:
-    store = MemoryStore(lives_max=5)
+    store = MemoryStore(open_orders_max=5)
     await store.open()
     for name in range(5):
         await store.write(a_claim(name))

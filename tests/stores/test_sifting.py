@@ -69,15 +69,19 @@ async def test_a_command_that_stays_open_ruins_no_start(tmp_path: Path) -> None:
     looked_through = "commands WHERE seq >= (SELECT below FROM sifted)"
     assert count(tmp_path, looked_through) <= 2 * DEFAULTS.unsifted + 250
     store = a_store(tmp_path)
-    lives = (await store.open()).unfinished
-    assert [life.cid for life in lives] == [an_id("old"), an_id("middle"), an_id("young")]
-    assert [life.placed for life in lives] == [b"message 8", None, None]
+    open_orders = (await store.open()).unfinished
+    assert [open_order.cid for open_order in open_orders] == [
+        an_id("old"),
+        an_id("middle"),
+        an_id("young"),
+    ]
+    assert [open_order.placed for open_order in open_orders] == [b"message 8", None, None]
     await store.write(told("old"), a_conclusion("middle", words=None))
     await store.close()
 
     assert count(tmp_path, "open_lives") == 0
     store = a_store(tmp_path)
-    assert [life.cid for life in (await store.open()).unfinished] == [an_id("young")]
+    assert [open_order.cid for open_order in (await store.open()).unfinished] == [an_id("young")]
     with pytest.raises(Repeated):
         await store.write(a_claim("old"))
     await store.close()

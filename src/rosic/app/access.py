@@ -26,7 +26,7 @@ from rosic.core.slot import SERIES, SLOT
 from rosic.errors import NotPermitted, Refusal, TooManyRequests
 from rosic.features.dashboard.dashboard import KIND as CARD
 from rosic.gateway.transactions import Transactions
-from rosic.organiser.access_requests import PETITION, AccessRequests
+from rosic.organiser.access_requests import ACCESS_REQUEST, AccessRequests
 from rosic.organiser.calendar import Calendar
 from rosic.organiser.grants import GRANT
 from rosic.organiser.organiser import AccessState
@@ -75,8 +75,8 @@ class AccessFeature:
     Attributes:
         changes: Through which every change goes.
         note: Writes down what is so already, and waits for no disk.
-        enrolment, keys, locks, stepup, misuse, tally, time, security, waiting, petitions: The
-            books.
+        enrolment, keys, locks, two_factor, misuse, counters, time, security, waiting,
+            access_requests: The books.
         calendar: Whose time it is.
         cards: Live cards of earlier runs, for whoever shows them.
         forget_newcomer: Erases what was kept of somebody who was not let in; nothing is kept
@@ -97,7 +97,7 @@ class AccessFeature:
         self.note = store.note
         self.cards: tuple[Fact, ...] = ()
         self.keys = authoriser.keys
-        self.time, self.tally = self.keys.time, self.keys.tally
+        self.time, self.counters = self.keys.time, self.keys.counters
         self.locks = Locks(self.time)
         self.may_invite: Deferred[[PrincipalId, InvitedRights], bool] = Deferred(_nobody_invites)
         self.enrolment = Enrolment(
@@ -105,19 +105,19 @@ class AccessFeature:
             self.locks,
             self.time,
             entropy,
-            self.tally,
+            self.counters,
             EnrolmentRules(self.may_invite),
         )
-        self.stepup = TwoFactor(self.time, entropy, self.tally, place=place)
+        self.two_factor = TwoFactor(self.time, entropy, self.counters, place=place)
         self.misuse = AbuseDetector(
             self.time, AbuseLimits(), only_admin=self.is_only_admin, name=authoriser.directory.name
         )
         self.security = SecurityReports(
-            authoriser, self.enrolment, self.keys, self.locks, self.tally, self.time
+            authoriser, self.enrolment, self.keys, self.locks, self.counters, self.time
         )
         self.waiting = WaitingList(self.time)
         self.wishes = Wishes(self.time.wall_ns)
-        self.petitions = AccessRequests(self.time.wall_ns, entropy)
+        self.access_requests = AccessRequests(self.time.wall_ns, entropy)
         self.forget_newcomer: Deferred[[PrincipalId], Awaitable[None]] = Deferred(nothing_kept)
         self._authoriser = authoriser
         self._authority, self._board = authority, board
@@ -135,8 +135,8 @@ class AccessFeature:
             key_of=partial(key_of, authoriser),
             narrow=authoriser.directory.narrowed,
             locked=self.locks.everybody(),
-            own_limits=authority.roster.own_limits,
-            locked_out=lambda _principal: self.tally.count("locked"),
+            own_limits=authority.grants_book.own_limits,
+            locked_out=lambda _principal: self.counters.count("locked"),
             released=lambda _robot: authority.moved(),
         )
 
@@ -145,15 +145,15 @@ class AccessFeature:
         authority, changes = self._authority, self.changes
         keepers = {
             "high-water": self.time.apply,
-            "tally": self.tally.apply,
+            "tally": self.counters.apply,
             "lock": self.locks.apply,
             "code-key": self.enrolment.apply,
             "invitation": self.enrolment.apply,
             "pending": self.enrolment.apply,
-            "totp": self.stepup.apply,
+            "totp": self.two_factor.apply,
             WAITING: self.waiting.apply,
             WISH: self.wishes.apply,
-            PETITION: self.petitions.apply,
+            ACCESS_REQUEST: self.access_requests.apply,
         }
         for kind, apply in keepers.items():
             for fact in memory.facts.get(kind, ()):
@@ -186,7 +186,7 @@ class AccessFeature:
 
     def _locked(self, fact: Fact) -> None:
         self.locks.apply(fact)
-        self.stepup.end(fact.key)
+        self.two_factor.end(fact.key)
         self._authority.renew(fact.key)
 
     def _key_ends(self, fact: Fact) -> None:
@@ -211,7 +211,7 @@ class AccessFeature:
         self.keys.apply(record)
         principal = self._authoriser.revoke(record.key)
         if principal is not None:
-            self.stepup.end(principal)
+            self.two_factor.end(principal)
             if not self._authoriser.directory.has_good_key(principal):
                 self._authority.revoked(principal)
 
@@ -227,7 +227,7 @@ class AccessFeature:
         """Write down what was counted since the last time; at the end, and as far as it can be."""
         with suppress(Refusal):
             async with self.changes.turn() as turn:
-                await turn.write((*self.time.due(), *self.tally.due()))
+                await turn.write((*self.time.due(), *self.counters.due()))
 
     def is_only_admin(self, principal: PrincipalId) -> bool:
         """Whether nobody else with a good key, who is not locked, is admin."""
@@ -252,7 +252,11 @@ class MisuseFollower:
     """Lets the rules about misuse hear of what people try, and does what they ask for."""
 
     def __init__(self, access: AccessFeature, organiser: Organiser, reach: Notifier) -> None:
-        self._stepup, self._tally, self._misuse = access.stepup, access.tally, access.misuse
+        self._two_factor, self._counters, self._misuse = (
+            access.two_factor,
+            access.counters,
+            access.misuse,
+        )
         self._changes, self._keys = access.changes, access.keys
         self._organiser, self._reach = organiser, reach
         self._tasks: set[asyncio.Task[None]] = set()
@@ -260,14 +264,14 @@ class MisuseFollower:
     def proof_used(self, principal: PrincipalId, chat: Chat) -> None:
         """Begin the idle hour of a second factor anew; what has let pass has let pass."""
         with suppress(NotPermitted):  # the hour may have ended since it was asked
-            self._stepup.use(principal, chat)
+            self._two_factor.use(principal, chat)
 
     def refused(self, caller: Caller, refusal: Refusal) -> None:
         """Let the rules about misuse hear of refusals; what is only late is none."""
         if refusal.code not in SUSPICIOUS:
             return
         if not refusal.counted:
-            self._tally.count(COUNTED_AS.get(refusal.code, refusal.code))
+            self._counters.count(COUNTED_AS.get(refusal.code, refusal.code))
         if isinstance(refusal, TooManyRequests) and not refusal.own:
             return
         said = self._misuse.attempted(caller.principal, SkillClass.MOTION, refusal.code)

@@ -23,14 +23,14 @@ from rosic.core.records import Fact
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access.admin_policy import FOR_GOOD_NS
 from rosic.features.files.content import content_of
-from rosic.features.fleet import newcomers_messages as words
+from rosic.features.fleet import added_robot_messages as words
 from rosic.features.fleet.task_commands import ASSIGN
-from rosic.gateway.office import Reply, check_private
+from rosic.gateway.commands import Reply, check_private
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from rosic.app.running import RunningGateway
+    from rosic.app.gateway_parts import RunningGateway
     from rosic.config.profiles import ReadProfile
     from rosic.container.files import StoredFile
     from rosic.core.identity import PrincipalId
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from rosic.core.message import Button
     from rosic.core.robot.profile import Profile
     from rosic.features.files.upload import Offer
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.container_context import ContainerContext
-    from rosic.gateway.office import CommandContext
     from rosic.organiser.organiser import Organiser
 
 
@@ -129,7 +129,7 @@ def check_distinct(newcomer: Profile, known: Iterable[Profile]) -> None:
             raise NotUnderstood(words.same_namespace(newcomer.link.namespace, robot.shown))
 
 
-def with_enlisted(
+def with_added(
     configured: tuple[Profile, ...], facts: Iterable[Fact], units: UnitTable
 ) -> tuple[Profile, ...]:
     """Return the robots of a configuration, and those that were added since.
@@ -194,16 +194,16 @@ class AddRobotFromChat:
     """Adds robots for whoever may both assign tasks and give rights: rights reach it at once.
 
     Args:
-        enlisting: Adds them.
-        holdings: Where people's files are.
+        robot_adder: Adds them.
+        data_context: Where people's files are.
         organiser: Says who may.
     """
 
     def __init__(
-        self, enlisting: RobotAdder, holdings: ContainerContext, organiser: Organiser
+        self, robot_adder: RobotAdder, data_context: ContainerContext, organiser: Organiser
     ) -> None:
-        self._enlisting = enlisting
-        self._holdings = holdings
+        self._robot_adder = robot_adder
+        self._data_context = data_context
         self._organiser = organiser
 
     def offering(self, others: Offer) -> Offer:
@@ -234,9 +234,9 @@ class AddRobotFromChat:
         name, role, shown = _read(said)
         if role and not self._may(principal, FOR_GOOD_NS):
             raise NotPermitted(words.ROLE_FOR_GOOD)
-        filed = self._holdings.files.find(principal, name)
+        filed = self._data_context.files.find(principal, name)
         draft = await self._draft(filed)
-        profile, advice = await self._enlisting.check(draft, role)
+        profile, advice = await self._robot_adder.check(draft, role)
         _check_folders(profile)
         digest = filed.digest.hex()[:DIGEST_LETTERS]
         if not shown:
@@ -245,7 +245,7 @@ class AddRobotFromChat:
             return Reply(text, words.confirm_buttons(filed.name, role, digest))
         if shown != digest:
             raise NotUnderstood(words.CHANGED, offers=(words.add_command(filed.name, role),))
-        return Reply(await self._enlisting.add(draft, principal, role), about=profile.id)
+        return Reply(await self._robot_adder.add(draft, principal, role), about=profile.id)
 
     def _may(self, principal: PrincipalId, at_ns: int | None = None) -> bool:
         organiser = self._organiser
@@ -255,7 +255,7 @@ class AddRobotFromChat:
     async def _draft(self, filed: StoredFile) -> Draft:
         if filed.size > TEXT_BYTES:
             raise NotUnderstood(words.TOO_LONG)
-        content = await content_of(self._holdings.vault, filed)
+        content = await content_of(self._data_context.vault, filed)
         try:
             return Draft(text=content.decode("utf-8-sig"), name=filed.name)
         except UnicodeDecodeError:
@@ -273,13 +273,15 @@ def _read(said: str) -> tuple[str, str, str]:
     return " ".join(words_said), role, digest
 
 
-def newcomers_of(gateway: RunningGateway, enlisting: RobotAdder) -> None:
+def newcomers_of(gateway: RunningGateway, robot_adder: RobotAdder) -> None:
     """Let robots be added from files, where files are kept."""
-    holding = gateway.holding
-    if holding.holdings is not None and holding.receiving is not None:
-        newcomers = AddRobotFromChat(enlisting, holding.holdings, gateway.rooms.organiser)
-        gateway.furnishing.fleet.robots.newcomer = newcomers.add
-        holding.receiving.offer = newcomers.offering(holding.receiving.offer)
+    data_feature = gateway.data_feature
+    if data_feature.data_context is not None and data_feature.receiving is not None:
+        newcomers = AddRobotFromChat(
+            robot_adder, data_feature.data_context, gateway.rooms.organiser
+        )
+        gateway.furnished.fleet.robots.newcomer = newcomers.add
+        data_feature.receiving.offer = newcomers.offering(data_feature.receiving.offer)
 
 
 def _check_folders(profile: Profile) -> None:

@@ -12,15 +12,15 @@ from rosic.app.people import Seed, named_in_file
 from rosic.contracts.file_rules import ValidationFinding
 from rosic.contracts.messenger import watch_reactions
 from rosic.core.alerts.rule import read_run, rules_of
-from rosic.features.alerts.absences import Absences
 from rosic.features.alerts.actions import AlertActions
 from rosic.features.alerts.active_alerts import ALARM, MUTE, RUN, TOLD, AlertLog
-from rosic.features.alerts.broken_stops import BrokenStops
 from rosic.features.alerts.commands import AlertCommands, AlertReactions
 from rosic.features.alerts.evaluator import AlertEvaluator
+from rosic.features.alerts.offline_notices import Absences
 from rosic.features.alerts.recipients import Recipients
+from rosic.features.alerts.stop_violations import BrokenStops
 from rosic.features.benchmarks.evaluation import follow
-from rosic.features.media.commands import employ_clerks, sights
+from rosic.features.media.commands import register_commands, sights
 from rosic.features.media.context import MediaContext, MediaQueries
 from rosic.features.media.render_queue import RenderQueue
 from rosic.features.media.telemetry_buffer import TelemetrySampler
@@ -73,8 +73,8 @@ class AlertFeature:
         self.broken_stops = BrokenStops(rooms, hands.reach, clock, circles)
         self._hands, self._clock = hands, clock
 
-    def furnish(self, pipeline: Pipeline, memory: Memory, people: Iterable[Seed]) -> None:
-        """Read the rules, take over what earlier runs have raised, and take the errands."""
+    def set_up(self, pipeline: Pipeline, memory: Memory, people: Iterable[Seed]) -> None:
+        """Read the rules, take over what earlier runs have raised, and take the commands."""
         rooms, changes, book = self._rooms, self._access.changes, self.alerting.book
         for kind in (ALARM, MUTE, RUN):
             book.restore(memory.facts.get(kind, ()))
@@ -94,8 +94,8 @@ class AlertFeature:
         }
         told = memory.facts.get(TOLD, ())
         self.alerting.write(self.alerting.telling.placed.restore(told, open_now))
-        follow(pipeline.lives, self.absences)
-        AlertCommands(self.alerting, rooms, changes).employ(pipeline.reception.office)
+        follow(pipeline.executor, self.absences)
+        AlertCommands(self.alerting, rooms, changes).register(pipeline.hooks.commands)
 
     async def run(self) -> None:
         """Follow the rules until cancelled."""
@@ -159,8 +159,12 @@ def jpeg_drawer() -> Callable[[Scene], bytes] | None:
     return None if painter() is None else lambda scene: _draw(scene, low=True).content
 
 
-def furnish_seeing(
-    rooms: Components, pipeline: Pipeline, teller: ChatSender, draws: Renderer | None, clock: Clock
+def set_up_media(
+    rooms: Components,
+    pipeline: Pipeline,
+    chat_sender: ChatSender,
+    draws: Renderer | None,
+    clock: Clock,
 ) -> MediaContext:
     """Let people look at robots that they may read."""
     organiser, profiles = rooms.organiser, rooms.profiles
@@ -168,32 +172,32 @@ def furnish_seeing(
     def may_see(principal: PrincipalId, robot: RobotId) -> bool:
         return principal not in organiser.locked and robot in organiser.visible(principal)
 
-    studio = RenderQueue(
+    render_queue = RenderQueue(
         draws,
-        teller,
+        chat_sender,
         clock,
         may_see=may_see,
         issue=rooms.authoriser.buttons.issue,
         shown=lambda robot: profiles[robot].shown,
     )
-    seeing = MediaContext(
+    media_feature = MediaContext(
         vocabulary=rooms.vocabulary,
         profiles=profiles,
         sides=MediaQueries(visible=organiser.visible, selected=rooms.container.selected),
         linker=rooms.linker,
-        studio=studio,
+        render_queue=render_queue,
         sampler=TelemetrySampler(rooms.linker, clock),
         clock=clock,
     )
-    employ_clerks(pipeline.reception.office, seeing)
-    pipeline.reception.sights.bind(partial(sights, seeing))
+    register_commands(pipeline.hooks.commands, media_feature)
+    pipeline.hooks.sights.bind(partial(sights, media_feature))
     for profile in profiles.values():
-        enlist_seen(seeing, pipeline, profile)
-    return seeing
+        add_seen(media_feature, pipeline, profile)
+    return media_feature
 
 
-def enlist_seen(seeing: MediaContext, pipeline: Pipeline, profile: Profile) -> None:
+def add_seen(media_feature: MediaContext, pipeline: Pipeline, profile: Profile) -> None:
     """Sample what a robot reports, and follow where it goes if it says so."""
-    seeing.sampler.enlist(profile)
+    media_feature.sampler.add_robot(profile)
     if profile.pose is not None:
-        follow(pipeline.lives, seeing.sampler)
+        follow(pipeline.executor, media_feature.sampler)

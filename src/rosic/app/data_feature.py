@@ -25,7 +25,7 @@ from rosic.features.files.commands import FileCommands
 from rosic.features.files.transfer import FileTransfer, TransferWays
 from rosic.features.files.upload import FileUpload
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
-from rosic.features.personal_data.commands import employ_clerks, take_over, tidy
+from rosic.features.personal_data.commands import register_commands, take_over, tidy
 from rosic.features.personal_data.erasure import ErasureCommands, ErasureQueries
 from rosic.features.personal_data.messages import YOU
 from rosic.gateway.container_context import ContainerContext
@@ -81,7 +81,7 @@ class DataFeature:
         archive: Which chats are kept.
         preferences: What people set for themselves.
         erasing: Erases somebody; None while the record cannot look into containers.
-        holdings: What is kept in containers; likewise.
+        data_context: What is kept in containers; likewise.
         receiving: Takes in files that people send; likewise.
         also_ends, also_ended: What else `ErasureQueries.ends` and `ErasureQueries.ended` ask of
             other rooms.
@@ -103,7 +103,7 @@ class DataFeature:
         self._access = access
         self._authority, self._enforcer = enforcer.policy, enforcer
         self._clock = clock
-        self.holdings: ContainerContext | None = None
+        self.data_context: ContainerContext | None = None
         self.receiving: FileUpload | None = None
         self.erasing: ErasureCommands | None = None
         self._aside: BackgroundTransfer | None = None
@@ -120,10 +120,10 @@ class DataFeature:
             ArchivingMessenger(m, self.archive, store, author_of, codes_in) for m in messengers
         )
 
-    async def furnish(
+    async def set_up(
         self,
         pipeline: Pipeline,
-        furnishing: FeatureSetup,
+        furnished: FeatureSetup,
         vault: ContainerStore,
         memory: Memory,
         parts: ContainerFactory,
@@ -138,24 +138,24 @@ class DataFeature:
             rooms.profiles,
             rooms.vocabulary,
             self._clock,
-            furnishing.reach.tell,
+            furnished.reach.tell,
             pipeline.habits,
         )
-        holdings = holdings_of(around, vault, self.archive, parts, self._room)
-        self.holdings = holdings
-        erasing = self.erasing = ErasureCommands(holdings, self._sides(pipeline, furnishing))
-        office, filing = pipeline.reception.office, FileCommands(holdings)
-        employ_clerks(office, holdings, erasing)
-        filing.employ(office)
-        take_over(memory.facts, holdings, erasing)
+        data_context = data_context_of(around, vault, self.archive, parts, self._room)
+        self.data_context = data_context
+        erasing = self.erasing = ErasureCommands(data_context, self._sides(pipeline, furnished))
+        commands, filing = pipeline.hooks.commands, FileCommands(data_context)
+        register_commands(commands, data_context, erasing)
+        filing.register(commands)
+        take_over(memory.facts, data_context, erasing)
         self._follow_settings()
         if memory.facts.get(PREFERENCE):
             rooms.container.usual = self._usual
         self._access.forget_newcomer.bind(erasing.stranger)
-        self.receiving = FileUpload(holdings, pipeline.answer, pipeline.plain)
-        pipeline.reception.enclosed.bind(self.receiving.take)
+        self.receiving = FileUpload(data_context, pipeline.answer, pipeline.plain)
+        pipeline.hooks.enclosed.bind(self.receiving.take)
         self._aside = BackgroundTransfer(pipeline.answer, pipeline.plain, self._clock)
-        handing = handing_of(rooms, holdings, pipeline, self._aside, self._folders)
+        handing = handing_of(rooms, data_context, pipeline, self._aside, self._folders)
         filing.take_time(self._aside, pipeline.plain)
         filing.hand_over(handing)
         self.receiving.offer = handing.offer
@@ -170,8 +170,8 @@ class DataFeature:
         Raises:
             RecordUnavailable: Not all could be written; the rest is tried the next time.
         """
-        if self.holdings is not None and (habits := self.holdings.habits.unwritten()):
-            async with self.holdings.changes.turn() as turn:
+        if self.data_context is not None and (habits := self.data_context.habits.unwritten()):
+            async with self.data_context.changes.turn() as turn:
                 await turn.write(habits)
         if self.erasing is not None and self.erasing.unfinished:
             await self.erasing.finish()
@@ -191,8 +191,8 @@ class DataFeature:
         Raises:
             RecordUnavailable: Not all was forgotten; the rest is tried the next time.
         """
-        if self.holdings is not None and self.erasing is not None:
-            await tidy(self.holdings, self.erasing)
+        if self.data_context is not None and self.erasing is not None:
+            await tidy(self.data_context, self.erasing)
 
     def _usual(self, principal: PrincipalId) -> str:
         return self.preferences.of(principal).robot
@@ -200,7 +200,7 @@ class DataFeature:
     def _follow_settings(self) -> None:
         """Let what people set for themselves count: a cap on their speed, their usual robot."""
         authority, preferences = self._authority, self.preferences
-        for principal in authority.roster.everybody():
+        for principal in authority.grants_book.everybody():
             self._speak_to(principal)
 
         def changed(fact: Fact) -> None:
@@ -211,15 +211,15 @@ class DataFeature:
 
         self._access.changes.keep(PREFERENCE, changed)
 
-    def enlist(self, profile: Profile) -> None:
+    def add_robot(self, profile: Profile) -> None:
         """Know the folders of one more robot, and let people's own speed hold for it.
 
         After the rights reach it.
         """
         if profile.files is not None:
-            self._folders.enlist(profile.id, profile.files)
-        if self.holdings is not None:
-            for principal in self.preferences.enlist(profile.id, skills_of(profile)):
+            self._folders.add_robot(profile.id, profile.files)
+        if self.data_context is not None:
+            for principal in self.preferences.add_robot(profile.id, skills_of(profile)):
                 self._authority.renew(principal)
 
     def _speak_to(self, principal: PrincipalId) -> None:
@@ -234,21 +234,25 @@ class DataFeature:
         if self._aside is not None:
             await self._aside.end(principal)
 
-    def _sides(self, pipeline: Pipeline, furnishing: FeatureSetup) -> ErasureQueries:
+    def _sides(self, pipeline: Pipeline, furnished: FeatureSetup) -> ErasureQueries:
         rooms, access, authority = self._rooms, self._access, self._authority
         directory = rooms.authoriser.directory
 
         def ends(principal: PrincipalId, by: PrincipalId) -> Iterable[Record]:
             good = (key for key in access.keys.of(principal) if key.revoked_ns is None)
             made = [i for i in access.enrolment.invitations.open() if i.issuer == principal]
-            phone = access.stepup.reset(principal, by) if access.stepup.is_set_up(principal) else ()
+            phone = (
+                access.two_factor.reset(principal, by)
+                if access.two_factor.is_set_up(principal)
+                else ()
+            )
             return (
                 *(r for i in made for r in access.enrolment.invitations.withdraw(i.id, by)),
                 *phone,
-                *authority.roster.take(principal, by),
+                *authority.grants_book.take(principal, by),
                 *access.ahead(principal),
-                *furnishing.live_cards.end_all(principal),
-                *furnishing.fleet.end_all(principal),
+                *furnished.live_cards.end_all(principal),
+                *furnished.fleet.end_all(principal),
                 *(record for end in self.also_ends for record in end(principal)),
                 *(r for key in good for r in access.keys.revoke(key.id, by).records),
             )
@@ -283,7 +287,7 @@ class DataFeature:
             is_last_admin=access.is_only_admin,
             ends=ends,
             ended=ended,
-            busy=pipeline.lives.busy,
+            busy=pipeline.executor.busy,
             in_use=in_use,
             stray=stray,
             forget=forget,
@@ -299,14 +303,14 @@ def folders_of(rooms: Components) -> RobotFolders:
 
 def handing_of(
     rooms: Components,
-    holdings: ContainerContext,
+    data_context: ContainerContext,
     pipeline: Pipeline,
     aside: BackgroundTransfer,
     folders: RobotFolders,
 ) -> FileTransfer:
-    """Return the clerk who brings files to robots, and robots' files to people."""
+    """Return the handler who brings files to robots, and robots' files to people."""
     ways = TransferWays(folders, rooms.linker.deliver, rooms.board)
-    return FileTransfer(holdings, rooms.organiser, rooms.profiles, ways, pipeline.plain, aside)
+    return FileTransfer(data_context, rooms.organiser, rooms.profiles, ways, pipeline.plain, aside)
 
 
 def preferences_of(
@@ -333,7 +337,7 @@ class DataContext(NamedTuple):
     habits: CommandHistory
 
 
-def holdings_of(
+def data_context_of(
     around: DataContext,
     vault: ContainerStore,
     archive: Archive,

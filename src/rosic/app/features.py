@@ -1,4 +1,4 @@
-"""Says who receives what: errands, newcomers, confirmations. The last step of putting together."""
+"""Says who receives what: commands, newcomers, confirmations. The last step of putting together."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.app.access import admins_of
 from rosic.app.alert_feature import AlertFeature
 from rosic.app.fleet_feature import BenchmarkContext as Askers
-from rosic.app.fleet_feature import FleetFeature, furnish_benchmarks, show_benchmarks
+from rosic.app.fleet_feature import FleetFeature, set_up_benchmarks, show_benchmarks
 from rosic.authoriser.invite_codes import telegram_link
 from rosic.contracts.messenger import bot_name_of
 from rosic.core.i18n import joined
@@ -17,19 +17,19 @@ from rosic.core.policy.scope import FLEET
 from rosic.features.access.access_request import AccessRequestCommands
 from rosic.features.access.access_request_parser import RequestPlaces
 from rosic.features.access.admin_policy import AdminPolicy
+from rosic.features.access.approval_reminders import ApprovalReminders
 from rosic.features.access.approve import ApprovalCommands
-from rosic.features.access.commands import AccessCommands, hire
+from rosic.features.access.commands import AccessCommands, register_access_commands
 from rosic.features.access.context import AccessContext
 from rosic.features.access.grant import GrantCommands
 from rosic.features.access.invite import INVITATION, InviteCommands
 from rosic.features.access.join import JoinHandler
 from rosic.features.access.newcomer_chat import NewcomerChat
 from rosic.features.access.profile_commands import AccountCommands
-from rosic.features.access.reminding import ApprovalReminders
 from rosic.features.access.revoke_lock import AccessNotices, RevokeLockCommands
 from rosic.features.access.roles import RoleCommands
 from rosic.features.access.second_factor import AUTHENTICATOR, SecondFactorCommands
-from rosic.features.booking.commands import employ_clerks
+from rosic.features.booking.commands import register_commands
 from rosic.features.booking.context import BookingContext, BookingQueries
 from rosic.features.booking.scheduler import BookingScheduler
 from rosic.features.dashboard.commands import DashboardCommands
@@ -70,12 +70,12 @@ class FeatureSetup:
     Attributes:
         reach: Speaks to people who have not just asked.
         handover: Ends somebody's time with a robot.
-        consent: Asks for confirmations.
+        confirmation: Asks for confirmations.
         admitting: Asks admins about newcomers.
         notices: Tells whoever is concerned that somebody's access has changed.
-        petitioning: Asks admins for rights that somebody lacks.
+        request_commands: Asks admins for rights that somebody lacks.
         granting: Gives rights for a while.
-        keeper: Follows the calendar.
+        scheduler: Follows the calendar.
         live_cards: Shows in chats how robots are.
         fleet: Brings tasks to robots.
         retracting: Takes away what held a secret.
@@ -88,17 +88,17 @@ class FeatureSetup:
         pipeline: Pipeline,
         access: AccessFeature,
         stop_lane: StopLane,
-        teller: ChatSender,
+        chat_sender: ChatSender,
         enforcer: PolicyEnforcer,
     ) -> None:
         self._rooms = rooms
         self._pipeline = pipeline
         self._access = access
         self._stop_lane = stop_lane
-        self._teller = teller
+        self._chat_sender = chat_sender
         self._enforcer = enforcer
 
-    def furnish(
+    def set_up(
         self,
         reach: Notifier,
         clock: Clock,
@@ -113,42 +113,42 @@ class FeatureSetup:
             entropy: Of the gateway.
             zone: Of the place, in which times are said to whoever has set no other.
         """
-        rooms, reception = self._rooms, self._pipeline.reception
+        rooms, hooks = self._rooms, self._pipeline.hooks
         self.reach, messengers = reach, reach.messengers
         self.handover = LeaseHandover(
-            rooms, self._pipeline.lives, self._stop_lane, self.reach, clock
+            rooms, self._pipeline.executor, self._stop_lane, self.reach, clock
         )
-        self.consent = self._pipeline.consent
+        self.confirmation = self._pipeline.confirmation
         self._say_times_in(zone)
-        self._pipeline.cancels.also(self.consent.withdraw)
-        self._furnish_times(clock)
-        self._furnish_people(self._enforcer.policy, messengers, clock, entropy)
-        self._furnish_cards(messengers, clock)
-        reception.office.employ("take", self.handover.take)
-        reception.office.employ("end", self.handover.give_back)
+        self._pipeline.cancels.also(self.confirmation.withdraw)
+        self._set_up_times(clock)
+        self._set_up_people(self._enforcer.policy, messengers, clock, entropy)
+        self._set_up_cards(messengers, clock)
+        hooks.commands.register("take", self.handover.take)
+        hooks.commands.register("end", self.handover.give_back)
 
     def alarms(
         self, memory: Memory, settings: GatewaySettings, clock: Clock, face: Face
     ) -> AlertFeature:
         """Return what follows the rules about alarms, as the record left them; tasks likewise."""
-        lives, ends = self._pipeline.lives, self._pipeline.ends
+        executor, ends = self._pipeline.executor, self._pipeline.ends
         hands = OrderServices(
-            lives, self._stop_lane, self.handover, self._teller, self.reach, face, ends
+            executor, self._stop_lane, self.handover, self._chat_sender, self.reach, face, ends
         )
         alarms = AlertFeature(self._rooms, self._access, clock, hands)
-        alarms.furnish(self._pipeline, memory, settings.people)
+        alarms.set_up(self._pipeline, memory, settings.people)
         self.fleet = FleetFeature(self._rooms, self._access.changes, clock, hands)
-        self.fleet.furnish(self._pipeline, memory, settings)
+        self.fleet.set_up(self._pipeline, memory, settings)
         alarms.running.tasks = RuleTasks(self._rooms, self.fleet.dispatching)
-        self.judging = furnish_benchmarks(self._rooms, self._access, self._pipeline, memory, clock)
-        asking = Askers(alarms.alerting, self._glimpses, self._naming)
+        self.judging = set_up_benchmarks(self._rooms, self._access, self._pipeline, memory, clock)
+        asking = Askers(alarms.alerting, self._snapshots, self._naming)
         show_benchmarks(self.judging, self._rooms, self._pipeline, asking)
         self.fleet.show_on_cards(self.live_cards, self._card_sides, self._pipeline, memory)
         return alarms
 
     async def close(self) -> None:
         """Follow nothing any more; wait for robots that come to rest, briefly."""
-        await self.keeper.close()
+        await self.scheduler.close()
         await self.live_cards.close()
         await self.fleet.close()
         await self.retracting.close()
@@ -156,7 +156,7 @@ class FeatureSetup:
 
     # ---- people ----
 
-    def _furnish_people(
+    def _set_up_people(
         self,
         authority: PolicyService,
         messengers: Sequence[Messenger],
@@ -175,9 +175,9 @@ class FeatureSetup:
             enrolment=access.enrolment,
             keys=access.keys,
             locks=access.locks,
-            stepup=access.stepup,
+            two_factor=access.two_factor,
             security=access.security,
-            roster=authority.roster,
+            grants_book=authority.grants_book,
             changes=access.changes,
             reach=self.reach,
             clock=clock,
@@ -188,15 +188,17 @@ class FeatureSetup:
         powers = AdminPolicy(registry)
         access.may_invite.bind(powers.may_admit)
         self.notices = AccessNotices(registry, powers)
-        doorstep = NewcomerChat(self._teller, messengers, clock, entropy, count=access.tally.count)
+        newcomer_chat = NewcomerChat(
+            self._chat_sender, messengers, clock, entropy, count=access.counters.count
+        )
         self.admitting = ApprovalCommands(
-            registry, powers, doorstep, menu=self._pipeline.menu, forget=access.forget_newcomer
+            registry, powers, newcomer_chat, menu=self._pipeline.menu, forget=access.forget_newcomer
         )
         joining = JoinHandler(
             registry,
             powers,
             self.admitting,
-            doorstep,
+            newcomer_chat,
             shown_as=lambda inbound: clean_name(inbound.shown_as),
             names_robot=self._names_robot,
         )
@@ -207,8 +209,8 @@ class FeatureSetup:
             zone_of=self._rooms.organiser.calendar.zone,
         )
         self.granting = GrantCommands(registry, powers, entropy, places.zone_of)
-        self.petitioning = AccessRequestCommands(
-            registry, powers, access.petitions, self.granting, places
+        self.request_commands = AccessRequestCommands(
+            registry, powers, access.access_requests, self.granting, places
         )
         self.rolemaking = RoleCommands(registry, powers, authority.rolebook)
         about = AccountCommands(
@@ -219,21 +221,21 @@ class FeatureSetup:
             zone_of=places.zone_of,
             shown=places.shown,
         )
-        about.petitioning = self.petitioning
-        clerks = AccessCommands(
+        about.request_commands = self.request_commands
+        handlers = AccessCommands(
             about,
             self.admitting,
             RevokeLockCommands(registry, powers, self.notices),
             InviteCommands(registry, powers, link=_link),
             SecondFactorCommands(registry, powers),
             self.granting,
-            self.petitioning,
+            self.request_commands,
             self.rolemaking,
         )
-        hire(self._pipeline.reception.office, clerks, self.consent)
-        self._pipeline.reception.newcomer.bind(joining.take)
-        reminding = ApprovalReminders(self.reach, self.admitting, self.petitioning)
-        self._pipeline.reception.outdated.connect(reminding.remind)
+        register_access_commands(self._pipeline.hooks.commands, handlers, self.confirmation)
+        self._pipeline.hooks.newcomer.bind(joining.take)
+        reminding = ApprovalReminders(self.reach, self.admitting, self.request_commands)
+        self._pipeline.hooks.outdated.connect(reminding.remind)
 
     def _mind_secrets(self, clock: Clock, entropy: Entropy) -> None:
         """Have what holds a secret taken out of chats once it is worth nothing."""
@@ -241,7 +243,7 @@ class FeatureSetup:
         made = access.enrolment.invitations
         is_good = {
             INVITATION: lambda name: any(one.id == name for one in made.open()),
-            AUTHENTICATOR: access.stepup.is_setting_up,
+            AUTHENTICATOR: access.two_factor.is_setting_up,
         }
         self.retracting = SecretRedaction(clock, entropy, access.note, is_good)
         access.changes.after(self.retracting.look)
@@ -266,7 +268,7 @@ class FeatureSetup:
 
     # ---- times ----
 
-    def _furnish_times(self, clock: Clock) -> None:
+    def _set_up_times(self, clock: Clock) -> None:
         rooms, access = self._rooms, self._access
         organiser = rooms.organiser
         sides = BookingQueries(
@@ -297,11 +299,11 @@ class FeatureSetup:
             lease_idle_s=organiser.lease_idle_s,
         )
         self._naming = RobotArgument(times)
-        self.keeper = BookingScheduler(times)
-        access.changes.after(self.keeper.look)
+        self.scheduler = BookingScheduler(times)
+        access.changes.after(self.scheduler.look)
         access.changes.after(self._watch_ends)
         self._watch_ends()
-        employ_clerks(self._pipeline.reception.office, times, self.keeper)
+        register_commands(self._pipeline.hooks.commands, times, self.scheduler)
 
     def _ready(self, robot: RobotId) -> bool:
         stopped = self._rooms.board[robot].latched
@@ -310,11 +312,11 @@ class FeatureSetup:
     def _watch_ends(self) -> None:
         """Hear of orders that end, but only while somebody waits for a robot."""
         waited_for = bool(self._access.waiting.wanted())
-        self._pipeline.lives.after = self._order_ended if waited_for else None
+        self._pipeline.executor.after = self._order_ended if waited_for else None
 
     def _order_ended(self, robot: RobotId) -> None:
         if self._access.waiting.queue(robot):
-            self.keeper.look()
+            self.scheduler.look()
 
     def _say_times_in(self, zone: str) -> None:
         organiser, linker = self._rooms.organiser, self._rooms.linker
@@ -327,24 +329,24 @@ class FeatureSetup:
 
     # ---- live cards ----
 
-    def _furnish_cards(self, messengers: Sequence[Messenger], clock: Clock) -> None:
+    def _set_up_cards(self, messengers: Sequence[Messenger], clock: Clock) -> None:
         rooms, pipeline = self._rooms, self._pipeline
-        self._glimpses = glimpses = RobotSnapshots(rooms, pipeline.lives, pipeline.face)
+        self._snapshots = snapshots = RobotSnapshots(rooms, pipeline.executor, pipeline.face)
         sides = self._card_sides = CardSides(
             sees=self._sees,
             name_of=rooms.organiser.name_of,
             shown=lambda robot: rooms.profiles[robot].shown,
             face=pipeline.face,
-            tell=lambda messenger, chat, text: self._teller.say(
+            tell=lambda messenger, chat, text: self._chat_sender.say(
                 OutgoingMessage(messenger, Outbound(chat=chat, text=text))
             ),
-            catalogue=self._teller.languages.of,
+            catalogue=self._chat_sender.languages.of,
             issue=rooms.authoriser.buttons.issue,
         )
-        self.live_cards = Dashboards(glimpses, self._access.changes, messengers, clock, sides)
+        self.live_cards = Dashboards(snapshots, self._access.changes, messengers, clock, sides)
         self.live_cards.restore(self._access.cards)
-        clerk = DashboardCommands(self.live_cards, glimpses, rooms.vocabulary, sides)
-        pipeline.reception.office.employ("card", clerk.card)
+        handler = DashboardCommands(self.live_cards, snapshots, rooms.vocabulary, sides)
+        pipeline.hooks.commands.register("card", handler.card)
 
     def _sees(self, principal: PrincipalId) -> frozenset[RobotId]:
         """Return what somebody may see now who is not asking: they must be able to ask."""

@@ -24,13 +24,13 @@ from rosic.features.dashboard.fleet_dashboard import FLEET_CARD, FleetCards
 from rosic.features.fleet.attempt import TaskAttempts, TaskRecall, attempt_id
 from rosic.features.fleet.dispatch_state import KIND as LETTER
 from rosic.features.fleet.dispatcher import TaskDispatcher
+from rosic.features.fleet.idempotency import KIND as ORIGIN
 from rosic.features.fleet.integration import TaskNotifications
 from rosic.features.fleet.mission_commands import MissionCommands
 from rosic.features.fleet.mission_schedule import KIND as TIMES
 from rosic.features.fleet.mission_schedule import MissionSchedule
 from rosic.features.fleet.monitor import FleetMonitor
 from rosic.features.fleet.multi_robot import MultiRobotCommands
-from rosic.features.fleet.origins import KIND as ORIGIN
 from rosic.features.fleet.overview import FleetOverview, FleetUsage
 from rosic.features.fleet.pause import PauseCommands
 from rosic.features.fleet.robot_commands import RobotCommands
@@ -110,31 +110,31 @@ class FleetFeature:
         )
         self._planning: asyncio.Task[None] | None = None
 
-    def furnish(self, pipeline: Pipeline, memory: Memory, settings: GatewaySettings) -> None:
-        """Take over what earlier runs wrote, and take the errands."""
+    def set_up(self, pipeline: Pipeline, memory: Memory, settings: GatewaySettings) -> None:
+        """Take over what earlier runs wrote, and take the commands."""
         fleet, letters = self.dispatching.fleet, self.dispatching.letters
         origins = self.dispatching.origins
         kept = ((TASK, fleet), (STANDING, fleet), (LETTER, letters), (ORIGIN, origins))
-        for kind, keeper in kept:
-            keeper.restore(memory.facts.get(kind, ()))
-            self._changes.keep(kind, keeper.apply)
-        follow(pipeline.lives, self._usage)
-        office, rooms, dispatching = pipeline.reception.office, self._rooms, self.dispatching
+        for kind, scheduler in kept:
+            scheduler.restore(memory.facts.get(kind, ()))
+            self._changes.keep(kind, scheduler.apply)
+        follow(pipeline.executor, self._usage)
+        commands, rooms, dispatching = pipeline.hooks.commands, self._rooms, self.dispatching
         tasks = TaskCommands(rooms, dispatching, self.telling)
-        tasks.employ(office)
-        self._furnish_missions(tasks, memory, settings, pipeline)
+        tasks.register(commands)
+        self._set_up_missions(tasks, memory, settings, pipeline)
         robots = self.robots = RobotCommands(rooms, dispatching, self._hands.stop_lane)
-        robots.employ(office)
+        robots.register(commands)
         pipeline.resuming.begins.bind(robots.begins)
         rooms.board.barred.bind(robots.barred)  # from here on robots are resumed
         pausing = PauseCommands(
-            rooms, dispatching, pipeline.lives, pipeline.resuming, pipeline.reception
+            rooms, dispatching, pipeline.executor, pipeline.resuming, pipeline.hooks
         )
-        pausing.employ(office)
+        pausing.register(commands)
         pipeline.cancels.also(pausing.cancel)
-        ShiftHandoverCommands(rooms, dispatching, self._hands.reach, self._clock).employ(office)
-        MultiRobotCommands(rooms, dispatching, self._hands, self._clock, pipeline.reception).employ(
-            office
+        ShiftHandoverCommands(rooms, dispatching, self._hands.reach, self._clock).register(commands)
+        MultiRobotCommands(rooms, dispatching, self._hands, self._clock, pipeline.hooks).register(
+            commands
         )
 
     def show_on_cards(
@@ -145,19 +145,19 @@ class FleetFeature:
         cards = FleetCards(self.overview, self._changes, messengers, self._clock, sides)
         cards.restore(memory.facts.get(FLEET_CARD, ()))
         robots.others = cards
-        clerk = DashboardCommands(
-            cards, cards.glimpses, self._rooms.vocabulary, sides, verb="fleet"
+        handler = DashboardCommands(
+            cards, cards.snapshots, self._rooms.vocabulary, sides, verb="fleet"
         )
-        pipeline.reception.office.employ("fleet", clerk.card)
+        pipeline.hooks.commands.register("fleet", handler.card)
 
-    def _furnish_missions(
+    def _set_up_missions(
         self, tasks: TaskCommands, memory: Memory, settings: GatewaySettings, pipeline: Pipeline
     ) -> None:
         zone, changes = zone_named(settings.zone), self._changes
         self._timetable = timetable = MissionSchedule(changes, self._hands.reach, self._clock, zone)
         timetable.restore(memory.facts.get(TIMES, ()))
         missions = MissionCommands(self._rooms, changes, tasks, settings.missions, timetable, zone)
-        missions.employ(pipeline.reception.office)
+        missions.register(pipeline.hooks.commands)
         timetable.starter = missions.at_its_time
 
     # ---- after an interruption ----
@@ -232,11 +232,11 @@ class BenchmarkContext(NamedTuple):
     """Who asks how robots do."""
 
     alerting: AlertEvaluator
-    glimpses: RobotSnapshots
+    snapshots: RobotSnapshots
     naming: RobotArgument
 
 
-def furnish_benchmarks(
+def set_up_benchmarks(
     rooms: Components, access: AccessFeature, pipeline: Pipeline, memory: Memory, clock: Clock
 ) -> BenchmarkEvaluation:
     """Follow robots that have benchmarks or can be set; else nothing is followed."""
@@ -245,16 +245,16 @@ def furnish_benchmarks(
     access.changes.keep(SETTING, settings.apply)
     judging = BenchmarkEvaluation(rooms.linker, rooms.profiles, clock, settings)
     for profile in rooms.profiles.values():
-        enlist_judged(judging, pipeline, profile)
+        add_judged(judging, pipeline, profile)
     return judging
 
 
-def enlist_judged(judging: BenchmarkEvaluation, pipeline: Pipeline, profile: Profile) -> None:
+def add_judged(judging: BenchmarkEvaluation, pipeline: Pipeline, profile: Profile) -> None:
     """Follow a robot if it has benchmarks or can be set."""
-    judging.enlist(profile)
+    judging.add_robot(profile)
     skills = profile.skills.values()
     if any(s.benchmark is not None or s.kind is SkillClass.CONFIG for s in skills):
-        follow(pipeline.lives, judging)
+        follow(pipeline.executor, judging)
 
 
 def show_benchmarks(
@@ -264,8 +264,8 @@ def show_benchmarks(
 
     def show() -> None:
         sides.alerting.judged = judging.seen
-        sides.glimpses.benchmark = judging.line
+        sides.snapshots.benchmark = judging.line
 
     judging.show_with(show)
-    clerk = BenchmarkCommands(judging, rooms, sides.naming, pipeline.face)
-    pipeline.reception.office.employ("benchmark", clerk.benchmark)
+    handler = BenchmarkCommands(judging, rooms, sides.naming, pipeline.face)
+    pipeline.hooks.commands.register("benchmark", handler.benchmark)

@@ -10,22 +10,22 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rosic.app.access import AccessFeature, MisuseFollower, admins_of, authoriser_of
-from rosic.app.added_robots import KIND as ENLISTED
-from rosic.app.added_robots import newcomers_of, with_enlisted
-from rosic.app.alert_feature import furnish_seeing
+from rosic.app.added_robots import KIND as ADDED
+from rosic.app.added_robots import newcomers_of, with_added
+from rosic.app.alert_feature import set_up_media
 from rosic.app.data_feature import DataFeature, OwnDataQueries, preferences_of
 from rosic.app.features import FeatureSetup
+from rosic.app.gateway_parts import RunningGateway
 from rosic.app.maintenance import Maintenance, rates_of, save, save_now_and_then
 from rosic.app.messenger_setup import take_in
-from rosic.app.opening import RobotStartup, warn_of_thieves
 from rosic.app.people import remember, seed
 from rosic.app.policy import PolicyEnforcer, PolicyService
 from rosic.app.record_monitor import record_watch_of
 from rosic.app.retention import AuditStore, Retention
+from rosic.app.robot_opening import RobotStartup, warn_of_thieves
 from rosic.app.robot_registry import RobotConnections, RobotRegistry
 from rosic.app.robot_startup import board_of, robots_of
-from rosic.app.robot_to_robot_feature import fellowship_of, gathering_of
-from rosic.app.running import RunningGateway
+from rosic.app.robot_to_robot_feature import groups_of, messaging_of
 from rosic.app.settings import GatewayParts, GatewaySettings
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.translations import LANGUAGES, catalogue, whose
@@ -44,8 +44,8 @@ from rosic.gateway.delivery.notifier import Notifier, UndeliverableHandler, nobo
 from rosic.gateway.delivery.outbox import Outbox
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 from rosic.gateway.delivery.translation import ChatLanguages
+from rosic.gateway.hooks import PipelineHooks
 from rosic.gateway.order_execution import inert_words
-from rosic.gateway.reception import PipelineHooks
 from rosic.gateway.recovery import Recovery
 from rosic.gateway.resume import ResumeHandler
 from rosic.gateway.stop import StopLane
@@ -82,11 +82,11 @@ class Gateway(RunningGateway):
 
     Attributes:
         outbox: Keeps what is still to be said, over a crash.
-        enlisting: Adds robots while it runs.
+        robot_adder: Adds robots while it runs.
     """
 
     outbox: Outbox
-    enlisting: RobotRegistry
+    robot_adder: RobotRegistry
 
     def __init__(self, settings: GatewaySettings, parts: GatewayParts) -> None:
         self._settings = settings
@@ -94,7 +94,7 @@ class Gateway(RunningGateway):
         self._messengers: tuple[Messenger, ...] = parts.messengers
         self._opened: list[Robot] = []
         self._listening: list[asyncio.Task[None]] = []
-        self._teller: ChatSender | None = None
+        self._chat_sender: ChatSender | None = None
         # How what has been made ends: opening may break off half-way.
         self._closes: list[Callable[[], Awaitable[None]]] = []
         self._leaves: list[Callable[[], Awaitable[None]]] = []
@@ -109,20 +109,20 @@ class Gateway(RunningGateway):
         vocabulary = self._vocabulary()
         memory = await self._parts.store.open()
         try:
-            if self._know_enlisted(memory):
+            if self._know_added(memory):
                 vocabulary = self._vocabulary()
             await self._compose(memory, vocabulary)
-            opening = RobotStartup(self._robot_says, self.furnishing, self._opened)
+            opening = RobotStartup(self._robot_says, self.furnished, self._opened)
             await opening.all(self.robots.values())
             await self._recover(memory)
         except BaseException:
             await self.close()
             raise
 
-    def _know_enlisted(self, memory: Memory) -> bool:
+    def _know_added(self, memory: Memory) -> bool:
         """Know the robots that earlier runs have added, too. Return whether there are any."""
-        before, facts = self._settings, memory.facts.get(ENLISTED, ())
-        robots = with_enlisted(before.profiles, facts, self._parts.units)
+        before, facts = self._settings, memory.facts.get(ADDED, ())
+        robots = with_added(before.profiles, facts, self._parts.units)
         added = robots[len(before.profiles) :]
         limits = (
             {}
@@ -180,7 +180,7 @@ class Gateway(RunningGateway):
         )
         self._leaves.insert(0, self._save_rates)
         self.authority = authority
-        await self._furnish(memory)
+        await self._set_up(memory)
 
     def _speaking(self) -> tuple[ChatSender, Notifier]:
         """Make what speaks to people, and what it takes to stop robots and to say so."""
@@ -188,76 +188,82 @@ class Gateway(RunningGateway):
         self.languages = languages = ChatLanguages(catalogue, LANGUAGES)
         languages.at = partial(whose, authoriser)
         gone: Deferred[[Item, ChatGone], None] = Deferred(nobody_to_tell)
-        self._teller = teller = ChatSender(self.rooms.container, parts.clock, gone, languages)
-        self.outbox = Outbox(parts.store, parts.clock, parts.entropy, teller)
+        self._chat_sender = chat_sender = ChatSender(
+            self.rooms.container, parts.clock, gone, languages
+        )
+        self.outbox = Outbox(parts.store, parts.clock, parts.entropy, chat_sender)
         resuming = ResumeHandler(self.rooms)
         self.stop_lane = StopLane(
-            self.rooms, parts.store, parts.clock, teller, resuming, self.outbox
+            self.rooms, parts.store, parts.clock, chat_sender, resuming, self.outbox
         )
         self.enforcer = PolicyEnforcer(
             self.authority, self.rooms, self.stop_lane, self.access.changes
         )
-        self.holding = DataFeature(
+        self.data_feature = DataFeature(
             self.rooms, self.access, self.enforcer, parts.clock, languages, self._own
         )
-        self._leaves.append(self.holding.leave)
-        self._messengers = self.holding.record(parts.messengers, parts.store)
-        reach = Notifier(authoriser, teller, self._messengers, self.outbox)
+        self._leaves.append(self.data_feature.leave)
+        self._messengers = self.data_feature.record(parts.messengers, parts.store)
+        reach = Notifier(authoriser, chat_sender, self._messengers, self.outbox)
         gone.bind(self._elsewhere(reach).gone)
-        return teller, reach
+        return chat_sender, reach
 
-    async def _furnish(self, memory: Memory) -> None:
+    async def _set_up(self, memory: Memory) -> None:
         """Put a pipeline through the rooms, and everything in its place beside it."""
         parts = self._parts
         time = self.access.time
-        teller, reach = self._speaking()
-        self.pipeline = self._pipeline(teller, reach)
+        chat_sender, reach = self._speaking()
+        self.pipeline = self._pipeline(chat_sender, reach)
         self._ends.append(self._end_orders)
-        self.furnishing = FeatureSetup(
-            self.rooms, self.pipeline, self.access, self.stop_lane, teller, self.enforcer
+        self.furnished = FeatureSetup(
+            self.rooms, self.pipeline, self.access, self.stop_lane, chat_sender, self.enforcer
         )
-        self.furnishing.furnish(reach, time, parts.entropy, self._settings.zone)
-        self.seeing = furnish_seeing(self.rooms, self.pipeline, teller, parts.painter, parts.clock)
-        self._closes.append(self.seeing.studio.close)
+        self.furnished.set_up(reach, time, parts.entropy, self._settings.zone)
+        self.media_feature = set_up_media(
+            self.rooms, self.pipeline, chat_sender, parts.painter, parts.clock
+        )
+        self._closes.append(self.media_feature.render_queue.close)
         self._ends.append(self._end_sampling)
-        self.furnishing.live_cards.drawing.picturing.camera = DashboardCamera(self.seeing)
-        self.alarms = self.furnishing.alarms(memory, self._settings, time, parts.face)
+        self.furnished.live_cards.drawing.picturing.camera = DashboardCamera(self.media_feature)
+        self.alarms = self.furnished.alarms(memory, self._settings, time, parts.face)
         self.alarms.watch(self._messengers)
-        gathering = gathering_of(self, teller, parts.clock, self._settings.place)
-        gathering.gather(self._messengers, memory)
-        self.among = fellowship_of(self, parts, teller, memory)
-        self.record_watch = record_watch_of(parts.store, parts.latch, parts.clock, self.furnishing)
+        groups_feature = groups_of(self, chat_sender, parts.clock, self._settings.place)
+        groups_feature.gather(self._messengers, memory)
+        self.among = messaging_of(self, parts, chat_sender, memory)
+        self.record_watch = record_watch_of(parts.store, parts.latch, parts.clock, self.furnished)
         ways = RobotConnections(self._opened.append, self._robot_says)
-        self.enlisting = RobotRegistry(self, self._settings, parts, memory, ways)
-        self._closes.append(self.enlisting.close)
-        settled, now_ns = self.pipeline.arrears.settled, time.wall_ns()
+        self.robot_adder = RobotRegistry(self, self._settings, parts, memory, ways)
+        self._closes.append(self.robot_adder.close)
+        settled, now_ns = self.pipeline.backlog.settled, time.wall_ns()
         await take_in(self._messengers, memory, parts.store, self.rooms, settled, now_ns)
         if isinstance(parts.store, ContainerStore):
-            await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
-            self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
-            newcomers_of(self, self.enlisting)
+            await self.data_feature.set_up(
+                self.pipeline, self.furnished, parts.store, memory, parts
+            )
+            self.furnished.reach.tell(self.data_feature.preferences.damaged(), SETTINGS_DAMAGED)
+            newcomers_of(self, self.robot_adder)
 
     def _elsewhere(self, reach: Notifier) -> UndeliverableHandler:
         rooms = self.rooms
         name = rooms.authoriser.directory.name
         return UndeliverableHandler(reach, partial(admins_of, rooms.organiser), name)
 
-    def _pipeline(self, teller: ChatSender, reach: Notifier) -> Pipeline:
+    def _pipeline(self, chat_sender: ChatSender, reach: Notifier) -> Pipeline:
         """Make the way of an order, with everything that decides beside it."""
         parts, access, organiser = self._parts, self.access, self.rooms.organiser
         misuse = MisuseFollower(access, organiser, reach)
 
-        def consent_of(resolver: Resolver) -> Confirmation:
-            is_set_up = access.stepup.is_set_up
+        def confirmation_of(resolver: Resolver) -> Confirmation:
+            is_set_up = access.two_factor.is_set_up
             return Confirmation(organiser, reach, resolver, access.time, parts.entropy, is_set_up)
 
-        reception = PipelineHooks(
-            consent_of=consent_of,
-            stepped_up=access.stepup.fresh,
+        hooks = PipelineHooks(
+            confirmation_of=confirmation_of,
+            stepped_up=access.two_factor.fresh,
             proof_used=misuse.proof_used,
             refused=misuse.refused,
         )
-        return Pipeline(self.rooms, self.stop_lane, teller, parts.clock, parts.face, reception)
+        return Pipeline(self.rooms, self.stop_lane, chat_sender, parts.clock, parts.face, hooks)
 
     async def _authority(self, authoriser: Authoriser, memory: Memory) -> PolicyService:
         """Make everybody known, of the record and of the configuration; return their rights."""
@@ -278,15 +284,15 @@ class Gateway(RunningGateway):
 
     async def _recover(self, memory: Memory) -> None:
         parts, linker = self._parts, self.rooms.linker
-        assert self._teller is not None  # noqa: S101 - made just before
+        assert self._chat_sender is not None  # noqa: S101 - made just before
         messengers, ends = {each.name: each for each in self._messengers}, self.pipeline.ends
-        recovery = Recovery(parts.store, linker, self._teller, parts.clock, messengers, ends)
+        recovery = Recovery(parts.store, linker, self._chat_sender, parts.clock, messengers, ends)
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
         linker.watch_stopped()
-        await self.furnishing.fleet.settle(memory, parts.store)
-        self.furnishing.retracting.begin(self._messengers, memory.facts)
-        warn_of_thieves(parts.messengers, self.furnishing)
-        self.outbox.restore(memory.facts, messengers, self.furnishing.reach.dress)
+        await self.furnished.fleet.settle(memory, parts.store)
+        self.furnished.retracting.begin(self._messengers, memory.facts)
+        warn_of_thieves(parts.messengers, self.furnished)
+        self.outbox.restore(memory.facts, messengers, self.furnished.reach.dress)
         if count:
             log.warning("interrupted commands that were settled: %d", count)
 
@@ -300,24 +306,24 @@ class Gateway(RunningGateway):
             asyncio.create_task(m.run(partial(self.pipeline.receive, m))) for m in self._messengers
         ]
         access, rates, parts = self.access, self.rooms.organiser.rates, self._parts
-        minder = Maintenance(
+        maintenance = Maintenance(
             access,
             self.enforcer,
-            self.furnishing,
-            self.holding,
+            self.furnished,
+            self.data_feature,
             access.time,
             self._daily,
         )
         keeping = [
-            asyncio.create_task(self.furnishing.keeper.run()),
-            asyncio.create_task(minder.run()),
-            asyncio.create_task(self.seeing.sampler.run()),
+            asyncio.create_task(self.furnished.scheduler.run()),
+            asyncio.create_task(maintenance.run()),
+            asyncio.create_task(self.media_feature.sampler.run()),
             asyncio.create_task(self.alarms.run()),
             asyncio.create_task(self.among.run()),
             asyncio.create_task(self.record_watch.run()),
             asyncio.create_task(save_now_and_then(rates, parts.store, parts.clock)),
         ]
-        self.furnishing.fleet.run()
+        self.furnished.fleet.run()
         try:
             done, _ = await asyncio.wait(self._listening, return_when=asyncio.FIRST_EXCEPTION)
             for task in done:
@@ -325,7 +331,7 @@ class Gateway(RunningGateway):
         finally:
             for task in keeping:
                 task.cancel()
-            await asyncio.gather(self.furnishing.close(), self.alarms.close())
+            await asyncio.gather(self.furnished.close(), self.alarms.close())
             await self._fall_deaf()
 
     async def _daily(self) -> None:
@@ -337,7 +343,7 @@ class Gateway(RunningGateway):
             store if isinstance(store, AuditStore) else None,
             self.access.time.wall_ns,
         )
-        await self.holding.tidy()
+        await self.data_feature.tidy()
         await retention.forget()
 
     async def _fall_deaf(self) -> None:
@@ -345,7 +351,7 @@ class Gateway(RunningGateway):
             task.cancel()
         if self._listening:  # a claim on its way to the disk is waited for, within bounds
             await asyncio.wait(self._listening, timeout=DEAF_WITHIN_S)
-            await self.pipeline.arrears.settled(DEAF_WITHIN_S)
+            await self.pipeline.backlog.settled(DEAF_WITHIN_S)
         self._listening = []
 
     async def revoke(self, principal: PrincipalId, by: PrincipalId) -> bool:
@@ -368,7 +374,7 @@ class Gateway(RunningGateway):
                     *(r for key in good for r in access.keys.revoke(key.id, by).records),
                     *(r for i in made for r in access.enrolment.invitations.withdraw(i.id, by)),
                     *access.ahead(principal),
-                    *self.authority.roster.take(principal, by),
+                    *self.authority.grants_book.take(principal, by),
                 )
             )
         self.rooms.organiser.release_all(principal)
@@ -379,21 +385,21 @@ class Gateway(RunningGateway):
     @property
     def quiet(self) -> bool:
         """Whether no order is under way, no stop is being measured and nothing is left to say."""
-        told = self._teller is None or self._teller.quiet
+        told = self._chat_sender is None or self._chat_sender.quiet
         told = (
             told
-            and self.seeing.studio.quiet
-            and self.pipeline.arrears.quiet
+            and self.media_feature.render_queue.quiet
+            and self.pipeline.backlog.quiet
             and self.pipeline.cancels.quiet
         )
-        return told and self.stop_lane.quiet and not len(self.pipeline.lives)
+        return told and self.stop_lane.quiet and not len(self.pipeline.executor)
 
     def _robot_says(self, profile: Profile, text: str) -> None:
         """Bring a robot's own words to everybody who chose it, as inert text (Algorithm 8)."""
         said = f"{profile.shown}: {inert_text(text)}"
-        for messenger, chat in self.pipeline.audience.of(profile.id):
-            if self._teller is not None:
-                self._teller.say(
+        for messenger, chat in self.pipeline.followers.of(profile.id):
+            if self._chat_sender is not None:
+                self._chat_sender.say(
                     OutgoingMessage(messenger, Outbound(chat=chat, text=said), about=profile.id)
                 )
 
@@ -408,7 +414,7 @@ class Gateway(RunningGateway):
         for closing in reversed(self._closes):
             await closing()
         leaving = asyncio.create_task(self._write_down())  # before what may take too long
-        ending = asyncio.create_task(self._end_lives(begun_ns))
+        ending = asyncio.create_task(self._end_running_orders(begun_ns))
         await asyncio.sleep(0)  # from here on no order begins
         idle = self._idle()
         await asyncio.gather(ending, *map(self._part, idle))
@@ -446,20 +452,20 @@ class Gateway(RunningGateway):
         self._parts.store.note(self.access.time.mark())
         await self.access.leave()
 
-    async def _end_lives(self, begun_ns: int) -> None:
+    async def _end_running_orders(self, begun_ns: int) -> None:
         """End what is under way, and tell it in what is left of the time since ``begun_ns``."""
         for ending in self._ends:
             await ending()
-        if self._teller is not None:
+        if self._chat_sender is not None:
             past_s = (self._parts.clock.monotonic_ns() - begun_ns) / 1e9
-            await self._teller.flush(min(FLUSH_S, max(FLUSH_AT_LEAST_S, TOLD_BY_S - past_s)))
+            await self._chat_sender.flush(min(FLUSH_S, max(FLUSH_AT_LEAST_S, TOLD_BY_S - past_s)))
 
     async def _end_orders(self) -> None:
         self.rooms.linker.pursuit.close()  # each adapter brings its robot to rest itself
         await asyncio.gather(self.pipeline.close(), self.stop_lane.close())
 
     async def _end_sampling(self) -> None:
-        self.seeing.sampler.close()
+        self.media_feature.sampler.close()
 
     def _idle(self) -> list[Robot]:
         """Return the robots that carry out nothing; none while a stop is being measured."""

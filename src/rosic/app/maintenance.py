@@ -40,17 +40,17 @@ class Maintenance:
         self,
         access: AccessFeature,
         enforcer: PolicyEnforcer,
-        furnishing: FeatureSetup,
-        holding: DataFeature,
+        furnished: FeatureSetup,
+        data_feature: DataFeature,
         clock: Clock,
         daily: Callable[[], Awaitable[None]],
     ) -> None:
         self._daily = daily
-        self._holding = holding
+        self._data_feature = data_feature
         self._day_ns = clock.monotonic_ns()
         self._access = access
         self._authority, self._enforcer = enforcer.policy, enforcer
-        self._furnishing = furnishing
+        self._furnished = furnished
         self._clock = clock
         self._behind = False
         self._woken = asyncio.Event()
@@ -58,7 +58,7 @@ class Maintenance:
 
     async def run(self) -> None:
         """Mind until cancelled. What fails is logged and tried again."""
-        self._furnishing.live_cards.run()
+        self._furnished.live_cards.run()
         while True:
             self._woken.clear()
             try:
@@ -72,7 +72,10 @@ class Maintenance:
 
     def _pause_s(self) -> float:
         now_ns = self._clock.wall_ns()
-        ends = (self._authority.roster.next_end_ns(now_ns), self._access.keys.next_end_ns(now_ns))
+        ends = (
+            self._authority.grants_book.next_end_ns(now_ns),
+            self._access.keys.next_end_ns(now_ns),
+        )
         next_ns = min((end for end in ends if end is not None), default=None)
         if next_ns is None:
             return EVERY_S
@@ -89,19 +92,19 @@ class Maintenance:
         self._enforcer.enforce()  # a grant ends by the clock, whether or not that can be written
         async with access.changes.turn() as turn:
             now_ns = self._clock.wall_ns()
-            over = authority.roster.over(now_ns)
+            over = authority.grants_book.over(now_ns)
             await turn.write(
                 (
-                    *authority.roster.ended(now_ns),
+                    *authority.grants_book.ended(now_ns),
                     *access.enrolment.invitations.stale(),
                     *access.time.due(),
-                    *access.tally.due(),
+                    *access.counters.due(),
                 )
             )
-        self._furnishing.granting.announce(over)
-        await self._furnishing.admitting.lapse()
-        await self._furnishing.petitioning.lapse()
-        await self._holding.finish()
+        self._furnished.granting.announce(over)
+        await self._furnished.admitting.lapse()
+        await self._furnished.request_commands.lapse()
+        await self._data_feature.finish()
         if self._clock.monotonic_ns() >= self._day_ns:
             await self._daily()
             self._day_ns = self._clock.monotonic_ns() + DAY_NS
@@ -115,8 +118,8 @@ class Maintenance:
                 "what has ended stays ended, and nothing new moves. See: rosic clock",
                 behind_s,
             )
-            furnishing = self._furnishing
-            furnishing.reach.tell(furnishing.admins(), CLOCK_SET_BACK, urgent=True)
+            furnished = self._furnished
+            furnished.reach.tell(furnished.admins(), CLOCK_SET_BACK, urgent=True)
         self._behind = behind
 
 

@@ -44,10 +44,10 @@ class PolicyOutlook(NamedTuple):
 
 
 class PolicyService:
-    """The rights in force, drawn up from the roster; replaced whole whenever it changes.
+    """The rights in force, drawn up from the grants; replaced whole whenever it changes.
 
     Attributes:
-        roster: Everybody's roles and grants.
+        grants_book: Everybody's roles and grants.
         rolebook: What the roles are.
         in_force: What whoever decides by the rights holds.
         when_changed: Tells when what ends by the clock has changed: grants, keys, the clock.
@@ -64,7 +64,7 @@ class PolicyService:
         clock: Clock,
         own_limits: OwnLimits,
     ) -> None:
-        self.roster = Grants(clock, own_limits)
+        self.grants_book = Grants(clock, own_limits)
         self.when_changed: Signal[[]] = Signal()
         self.rolebook = CustomRoles(rulebook)
         self._fleet = fleet_of(profiles)
@@ -77,19 +77,19 @@ class PolicyService:
         return self.in_force.rights
 
     def _drawn_up(self, epoch: int) -> Permissions:
-        everybody = self.roster.everybody()
+        everybody = self.grants_book.everybody()
         rules = self.rolebook.rulebook
         return Permissions.draw_up(epoch, rules, self._fleet, everybody, self._convert)
 
     def restore(self, memory: Memory, roles: Mapping[PrincipalId, tuple[str, ...]]) -> None:
         """Take over what earlier runs wrote; `draw_up` is for afterwards."""
         for principal, names in roles.items():
-            self.roster.set_roles(principal, names)
-        self.roster.restore(memory.facts.get(GRANT, ()))
+            self.grants_book.set_roles(principal, names)
+        self.grants_book.restore(memory.facts.get(GRANT, ()))
         self.rolebook.restore(memory.facts.get(ROLE, ()))
 
     def draw_up(self) -> Permissions:
-        """Work everything out anew, after the roster was filled."""
+        """Work everything out anew, after the grants was filled."""
         self.in_force.replace(self._drawn_up(self.rights.epoch + 1))
         return self.rights
 
@@ -97,7 +97,7 @@ class PolicyService:
 
     def granted(self, fact: Fact) -> None:
         """A grant was given or has ended."""
-        principal = self.roster.apply(fact)
+        principal = self.grants_book.apply(fact)
         if principal is not None:
             self.renew(principal)
         self.when_changed.emit()
@@ -110,7 +110,7 @@ class PolicyService:
     async def foresee(self, profiles: Sequence[Profile]) -> PolicyOutlook:
         """Work out the rights if these were the robots, beside the event loop; changes nothing."""
         epoch, rules = self.rights.epoch, self.rolebook.rulebook
-        everybody, convert = self.roster.everybody(), self._convert
+        everybody, convert = self.grants_book.everybody(), self._convert
 
         def work() -> PolicyOutlook:
             fleet = fleet_of(profiles)
@@ -120,7 +120,7 @@ class PolicyService:
 
         return await asyncio.to_thread(work)
 
-    def enlist(self, outlook: PolicyOutlook) -> None:
+    def add_robot(self, outlook: PolicyOutlook) -> None:
         """Let it be so: rights by wildcard and by group reach new robots from now on."""
         self._fleet = outlook.fleet
         if outlook.epoch == self.rights.epoch:
@@ -130,17 +130,17 @@ class PolicyService:
 
     def enrolled(self, record: Enrolled) -> None:
         """Somebody has other roles of their own."""
-        self.roster.set_roles(record.principal, record.roles)
+        self.grants_book.set_roles(record.principal, record.roles)
         self.renew(record.principal)
 
     def revoked(self, principal: PrincipalId) -> None:
         """Somebody has no key any more: nothing is theirs."""
-        self.roster.forget(principal)
+        self.grants_book.forget(principal)
         self.renew(principal)
 
     def renew(self, principal: PrincipalId) -> None:
-        """Replace the snapshot by one in which a person's rights are those of the roster."""
-        grants = self.roster.grants_of(principal)
+        """Replace the snapshot by one in which a person's rights are those of the grants."""
+        grants = self.grants_book.grants_of(principal)
         self.in_force.replace(self.rights.with_grants(self.rights.epoch + 1, principal, grants))
 
     def moved(self) -> None:

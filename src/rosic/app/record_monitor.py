@@ -109,11 +109,11 @@ class RecordWatch:
 
 
 def record_watch_of(
-    store: object, latch: object, clock: Clock, furnishing: FeatureSetup
+    store: object, latch: object, clock: Clock, furnished: FeatureSetup
 ) -> RecordWatch:
     """Return what tells the admins when a file of the record is gone."""
 
     def tell(text: str) -> None:
-        furnishing.reach.tell(furnishing.admins(), text, urgent=True)
+        furnished.reach.tell(furnished.admins(), text, urgent=True)
 
     return RecordWatch(store, latch, clock, tell)

@@ -13,8 +13,8 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app.added_robots import KIND, Wanted, check_distinct, check_draft, fact_of
-from rosic.app.alert_feature import enlist_seen, read_rules
-from rosic.app.fleet_feature import enlist_judged
+from rosic.app.alert_feature import add_seen, read_rules
+from rosic.app.fleet_feature import add_judged
 from rosic.app.people import Seed, admitted
 from rosic.app.robot_startup import stops_of
 from rosic.app.settings import Completing
@@ -28,15 +28,15 @@ from rosic.core.language import Vocabulary
 from rosic.core.order_gate import OrderGate
 from rosic.core.records import Decided
 from rosic.errors import ConfigurationError, NotUnderstood, RosicError
-from rosic.features.fleet import newcomers_messages as words
+from rosic.features.fleet import added_robot_messages as words
 from rosic.features.fleet import robot_messages
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from rosic.app.added_robots import Draft
+    from rosic.app.gateway_parts import RunningGateway
     from rosic.app.policy import PolicyOutlook
-    from rosic.app.running import RunningGateway
     from rosic.app.settings import GatewayParts, GatewaySettings
     from rosic.contracts.robot import Robot
     from rosic.core.alerts.rule import AlertRule
@@ -152,7 +152,7 @@ class RobotRegistry:
         return profile, advice
 
     def _standing(self, robot: str) -> FleetMembership:
-        return self._gateway.furnishing.fleet.dispatching.fleet.standing(robot)
+        return self._gateway.furnished.fleet.dispatching.fleet.standing(robot)
 
     async def close(self) -> None:
         """Add nobody any more. What is on the record is added by the next start."""
@@ -194,8 +194,8 @@ class RobotRegistry:
         """Return what gives a robot a key of its own and a role; nothing without one."""
         if not role:
             return []
-        fellow = Seed(robot, (Address(ROBOT, robot),), (role,))
-        return admitted(fellow, self._gateway.access.time, self._parts.entropy, by)[2]
+        peer = Seed(robot, (Address(ROBOT, robot),), (role,))
+        return admitted(peer, self._gateway.access.time, self._parts.entropy, by)[2]
 
     async def _decide(
         self, newcomer: PendingRobot, wanted: Wanted, by: PrincipalId, stops: int
@@ -219,7 +219,7 @@ class RobotRegistry:
                 somebody = self._somebody(profile.id, wanted.role, by)
                 await turn.write((decided, fact_of(profile.id, wanted.draft), *somebody))
                 here = True
-                return self._enlist(newcomer, outlook, stops)
+                return self._add_robot(newcomer, outlook, stops)
         except BaseException:
             if not here:
                 await newcomer.robot.close()
@@ -274,7 +274,7 @@ class RobotRegistry:
 
     # ---- what cannot ----
 
-    def _enlist(self, newcomer: PendingRobot, outlook: PolicyOutlook, stops: int) -> bool:
+    def _add_robot(self, newcomer: PendingRobot, outlook: PolicyOutlook, stops: int) -> bool:
         """Let the robot be here, for every room at once: nothing is waited for in here.
 
         Args:
@@ -291,9 +291,9 @@ class RobotRegistry:
         self._let_rooms_know(newcomer, outlook)
         if stopped := meanwhile != stops:
             gateway.stop_lane.stop_robots((profile.id,), by)
-        gateway.alarms.alerting.enlist(newcomer.rules, newcomer.lines)
-        enlist_judged(gateway.furnishing.judging, gateway.pipeline, profile)
-        enlist_seen(gateway.seeing, gateway.pipeline, profile)
+        gateway.alarms.alerting.add_robot(newcomer.rules, newcomer.lines)
+        add_judged(gateway.furnished.judging, gateway.pipeline, profile)
+        add_seen(gateway.media_feature, gateway.pipeline, profile)
         if isinstance(newcomer.robot, PeerRobot):
             gateway.among.join(profile.id, newcomer.robot)
         for messenger in self._parts.messengers:
@@ -306,18 +306,18 @@ class RobotRegistry:
         rooms, name = gateway.rooms, profile.id
         n, fence = self._numbers.get(name, (0, 0))
         gateway.profiles[name] = profile
-        rooms.board.enlist(name, self._stops.get(name, (0, False)))
-        rooms.linker.enlist(robot)
-        rooms.organiser.enlist(profile, fence)
-        rooms.container.enlist(name, n)
+        rooms.board.add_robot(name, self._stops.get(name, (0, False)))
+        rooms.linker.add_robot(robot)
+        rooms.organiser.add_robot(profile, fence)
+        rooms.container.add_robot(name, n)
         rooms.vocabulary.become(newcomer.vocabulary)
-        gateway.pipeline.enlist(name, profile.shown)
-        gateway.authority.enlist(outlook)
-        gateway.holding.enlist(profile)
+        gateway.pipeline.add_robot(name, profile.shown)
+        gateway.authority.add_robot(outlook)
+        gateway.data_feature.add_robot(profile)
         gateway.robots[name] = robot
         self._ways.opened(robot)
         if self._settings.robot_limit is not None:
-            rooms.organiser.rates.enlist(name, self._settings.robot_limit)
+            rooms.organiser.rates.add_robot(name, self._settings.robot_limit)
 
     def _answer(self, profile: Profile, advice: Sequence[str], *, stopped: bool) -> str:
         lines = [words.added(profile)]

@@ -28,13 +28,13 @@ from rosic.features.robot_to_robot.service import PeerGroup, RobotMessaging
 from rosic.features.robot_to_robot.shared_state import SharedState
 from rosic.features.robot_to_robot.strategies import Strategies
 from rosic.features.robot_to_robot.subscriptions import Subscriptions
-from rosic.gateway.commands import CommandMenus
+from rosic.gateway.command_menus import CommandMenus
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from rosic.app.gateway_parts import RunningGateway
     from rosic.app.policy import PolicyService
-    from rosic.app.running import RunningGateway
     from rosic.app.settings import GatewayParts
     from rosic.config.gateway_file import ConfigFile
     from rosic.contracts.clock import Clock
@@ -75,13 +75,13 @@ class GroupsFeature:
             lambda name: (name,) if name in profiles else vocabulary.members(name),
         )
         rooms.container.here.bind(self.topics.of)
-        pipeline.reception.office.employ("topic", self.topics.topic)
+        pipeline.hooks.commands.register("topic", self.topics.topic)
         directory = rooms.authoriser.directory
         others = {code: found for code in LANGUAGES if (found := catalogue(code)) is not None}
         admins = partial(_admins, authority, around.clock)
         self.windows: ChannelDisplays | None = None
         self.menus = CommandMenus(
-            directory, admins, others, around.teller.languages.chosen, around.clock
+            directory, admins, others, around.chat_sender.languages.chosen, around.clock
         )
         changes.after(self.menus.look)
 
@@ -102,38 +102,38 @@ class GroupsFeature:
             self.windows.passed(messenger, passing)
 
 
-def gathering_of(
-    gateway: RunningGateway, teller: ChatSender, clock: Clock, place: str
+def groups_of(
+    gateway: RunningGateway, chat_sender: ChatSender, clock: Clock, place: str
 ) -> GroupsFeature:
     """Make it for a gateway whose rooms are furnished."""
-    furnishing, pipeline = gateway.furnishing, gateway.pipeline
+    furnished, pipeline = gateway.furnished, gateway.pipeline
     around = GroupQueries(
         rooms=gateway.rooms,
-        audience=pipeline.audience,
-        teller=teller,
-        reach=furnishing.reach,
+        followers=pipeline.followers,
+        chat_sender=chat_sender,
+        reach=furnished.reach,
         changes=gateway.access.changes,
-        archive=gateway.holding.archive,
+        archive=gateway.data_feature.archive,
         clock=clock,
         place=place,
-        admins=furnishing.admins,
-        cards=furnishing.live_cards,
+        admins=furnished.admins,
+        cards=furnished.live_cards,
     )
-    gathering = GroupsFeature(pipeline, gateway.authority, around)
-    gathering.windows = ChannelDisplays(
-        furnishing.live_cards, gateway.rooms, gateway.access.changes, furnishing.reach
+    groups_feature = GroupsFeature(pipeline, gateway.authority, around)
+    groups_feature.windows = ChannelDisplays(
+        furnished.live_cards, gateway.rooms, gateway.access.changes, furnished.reach
     )
-    gathering.windows.employ(pipeline.reception.office)
-    return gathering
+    groups_feature.windows.register(pipeline.hooks.commands)
+    return groups_feature
 
 
 def _admins(authority: PolicyService, clock: Clock) -> list[PrincipalId]:
     """Return who looks after people here: who may let them in, or gives them rights."""
-    rights, roster = authority.rights, authority.roster
+    rights, grants_book = authority.rights, authority.grants_book
     now_ns = clock.wall_ns()
     return sorted(
         who
-        for who in roster.everybody()
+        for who in grants_book.everybody()
         if any(rights.holds(who, FLEET, verb, now_ns) for verb in ("people", "grant"))
     )
 
@@ -141,8 +141,8 @@ def _admins(authority: PolicyService, clock: Clock) -> list[PrincipalId]:
 # ---- robots among themselves ----
 
 
-def fellowship_of(
-    gateway: RunningGateway, parts: GatewayParts, teller: ChatSender, memory: Memory
+def messaging_of(
+    gateway: RunningGateway, parts: GatewayParts, chat_sender: ChatSender, memory: Memory
 ) -> RobotMessaging:
     """Make it for a gateway whose rooms are furnished, and have its robots meet.
 
@@ -151,12 +151,12 @@ def fellowship_of(
     """
     if any(messenger.platform == ROBOT for messenger in parts.messengers):
         raise ConfigurationError(f"No messenger may be called {ROBOT!r}: robots' addresses are.")
-    rooms, changes, reach = gateway.rooms, gateway.access.changes, gateway.furnishing.reach
+    rooms, changes, reach = gateway.rooms, gateway.access.changes, gateway.furnished.reach
     clock, entropy = parts.clock, parts.entropy
     rights, guard = PeerPermissions(rooms), LoopGuard()
     board = SharedState(clock.wall_ns)
     post = Subscriptions(rights, board, guard, clock)
-    fleet = gateway.furnishing.fleet
+    fleet = gateway.furnished.fleet
     book = fleet.help_book
     around = RobotToRobotContext(rights, rooms, changes, reach, post, parts.store, clock, entropy)
     circle = PeerGroup(
@@ -165,18 +165,18 @@ def fellowship_of(
         guard,
         HelpService(book, around),
         Strategies(around),
-        ConversationDigests(post, rights, rooms.authoriser, teller, reach.messengers),
+        ConversationDigests(post, rights, rooms.authoriser, chat_sender, reach.messengers),
     )
-    fellowship = RobotMessaging(circle)
-    fellowship.restore(memory.facts)
-    RobotToRobotCommands(fellowship, rooms).employ(gateway.pipeline.reception.office)
-    circle.desk.tasks = AssistCommands(rooms, fleet.dispatching, fleet.watching)
-    gateway.holding.also_ends.append(post.end_all)
-    gateway.holding.also_ended.append(fleet.dispatching.ended)
+    messaging = RobotMessaging(circle)
+    messaging.restore(memory.facts)
+    RobotToRobotCommands(messaging, rooms).register(gateway.pipeline.hooks.commands)
+    circle.helping.tasks = AssistCommands(rooms, fleet.dispatching, fleet.watching)
+    gateway.data_feature.also_ends.append(post.end_all)
+    gateway.data_feature.also_ended.append(fleet.dispatching.ended)
     for robot, adapter in gateway.robots.items():
         if isinstance(adapter, PeerRobot):
-            fellowship.join(robot, adapter)
-    return fellowship
+            messaging.join(robot, adapter)
+    return messaging
 
 
 def robot_findings(file: ConfigFile, robots: Iterable[Profile]) -> Iterator[ValidationFinding]:

@@ -63,13 +63,13 @@ async def _until(holds: Callable[[], bool], clock: Clock, seconds: float) -> boo
 
 def tasks_go_on(gateway: Gateway) -> bool:
     """Whether a task is carried out, or could be without anybody saying anything more."""
-    fleet = gateway.furnishing.fleet.dispatching.fleet
+    fleet = gateway.furnished.fleet.dispatching.fleet
     return bool(fleet.holds) or any(_begins(gateway, fleet.tasks[key]) for key in fleet.waiting)
 
 
 def _begins(gateway: Gateway, task: Task) -> bool:
     """Whether some robot will begin a task once it is free; one that is stopped never is."""
-    rooms, fleet = gateway.rooms, gateway.furnishing.fleet
+    rooms, fleet = gateway.rooms, gateway.furnished.fleet
     state, glance = fleet.dispatching.fleet, fleet.watching.glance
     return state.ready(task) and any(
         not rooms.board[robot].latched

@@ -56,7 +56,7 @@ class Authoriser:
     def __init__(self, directory: Directory, keys: KeyRing, clock: Clock, entropy: Entropy) -> None:
         self.directory = directory
         self.keys = keys
-        self._count = keys.tally.count
+        self._count = keys.counters.count
         self._wall_ns = keys.time.wall_ns
         self.buttons = ButtonTokens(clock, entropy, count=self._count_tap)
         self._clock = clock

@@ -12,7 +12,7 @@ import msgspec
 from rosic.contracts.clock import ClockReading, passed_ns, reading
 from rosic.core.i18n import said
 from rosic.core.identity import PrincipalId
-from rosic.core.language.cancelling import hears_cancel
+from rosic.core.language.cancel_detection import hears_cancel
 from rosic.core.message import Button
 from rosic.core.time_units import MINUTE_NS
 from rosic.errors import Expired, NotPermitted

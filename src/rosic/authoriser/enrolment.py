@@ -75,7 +75,7 @@ class Enrolment:
         locks: Locks,
         time: MonotonicWallClock,
         entropy: Entropy,
-        tally: Counters,
+        counters: Counters,
         rules: EnrolmentRules,
     ) -> None:
         self.invitations = Invitations(time, entropy)
@@ -86,7 +86,7 @@ class Enrolment:
         self._directory = directory
         self._locks = locks
         self._time = time
-        self._tally = tally
+        self._counters = counters
         self._guessing = BruteForceGuard(rules.limits)
         self.may_invite = rules.may_invite
 
@@ -173,7 +173,7 @@ class Enrolment:
                 wrong = self._wrong(address, "code-unknown")
                 return msgspec.structs.replace(wrong, sentence=words.IN_GROUP)
             return TurnedAway("code-paused", words.IN_GROUP)
-        self._tally.count("code-in-group")
+        self._counters.count("code-in-group")
         made = self.invitations
         records = (
             made.decided("burn", found.issuer, found),
@@ -227,12 +227,12 @@ class Enrolment:
         opened = self._guessing.wrong(address, self._time.monotonic_ns())
         alarm = None
         if opened:
-            self._tally.count("code-breaker")
+            self._counters.count("code-breaker")
             alarm = EnrolmentAlarm("code-breaker", words.guessing(limits))
         return msgspec.structs.replace(self._counted(kind, words.NOT_GOOD), alarm=alarm)
 
     def _counted(self, kind: str, sentence: str) -> TurnedAway:
-        self._tally.count(kind)
+        self._counters.count(kind)
         return TurnedAway(kind, sentence)
 
     def reopen(self, by: PrincipalId) -> tuple[Record, ...]:
@@ -259,7 +259,7 @@ class Enrolment:
         asked = applicant.pending
         self._check_tap(asked, by, may_admit=may_admit)
         if by == asked.principal:
-            raise self._tally.refuse("confirm-own", NotPermitted(words.CONFIRM_OWN))
+            raise self._counters.refuse("confirm-own", NotPermitted(words.CONFIRM_OWN))
         if self._locks.locked(asked.principal):
             raise NotPermitted(words.locked(applicant.name))
         known = self._directory.at(applicant.address)
@@ -276,17 +276,17 @@ class Enrolment:
         """
         applicant = self._applicant(pending)
         self._check_tap(applicant.pending, by, may_admit=may_admit)
-        self._tally.count("declined")
+        self._counters.count("declined")
         return self._ends(applicant, by, words.declined())
 
     def _check_tap(self, asked: PendingApplicant, by: PrincipalId, *, may_admit: bool) -> None:
         if not may_admit and by != asked.principal:
-            raise self._tally.refuse("confirm-no-right", NotPermitted(words.NO_RIGHT))
+            raise self._counters.refuse("confirm-no-right", NotPermitted(words.NO_RIGHT))
 
     def _applicant(self, pending: str) -> Applicant:
         applicant = self.applicants.get(pending)
         if applicant is None or self._too_late(applicant.pending):
-            raise self._tally.refuse("confirm-late", Expired(words.SETTLED))
+            raise self._counters.refuse("confirm-late", Expired(words.SETTLED))
         return applicant
 
     def _ends(self, applicant: Applicant, by: PrincipalId, sentence: str) -> Declined:

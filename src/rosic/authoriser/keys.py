@@ -76,13 +76,13 @@ class KeyRing:
 
     Attributes:
         time: By which keys end; never goes back.
-        tally: Counts whoever is turned away.
+        counters: Counts whoever is turned away.
     """
 
-    def __init__(self, time: MonotonicWallClock, entropy: Entropy, tally: Counters) -> None:
+    def __init__(self, time: MonotonicWallClock, entropy: Entropy, counters: Counters) -> None:
         self.time = time
         self._entropy = entropy
-        self.tally = tally
+        self.counters = counters
         self._keys: dict[KeyId, AuthorisationKey] = {}
         self._of: dict[PrincipalId, list[KeyId]] = {}
         self._ends: dict[KeyId, int] = {}
@@ -106,7 +106,7 @@ class KeyRing:
         """
         fault = self._fault(key_id)
         if fault is not None:
-            raise self.tally.refuse(fault, Unrecognised(words.ENDED))
+            raise self.counters.refuse(fault, Unrecognised(words.ENDED))
         return self._keys[key_id]
 
     def _fault(self, key_id: KeyId) -> str | None:

@@ -78,14 +78,14 @@ class SecurityReports:
         enrolment: Enrolment,
         keys: KeyRing,
         locks: Locks,
-        tally: Counters,
+        counters: Counters,
         time: MonotonicWallClock,
     ) -> None:
         self._authoriser = authoriser
         self._enrolment = enrolment
         self._keys = keys
         self._locks = locks
-        self._tally = tally
+        self._counters = counters
         self._time = time
 
     def report(self) -> SecurityReport:
@@ -96,7 +96,7 @@ class SecurityReports:
             measured=len(times_s),
             p50_s=percentile(times_s, 50),
             p99_s=percentile(times_s, 99),
-            attempts=self._tally.by_kind(),
+            attempts=self._counters.by_kind(),
             locks=tuple(
                 LockedAccess(who, lock.by, max(0, now_ns - lock.at_ns) / 1e9)
                 for who, lock in self._locks.all().items()

@@ -83,11 +83,11 @@ class TwoFactor:
     """Whose phone is set up, which codes are used, and who has proven it lately."""
 
     def __init__(
-        self, time: MonotonicWallClock, entropy: Entropy, tally: Counters, *, place: str
+        self, time: MonotonicWallClock, entropy: Entropy, counters: Counters, *, place: str
     ) -> None:
         self._time = time
         self._entropy = entropy
-        self._tally = tally
+        self._counters = counters
         self._place = place
         self._phones: dict[PrincipalId, tuple[TotpDevice, bytes]] = {}
         self._broken: set[PrincipalId] = set()
@@ -111,7 +111,7 @@ class TwoFactor:
                 here lately: a thief must not put their own phone in its place. Nothing changed.
         """
         if chat.kind is not ChatKind.PRIVATE:
-            raise self._tally.refuse("totp-in-group", NotPermitted(words.PRIVATE_ONLY))
+            raise self._counters.refuse("totp-in-group", NotPermitted(words.PRIVATE_ONLY))
         if principal in self._broken:
             raise NotPermitted(words.PHONE_BROKEN)
         if principal in self._phones and not self.fresh(principal, chat):
@@ -202,7 +202,7 @@ class TwoFactor:
         if wait_s > 0:
             sentence = words.too_many_codes(wait_s)
             refusal = TooManyRequests(sentence, retry_after_s=wait_s)
-            raise self._tally.refuse("totp-paused", refusal)
+            raise self._counters.refuse("totp-paused", refusal)
         steps = totp.matching_steps(secret, digits, totp.step_at(self._time.wall_ns()))
         unused = [step for step in steps if step > self._last_step(principal)]
         if unused:
@@ -210,8 +210,8 @@ class TwoFactor:
             return unused[-1]
         self._wrong.setdefault(principal, deque(maxlen=TRIES)).append(self._time.monotonic_ns())
         if steps:
-            raise self._tally.refuse("totp-replayed", NotPermitted(words.USED_CODE))
-        raise self._tally.refuse("totp-wrong", NotPermitted(words.WRONG_CODE))
+            raise self._counters.refuse("totp-replayed", NotPermitted(words.USED_CODE))
+        raise self._counters.refuse("totp-wrong", NotPermitted(words.WRONG_CODE))
 
     def _last_step(self, principal: PrincipalId) -> int:
         found = self._phones.get(principal)

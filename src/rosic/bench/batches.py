@@ -13,8 +13,8 @@ import msgspec
 from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import Seed
+from rosic.bench.bot_api_process import TOKEN
 from rosic.bench.parts import CLOCK, parts_of
-from rosic.bench.stand_in import TOKEN
 from rosic.core.identity import Address
 from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.profile import Busy, Link, Profile

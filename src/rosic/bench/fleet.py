@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.bench import crowds
+from rosic.bench import scaling
 from rosic.bench.report import Case, Report, case_of, machine
 from rosic.core.fleet.candidates import RobotGlance, by_priority, cost, nearest_idle
 from rosic.core.fleet.events import Given
@@ -138,7 +138,7 @@ def measure(*, quick: bool = False) -> Report:
         *(_case(f"{TASKS} to {ROBOTS}", way, large) for way in ("solver", "nearest idle")),
     ]
     method = METHOD.format(runs=runs, small=len(small))
-    how, crowded = crowds.measure(quick=quick)
+    how, crowded = scaling.measure(quick=quick)
     return Report(machine=machine(), method=f"{method} {how}", cases=(*cases, *crowded))
 
 

@@ -19,9 +19,9 @@ import msgspec
 from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import Seed
-from rosic.bench import places
-from rosic.bench.lanes import BenchMessenger, Lane, Sending, lanes_of
+from rosic.bench import sites
 from rosic.bench.parts import CLOCK, parts_of
+from rosic.bench.senders import BenchMessenger, Lane, Sending, lanes_of
 from rosic.core.identity import Address
 from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.profile import Busy, Link, Profile
@@ -130,9 +130,9 @@ async def _opened(load: OrderLoad) -> AsyncIterator[tuple[Gateway, Sending, list
 
 def _book(gateway: Gateway, load: OrderLoad) -> None:
     people = [person.id for person in gateway.rooms.authoriser.directory.people()]
-    size = places.Size(load.people, load.roles, ROBOTS, load.slots)
+    size = sites.Size(load.people, load.roles, ROBOTS, load.slots)
     calendar = gateway.rooms.organiser.calendar
-    for slot in places.slots_of(size, CLOCK.wall_ns(), people.__getitem__):
+    for slot in sites.slots_of(size, CLOCK.wall_ns(), people.__getitem__):
         calendar.apply(slot.fact())
 
 
@@ -164,7 +164,7 @@ def _gateway(load: OrderLoad, messenger: BenchMessenger, store: Store, latch: St
             Seed(f"person {n}", (Address("bench", str(n)),), (_role(n, load),))
             for n in range(load.people)
         ),
-        rulebook=places.rulebook_of(load.roles, places.FREE),
+        rulebook=sites.rulebook_of(load.roles, sites.FREE),
         limit=RateLimit(burst=1e9, per_s=1e9),
         lease_idle_s=0.0,
     )

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app import runtime
-from rosic.bench import deciding, weighing
-from rosic.bench.lanes import TURN_MESSAGES
+from rosic.bench import admission, memory
 from rosic.bench.orders import ROBOTS, OrderLoad, Ran, run
+from rosic.bench.paired_runs import times_as_much
 from rosic.bench.report import Report, case_of, machine
-from rosic.bench.turns import times_as_much
+from rosic.bench.senders import TURN_MESSAGES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -70,8 +70,8 @@ def measure(*, quick: bool = False) -> Report:
             seen[name].append(ran)
     orders = [case_of(n, [(r.rate_per_s, r.times_ns) for r in ran]) for n, ran in seen.items()]
     method = METHOD.format(turn=TURN_MESSAGES, robots=ROBOTS, runs=runs, loop=runtime.name())
-    how, asked = deciding.measure(quick=quick)
-    how_weighed, weighed = weighing.measure()
+    how, asked = admission.measure(quick=quick)
+    how_weighed, weighed = memory.measure()
     return Report(
         machine=machine(),
         method=f"{method} {how} {how_weighed}",

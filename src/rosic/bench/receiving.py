@@ -19,9 +19,9 @@ from telegram.ext import Application, MessageHandler, filters
 from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import Seed
+from rosic.bench.bot_api_process import TOKEN
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.report import quantile
-from rosic.bench.stand_in import TOKEN
 from rosic.core.identity import Address
 from rosic.core.rate_limit import RateLimit
 from rosic.core.records import Fact
@@ -222,7 +222,7 @@ async def _rosic(store: Store) -> AsyncIterator[Callable[[int], Awaitable[int]]]
         WAITING.append(given)
         line.hand(_update(number))
         given_ns: int = await asyncio.wait_for(given, 10)
-        while len(gateway.pipeline.lives):  # noqa: ASYNC110 - a length tells nobody
+        while len(gateway.pipeline.executor):  # noqa: ASYNC110 - a length tells nobody
             await asyncio.sleep(PAUSE_S)
         await store.write(NOTHING)  # behind whatever else of this one goes to the disk
         return given_ns - line.given_ns

@@ -32,7 +32,7 @@ from rosic.robots.ros2.robot import Ros2Robot
 from rosic.system import SystemClock
 from rosic.testing.factories import OrderBook
 from rosic.testing.ros2.graph import RosGraph
-from rosic_sim.ros2.urgency import Urgency
+from rosic_sim.ros2.realtime_priority import Urgency
 
 if TYPE_CHECKING:
     from asyncio.subprocess import Process
@@ -233,7 +233,7 @@ async def sleeping() -> AsyncIterator[_Sleeper]:
     process = await asyncio.create_subprocess_exec(
         sys.executable,
         "-m",
-        "rosic.bench.sleeper",
+        "rosic.bench.timer_baseline",
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
     )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app import runtime
-from rosic.bench.crowd import (
+from rosic.bench.busy_robots import (
     EVERYTHING,
     ROBOTS,
     WATCHER,

@@ -14,9 +14,9 @@ import msgspec
 from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import Seed
+from rosic.bench.bot_api_process import TOKEN, stand_in
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.report import Report, case_of, machine, quantile
-from rosic.bench.stand_in import TOKEN, stand_in
 from rosic.bench.steps import MeteredLoop, Step, pace_of_machine, undisturbed
 from rosic.core.identity import Address
 from rosic.core.robot.profile import Link, Profile

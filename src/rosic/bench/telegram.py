@@ -10,9 +10,9 @@ import msgspec
 
 from rosic.app import runtime
 from rosic.bench.batches import ENDED, ROUND_TRIP_S, Batch, BatchFigures, BatchSite, through_rosic
+from rosic.bench.bot_api_process import TOKEN, stand_in
 from rosic.bench.receiving import findings, received
 from rosic.bench.report import Case, Report, case_of, machine
-from rosic.bench.stand_in import TOKEN, stand_in
 from rosic.messengers.telegram.bot_client import BotClient
 from rosic.messengers.telegram.errors import ErrorKind, TelegramError
 from rosic.messengers.telegram.settings import read_settings

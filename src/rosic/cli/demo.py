@@ -13,7 +13,7 @@ from rosic.app.runtime import face_of
 from rosic.cli.begun import begun_ns
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock, SystemEntropy
-from rosic_sim.scenarios.repertoire import NAMES, play_named
+from rosic_sim.scenarios.registry import NAMES, play_named
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,7 +78,7 @@ def _play(options: argparse.Namespace) -> int:
             hint=f'Try: rosic demo {options.play} --interactive --as "{options.role}"',
         )
     # Only here: a plain demonstration is ready sooner without it.
-    playing = import_module("rosic_sim.scenarios.playing")
+    playing = import_module("rosic_sim.scenarios.runner")
     wish = playing.ScenarioOptions(
         plain=options.plain,
         fast=options.fast,

@@ -16,7 +16,7 @@ import msgspec
 from msgspec.structs import replace
 
 from rosic.container import records
-from rosic.container.patience import Patience
+from rosic.container.bounded_writes import BoundedWriter
 from rosic.core.deferred import Deferred
 from rosic.core.i18n import said
 from rosic.core.language import bind, show
@@ -142,7 +142,7 @@ class Containers:
     ) -> None:
         self._vocabulary = vocabulary
         self._store = store
-        self._patience = Patience(store, clock)
+        self._bounded = BoundedWriter(store, clock)
         self._clock = clock
         self.here: Deferred[[Chat], str] = Deferred(_nowhere)
         self.usual: Callable[[PrincipalId], str] | None = None
@@ -217,7 +217,7 @@ class Containers:
             letter = Letter(permits[0].principal, told)
             claims.append(_claim(request, permit, n, values.digest, accepted_ns, letter))
         try:
-            await self._patience.write(claims, partial(self._disown_late, orders))
+            await self._bounded.write(claims, partial(self._disown_late, orders))
         except asyncio.CancelledError as cancelled:
             if cancelled.__cause__ is None:  # claimed, and nobody is left to carry it out
                 self._disown(orders, NEVER_BEGUN)
@@ -261,7 +261,7 @@ class Containers:
             letter=letter,
         )
         try:
-            await self._patience.write((refused,), _as_said)
+            await self._bounded.write((refused,), _as_said)
         except StoreFault:
             # It stands and is told: the same message must not move anything when the disk is back.
             self._keep_refused(cid)
@@ -316,7 +316,7 @@ class Containers:
                 principal=caller.principal,
                 at_ns=self._clock.wall_ns(),
             )
-            await self._patience.write((resumed,), partial(self.stays_stopped, cid))
+            await self._bounded.write((resumed,), partial(self.stays_stopped, cid))
         except StoreFault as fault:
             raise RecordUnavailable(
                 said("I cannot write this down, so {robot} stays stopped.", robot=robot)
@@ -397,7 +397,7 @@ class Containers:
             container = self._people[principal] = PersonContainer(principal, self._there)
         container.select(chat, name)
 
-    def enlist(self, robot: RobotId, n: int) -> None:
+    def add_robot(self, robot: RobotId, n: int) -> None:
         """Have a container for one more robot, from the highest number it was given (I3).
 
         What words came to before, under another profile of that name, is worked out anew.

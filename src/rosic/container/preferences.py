@@ -89,7 +89,7 @@ class Caps:
         self._skills = skills
         self._convert = convert
 
-    def enlist(self, robot: RobotId, skills: Mapping[str, Skill]) -> Caps:
+    def add_robot(self, robot: RobotId, skills: Mapping[str, Skill]) -> Caps:
         """Let a speed mean one more robot. Return what it means for that one alone."""
         self._skills = {**self._skills, robot: skills}
         return Caps({robot: skills}, self._convert)
@@ -271,9 +271,9 @@ class PreferenceBook:
 
     # ---- what is so ----
 
-    def enlist(self, robot: RobotId, skills: Mapping[str, Skill]) -> tuple[PrincipalId, ...]:
+    def add_robot(self, robot: RobotId, skills: Mapping[str, Skill]) -> tuple[PrincipalId, ...]:
         """Let the speed that people have set hold for one more robot; return for whom it does."""
-        new = self._caps.enlist(robot, skills)
+        new = self._caps.add_robot(robot, skills)
         capped = {who: new.texts(kept.speed) for who, kept in self._set.items() if kept.speed}
         capped |= dict.fromkeys(self._damaged, new.slowest())
         for principal, limits in capped.items():

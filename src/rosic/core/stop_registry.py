@@ -67,9 +67,9 @@ class StopRegistry(dict["RobotId", StoppedRobot]):
         self.barred = barred
         self.cancels: dict[tuple[PrincipalId, RobotId], int] = {}
         for robot in robots:
-            self.enlist(robot, found.get(robot, (0, False)))
+            self.add_robot(robot, found.get(robot, (0, False)))
 
-    def enlist(self, robot: RobotId, found: tuple[int, bool]) -> None:
+    def add_robot(self, robot: RobotId, found: tuple[int, bool]) -> None:
         """Know one more robot, with its last stop generation and whether it is stopped (I13)."""
         generation, latched = found
         self[robot] = StoppedRobot(generation, latched=latched)

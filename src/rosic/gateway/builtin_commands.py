@@ -13,8 +13,8 @@ from rosic.core.language import Help, Line, Start, Status, Use
 from rosic.core.message import Button, Chat
 from rosic.errors import RobotTaken
 from rosic.gateway.button_rows import rows
+from rosic.gateway.commands import Reply
 from rosic.gateway.help_menu import HelpMenu
-from rosic.gateway.office import Reply
 from rosic.gateway.replies import ASK_FIRST, PREVIOUS, TRAIL
 
 if TYPE_CHECKING:
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.gateway.command_builder import CommandBuilder
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.components import Components
-    from rosic.gateway.office import CommandContext
-    from rosic.gateway.reception import PipelineHooks
+    from rosic.gateway.hooks import PipelineHooks
     from rosic.gateway.resume import ResumeHandler
 
 
@@ -88,10 +88,10 @@ class BuiltinCommands:
         self,
         rooms: Components,
         choosing: CommandBuilder,
-        reception: PipelineHooks,
+        hooks: PipelineHooks,
         resuming: ResumeHandler,
     ) -> None:
-        self._reception = reception
+        self._hooks = hooks
         self._resuming = resuming
         self._organiser = rooms.organiser
         self._container = rooms.container
@@ -102,9 +102,9 @@ class BuiltinCommands:
         self._choosing = choosing
         self._help_menu = HelpMenu(rooms)
         self._earlier = SelectionHistory()
-        reception.office.employ("undo", self.undo)
-        reception.office.employ("again", self.again)
-        reception.office.employ("information", self.information)
+        hooks.commands.register("undo", self.undo)
+        hooks.commands.register("again", self.again)
+        hooks.commands.register("information", self.information)
 
     def answer(self, caller: Caller, chat: Chat, line: Line) -> Reply:
         """Answer a line that moves nothing."""
@@ -288,7 +288,7 @@ class BuiltinCommands:
         visible = self._organiser.visible(principal)
         favourites = self._choosing.favourites(principal, profile.id, visible)
         often = [Button(one.label, f"{one.command}{here}") for one in favourites]
-        seen = self._reception.sights(profile.id)
+        seen = self._hooks.sights(profile.id)
         last = [Button("STOP", f"stop {profile.id}")]
         if len(visible) > 1:
             last.append(Button(said("Another robot"), "robots"))

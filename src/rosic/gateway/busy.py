@@ -34,9 +34,9 @@ GAVE_WAY = said("The next command takes its place. This was not done.")
 class BusyRobots:
     """Says that a robot is at work, and lets its next order follow by a tap."""
 
-    def __init__(self, rooms: Components, lives: OrderExecutor) -> None:
+    def __init__(self, rooms: Components, executor: OrderExecutor) -> None:
         self._rooms = rooms
-        self._lives = lives
+        self._executor = executor
         self._ending: set[asyncio.Task[None]] = set()
 
     def check(self, requests: Sequence[Request], principal: PrincipalId, command: str) -> None:
@@ -91,16 +91,16 @@ class BusyRobots:
         said.asked += tuple(robots)
         if command.startswith(INSTEAD) and robots:
             principal = said.caller.principal
-            for entry in self._lives.take_out(principal, robots):
+            for entry in self._executor.take_out(principal, robots):
                 entry.void(OrderVoid(GAVE_WAY))
-            for order in self._lives.of(principal):
+            for order in self._executor.of(principal):
                 if order.robot in robots:
                     self._end(order)
         return command[1:]
 
     def _end(self, order: Order) -> None:
         """End an order; what waits behind it begins when its robot is at rest."""
-        ending = self._lives.cut_order(order.robot, order.cid, GIVES_WAY)
+        ending = self._executor.cut_order(order.robot, order.cid, GIVES_WAY)
         task = asyncio.create_task(ending)
         self._ending.add(task)
         task.add_done_callback(self._ending.discard)

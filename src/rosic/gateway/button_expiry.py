@@ -40,8 +40,8 @@ ASK_AGAIN, SHOW_AGAIN = said("Ask again"), said("Show again")
 class ButtonExpiry:
     """Remembers which messages show buttons, and until when."""
 
-    def __init__(self, teller: ChatSender, clock: Clock, bound: ButtonTokens) -> None:
-        self._teller = teller
+    def __init__(self, chat_sender: ChatSender, clock: Clock, bound: ButtonTokens) -> None:
+        self._chat_sender = chat_sender
         self._bound = bound
         self._clock = clock
         self._serial = count()
@@ -49,7 +49,7 @@ class ButtonExpiry:
         self._shown: dict[str, tuple[int, OutgoingMessage]] = {}
         self._watching: asyncio.Task[None] | None = None
         self._looks_ns = 0
-        teller.on_buttons.connect(self.shown)
+        chat_sender.on_buttons.connect(self.shown)
 
     def shown(self, note: OutgoingMessage, message: str) -> None:
         """A message was sent or edited, and shows these buttons now, or none any more."""
@@ -97,7 +97,7 @@ class ButtonExpiry:
         if again is not None:
             left = (*left, (again,))
         outbound = replace(note.outbound, text=text, buttons=left, weight=Weight.FEEDBACK)
-        self._teller.say(
+        self._chat_sender.say(
             replace(
                 note,
                 outbound=outbound,
@@ -118,7 +118,7 @@ class ButtonExpiry:
         who = asked[0]
         if who is None or None in asked:
             return text, None
-        catalogue = self._teller.languages.of(who)
+        catalogue = self._chat_sender.languages.of(who)
         if not any(button.command == LEAVE for button in gone):
             menu = _menu(gone)
             return text, open_button(in_language(SHOW_AGAIN, catalogue), menu)

@@ -22,10 +22,10 @@ from rosic.core.robot.profile import RobotId
 from rosic.core.time_units import MINUTE_NS
 from rosic.errors import OrderVoid, Refusal
 from rosic.gateway import cancel_messages as words
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.gateway.order_execution import CANCELLED_BEFORE
 from rosic.gateway.replies import CONFIRMED
-from rosic.gateway.resting import comes_to_rest
+from rosic.gateway.rest_wait import comes_to_rest
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from rosic.core.identity import Caller
     from rosic.core.message import Inbound
     from rosic.core.order import Order
+    from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
-    from rosic.gateway.office import CommandContext, CommandRegistry
     from rosic.gateway.order_execution import OrderExecutor
     from rosic.gateway.replies import Replies
     from rosic.gateway.stop import StopLane
@@ -93,20 +93,20 @@ class CancelLane:
     def __init__(
         self,
         rooms: Components,
-        lives: OrderExecutor,
+        executor: OrderExecutor,
         stop_lane: StopLane,
         replies: Replies,
-        office: CommandRegistry,
+        commands: CommandRegistry,
         clock: Clock,
     ) -> None:
         self._rooms = rooms
-        self._lives = lives
+        self._executor = executor
         self._stop_lane = stop_lane
         self._replies = replies
         self._clock = clock
-        self._office = office
-        office.employ("cancel", self.clerk)
-        office.employ("abort", self.clerk)
+        self._commands = commands
+        commands.register("cancel", self.handler)
+        commands.register("abort", self.handler)
         self._also: list[Also] = []
         self.last: dict[PrincipalId, tuple[int, int]] = {}
         self._tasks: set[asyncio.Task[Any]] = set()
@@ -141,7 +141,7 @@ class CancelLane:
         robots = self._named(names, who)
         self.last[who] = (inbound.received_ns, self._clock.monotonic_ns())
         self._rooms.board.cancel(who, robots)
-        waited = self._lives.take_out(who, robots)
+        waited = self._executor.take_out(who, robots)
         ending = self._end(caller, inbound, robots, waited)
         where = (messenger.name, inbound.chat.id)
         answers = self._answering[where] < ANSWERS_AT_MOST and self._charged(caller)
@@ -187,7 +187,7 @@ class CancelLane:
         # What asks whether something is meant; it is asked anew when it is said anew.
         self._rooms.authoriser.buttons.void(who, CONFIRMED)
         also = [self._begin(end(who, robots)) for end in self._also]
-        orders = [o for o in self._lives.of(who) if not robots or o.robot in robots]
+        orders = [o for o in self._executor.of(who) if not robots or o.robot in robots]
         reason = said("as {name} asked", name=caller.name)
         resting = [self._begin(self._cut_off(order, reason)) for order in orders]
         return self._ended(caller, inbound, robots, (waited, resting, also))
@@ -232,7 +232,7 @@ class CancelLane:
         robot, linker, clock = order.robot, self._rooms.linker, self._clock
         begun_ns = clock.monotonic_ns()
         at_most_s = linker.profile(robot).rest_timeout_s + CUT_OFF_WITHIN_S
-        cutting = self._begin(self._lives.cut_order(robot, order.cid, reason))
+        cutting = self._begin(self._executor.cut_order(robot, order.cid, reason))
         too_long = self._begin(clock.sleep(at_most_s))
         await asyncio.wait((cutting, too_long), return_when=asyncio.FIRST_COMPLETED)
         too_long.cancel()
@@ -268,7 +268,7 @@ class CancelLane:
     def _shown(self, robot: RobotId) -> str:
         return self._rooms.profiles[robot].shown
 
-    async def clerk(self, asked: CommandContext) -> Reply:
+    async def handler(self, asked: CommandContext) -> Reply:
         """Do what is left of ``/cancel``: of a booking, a task or a mission by its name.
 
         Raises:
@@ -281,9 +281,9 @@ class CancelLane:
             return Reply("")
         verb = TASKS.get(first.casefold())
         if verb is None:
-            return await self._office.do(CommandLine(BOOKING, asked.rest), asked)
+            return await self._commands.do(CommandLine(BOOKING, asked.rest), asked)
         rest = f"cancel {rest.strip()}"
-        return await self._office.do(CommandLine(verb, rest), replace(asked, rest=rest))
+        return await self._commands.do(CommandLine(verb, rest), replace(asked, rest=rest))
 
     async def _answer(
         self,

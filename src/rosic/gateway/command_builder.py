@@ -17,7 +17,7 @@ from rosic.core.language.formatting import beginning, show, show_choice, show_na
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood, Refusal
 from rosic.gateway.button_rows import rows
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.gateway.replies import ASK_FIRST, CONFIRMED, DO_IT, LEAVE, LEAVE_IT, PREVIOUS, TRAIL
 
 if TYPE_CHECKING:

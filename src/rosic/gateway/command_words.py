@@ -7,7 +7,7 @@ from itertools import takewhile
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import in_language, joined, said
-from rosic.core.language.clock_words_elsewhere import shown_when
+from rosic.core.language.time_words import shown_when
 from rosic.core.local_time import LocalTime
 from rosic.organiser.calendar_messages import day
 

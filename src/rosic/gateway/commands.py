@@ -1,172 +1,112 @@
-"""What people are offered while they type: everybody the daily commands, admins their own too."""
+"""Commands: what is asked of ROSIC itself (`/me`, `/invite`, `/book`). A handler for each."""
 
 from __future__ import annotations
 
-import asyncio
-import logging
-from typing import TYPE_CHECKING, Final, TypeAlias
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, TypeAlias
 
-from rosic.core.i18n import in_language, said
-from rosic.core.message import Menu, MenuScope
-from rosic.gateway.command_words import menu_name
+import msgspec
+
+from rosic.contracts.messenger import Messenger
+from rosic.core.i18n import said
+from rosic.core.identity import Caller, CommandId
+from rosic.core.message import Attachment, Button, Chat, ChatKind, Inbound
+from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from rosic.core.language import CommandLine
 
-    from rosic.authoriser.directory import Directory
-    from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import SetMenus
-    from rosic.core.i18n import Catalogue
-    from rosic.core.identity import PrincipalId
-
-    _Entries: TypeAlias = Sequence[tuple[str, str]]
-
-ADMINS_AT_MOST: Final = 40
-CHOSEN_AT_MOST: Final = 40
-"""Each is some calls; further ones find everything in /help."""
-SETTLE_S: Final = 2.0
-ENGLISH: Final = "en"
-
-EVERYBODY: Final = (
-    ("robots", said("The robots you may see")),
-    ("status", said("What every robot is doing")),
-    ("use", said("Choose a robot, so that its name may be left out")),
-    ("undo", said("Take back the last choice of a robot")),
-    ("stop", said("Stop every robot you may see")),
-    ("cancel", said("End what you have under way")),
-    ("resume", said("Let a stopped robot move again")),
-    ("again", said("Do the last thing once more")),
-    ("task", said("Let whichever robot can do something")),
-    ("fleet", said("See all robots and tasks at a glance")),
-    ("book", said("Have a robot for a time of your own")),
-    ("wish", said("Say when you would like a robot")),
-    ("ask", said("Ask for a right that you lack")),
-    ("me", said("What you may do, and until when")),
-    ("help", said("What you can say")),
-)
-IN_GROUPS: Final = ("robots", "status", "use", "stop", "cancel", "resume", "help")
-TOPIC: Final = ("topic", said("Say which robot this topic is about"))
-ADMINS: Final = (
-    ("people", said("Who is known here")),
-    ("invite", said("Let somebody in")),
-    ("role", said("What the roles here give")),
-    ("grant", said("Give somebody a right for a while")),
-    ("revoke", said("Take somebody's key back")),
-    ("lock", said("Shut somebody out at once")),
-    ("plan", said("Weigh all wishes and book a plan")),
-    ("security", said("What was turned away")),
-)
-
-log = logging.getLogger("rosic.menus")
+ONLY_IN_PRIVATE = said("Ask me that in a private chat with me, please.")
 
 
-class CommandMenus:
-    """Works out every menu, and has the messengers show what has changed.
+class Reply(msgspec.Struct, frozen=True):
+    """A text and its buttons, not bound to anybody yet.
 
-    Args:
-        directory: Where people are reached.
-        admins: Returns who looks after people here, the same ones first each time.
-        catalogues: Other languages than English.
-        chosen: Returns which language people chose here, by its code: their own chat's menu is in
-            that one, whatever their messenger is set to.
-        clock: Waits until a row of changes is over.
+    Attributes:
+        attachment: A file that goes with it, for a messenger that sends files of its size.
+        about: The robot that it speaks of, for whoever replies to it; empty for none.
+        anew: It is said in a message of its own: what was tapped is about to go.
+        landed: Hears through which messenger, in which chat, which message says it.
     """
 
-    def __init__(
-        self,
-        directory: Directory,
-        admins: Callable[[], Sequence[PrincipalId]],
-        catalogues: dict[str, Catalogue],
-        chosen: Callable[[], Mapping[PrincipalId, str]],
-        clock: Clock,
-    ) -> None:
-        self._directory = directory
-        self._admins = admins
-        self._languages: dict[str, Catalogue | None] = {"": None, **catalogues}
-        self._chosen = chosen
-        self._clock = clock
-        self._platforms: list[tuple[str, SetMenus]] = []
-        self._with_own: dict[str, set[str]] = {}
-        # Each messenger by itself: one that cannot be reached keeps the others waiting for nothing.
-        self._due: set[int] = set()
-        self._tasks: dict[int, asyncio.Task[None]] = {}
-
-    def show_on(self, platform: str, set_menus: SetMenus) -> None:
-        """Look after the menus of one more messenger."""
-        self._platforms.append((platform, set_menus))
-
-    def look(self) -> None:
-        """Roles may have changed: see to it soon. Returns at once."""
-        for number in range(len(self._platforms)):
-            self._due.add(number)
-            task = self._tasks.get(number)
-            if task is None or task.done():
-                self._tasks[number] = asyncio.create_task(self._follow(number))
-
-    async def _follow(self, number: int) -> None:
-        platform, set_menus = self._platforms[number]
-        while number in self._due:
-            await self._clock.sleep(SETTLE_S)
-            self._due.discard(number)
-            try:
-                await set_menus(self.of(platform))
-            except Exception:
-                log.exception("the menus could not be shown")
-
-    def of(self, platform: str) -> list[Menu]:
-        """Return every menu of a platform; an empty one for a chat that has none of its own now."""
-        whole = (*EVERYBODY, *ADMINS)
-        admins = list(self._admins())[:ADMINS_AT_MOST]
-        entries: dict[str, _Entries] = {account: whole for _, account in self._at(platform, admins)}
-        chosen = self._reading(platform)
-        for account in chosen:
-            entries.setdefault(account, EVERYBODY)
-        before = self._with_own.setdefault(platform, set())
-        menus: list[Menu] = []
-        for locale, catalogue in self._languages.items():
-            groups = tuple(entry for entry in EVERYBODY if entry[0] in IN_GROUPS)
-            menus.append(Menu(MenuScope.PRIVATE, _said(EVERYBODY, catalogue), locale))
-            menus.append(Menu(MenuScope.GROUPS, _said((*groups, TOPIC), catalogue), locale))
-            menus += [
-                Menu(
-                    MenuScope.CHAT,
-                    _said(entries.get(chat, ()), chosen.get(chat, catalogue)),
-                    locale,
-                    chat,
-                )
-                for chat in sorted(before.union(entries))
-            ]
-        before.clear()
-        before.update(entries)
-        return menus
-
-    def _reading(self, platform: str) -> dict[str, Catalogue | None]:
-        """Return in which language whoever chose one reads, by account."""
-        chosen = {
-            principal: self._languages["" if code == ENGLISH else code]
-            for principal, code in self._chosen().items()
-            if code == ENGLISH or code in self._languages
-        }
-        few = list(chosen)[:CHOSEN_AT_MOST]
-        return {account: chosen[principal] for principal, account in self._at(platform, few)}
-
-    def _at(
-        self, platform: str, people: Iterable[PrincipalId]
-    ) -> Iterator[tuple[PrincipalId, str]]:
-        for principal in people:
-            person = self._directory.person(principal)
-            for address in () if person is None else person.addresses:
-                if address.platform == platform:
-                    yield principal, address.account
-
-    async def close(self) -> None:
-        """Look no more."""
-        for task in self._tasks.values():
-            task.cancel()
-        await asyncio.gather(*self._tasks.values(), return_exceptions=True)
+    text: str
+    buttons: tuple[tuple[Button, ...], ...] = ()
+    attachment: Attachment | None = None
+    about: str = ""
+    landed: Callable[[Messenger, Chat, str], None] | None = None
+    anew: bool = False
 
 
-def _said(entries: _Entries, catalogue: Catalogue | None) -> tuple[tuple[str, str], ...]:
-    return tuple(
-        (menu_name(name, catalogue), in_language(text, catalogue)) for name, text in entries
-    )
+class CommandContext(msgspec.Struct, frozen=True):
+    """One command, and who asked for it, where.
+
+    Attributes:
+        rest: The line after the verb, as typed.
+        cid: Identity of the line, for what must not happen twice.
+        act: Digest of what the tap that said it agrees to. Whatever was typed agrees to nothing.
+    """
+
+    messenger: Messenger
+    inbound: Inbound
+    caller: Caller
+    rest: str
+    cid: CommandId
+    act: bytes = b""
+
+    @property
+    def private(self) -> bool:
+        """Whether nobody else can read along."""
+        return self.inbound.chat.kind is ChatKind.PRIVATE
+
+
+CommandHandler: TypeAlias = Callable[[CommandContext], Awaitable[Reply]]
+
+
+class CommandRegistry:
+    """Brings a command to whoever does it."""
+
+    def __init__(self) -> None:
+        self._handlers: dict[str, CommandHandler] = {}
+
+    def register(self, verb: str, handler: CommandHandler) -> None:
+        """Say who does commands of a verb."""
+        self._handlers[verb] = handler
+
+    async def do(self, command: CommandLine, asked: CommandContext) -> Reply:
+        """Do a command, and return what to say.
+
+        Raises:
+            Refusal: Why not; nothing was changed.
+        """
+        handler = self._handlers.get(command.verb)
+        if handler is None:
+            raise NotUnderstood(
+                said("I cannot do {verb} here.", verb=command.verb), offers=("help",)
+            )
+        return await handler(asked)
+
+
+def check_length(line: str, most: int) -> None:
+    """See that a line is read to its end: what would be cut off may be what makes it safe.
+
+    Raises:
+        OutOfBounds: It is longer than that many characters.
+    """
+    if len(line) > most:
+        raise OutOfBounds(
+            said(
+                "That line has {length} characters; I read at most {most}. Nothing was done.",
+                length=len(line),
+                most=most,
+            )
+        )
+
+
+def check_private(asked: CommandContext) -> None:
+    """See that nobody else reads along.
+
+    Raises:
+        NotPermitted: Others do.
+    """
+    if not asked.private:
+        raise NotPermitted(ONLY_IN_PRIVATE)

@@ -20,7 +20,7 @@ from rosic.core.policy.roles import ASSURANCES, Assurance, StepRequired
 from rosic.errors import Expired, FirstNeeded, NotPermitted
 from rosic.gateway import cancel_messages as words
 from rosic.gateway.agreement import ResolvedAct
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.gateway.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
 from rosic.organiser.organiser import AuthContext
 from rosic.organiser.refusals import ANY_CHANNEL, bound_of
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock, Entropy
     from rosic.core.robot.profile import RobotId
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.delivery.notifier import Notifier
-    from rosic.gateway.office import CommandContext
     from rosic.organiser.organiser import Organiser
 
 ASKED_FOR_S = 300.0

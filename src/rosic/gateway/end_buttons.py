@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from rosic.gateway.agreement import Agreements
     from rosic.gateway.components import Components
-    from rosic.gateway.reception import PipelineHooks
+    from rosic.gateway.hooks import PipelineHooks
 
 KEPT: Final = 1_024
 AGAIN, BACK, MENU = said("Again"), said("Back"), said("Menu")
@@ -39,11 +39,11 @@ class EndButtons(dict[Ended, Row]):
     Bounded, and thrown away whole: what it does not hold is made anew.
     """
 
-    def __init__(self, rooms: Components, agreements: Agreements, reception: PipelineHooks) -> None:
+    def __init__(self, rooms: Components, agreements: Agreements, hooks: PipelineHooks) -> None:
         super().__init__()
         self._rooms = rooms
         self._agreements = agreements
-        self._reception = reception
+        self._hooks = hooks
 
     def __missing__(self, ended: Ended) -> Row:
         if len(self) >= KEPT:
@@ -72,7 +72,7 @@ class EndButtons(dict[Ended, Row]):
         name = name.casefold()
         if name in profiles:
             yield open_button(label, f"use {name}")
-            for seen in self._reception.sights(name)[:1]:
+            for seen in self._hooks.sights(name)[:1]:
                 yield open_button(in_language(seen.label, catalogue), seen.command)
         elif self._rooms.vocabulary.members(name):
             yield open_button(label, f"help {name}")

@@ -14,7 +14,7 @@ from rosic.core.message import Button
 from rosic.core.robot.geography import GeographicFrame, TooFar, local_m
 from rosic.core.units import bound_in_words, measured
 from rosic.errors import NotUnderstood, OutOfBounds
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.gateway.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
 
 if TYPE_CHECKING:

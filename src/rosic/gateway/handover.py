@@ -10,16 +10,16 @@ from rosic.core.message import Button
 from rosic.core.messages import no_robot
 from rosic.core.policy.scope import FLEET
 from rosic.errors import NotPermitted, NotUnderstood, RobotBusy
-from rosic.gateway.office import Reply
-from rosic.gateway.resting import comes_to_rest
+from rosic.gateway.commands import Reply
+from rosic.gateway.rest_wait import comes_to_rest
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import RobotId
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
-    from rosic.gateway.office import CommandContext
     from rosic.gateway.order_execution import OrderExecutor
     from rosic.gateway.stop import StopLane
 
@@ -33,13 +33,13 @@ class LeaseHandover:
     def __init__(
         self,
         rooms: Components,
-        lives: OrderExecutor,
+        executor: OrderExecutor,
         stop_lane: StopLane,
         reach: Notifier,
         clock: Clock,
     ) -> None:
         self._rooms = rooms
-        self._lives = lives
+        self._executor = executor
         self._stop_lane = stop_lane
         self._reach = reach
         self._clock = clock
@@ -56,7 +56,7 @@ class LeaseHandover:
             stays stopped until somebody resumes it.
         """
         linker, organiser = self._rooms.linker, self._rooms.organiser
-        await self._lives.cut(robot, reason)
+        await self._executor.cut(robot, reason)
         rests = await comes_to_rest(linker, self._clock, robot)
         if not rests:
             self._stop_lane.stop_robots((robot,), "")

@@ -13,8 +13,8 @@ from rosic.core.policy.scope import FLEET, GRANT, RESUME
 from rosic.core.robot.profile import Slots
 from rosic.core.robot.view import Sight
 from rosic.core.units import measured
+from rosic.gateway.command_menus import ADMINS, EVERYBODY
 from rosic.gateway.command_words import TYPED
-from rosic.gateway.commands import ADMINS, EVERYBODY
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator

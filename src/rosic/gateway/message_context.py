@@ -54,7 +54,7 @@ class MessageContext:
         "proven",
         "second",
         "shown_ns",
-        "stepup",
+        "stepped_up",
     )
 
     def __init__(
@@ -63,14 +63,14 @@ class MessageContext:
         inbound: Inbound,
         caller: Caller,
         arrived_ns: int,
-        stepup: SteppedUp,
+        stepped_up: SteppedUp,
     ) -> None:
         self.act = b""
         self.note = ""
         self.confirmed = self.proven = False
         self.second: PrincipalId | None = None
         self.shown_ns = 0
-        self.stepup = stepup
+        self.stepped_up = stepped_up
         self.messenger = messenger
         self.inbound = inbound
         self.caller = caller
@@ -79,7 +79,7 @@ class MessageContext:
 
     def grounds(self) -> AuthContext:
         """Return what counts besides who they are; asked only where it matters."""
-        self.proven = self.stepup(self.caller.principal, self.inbound.chat)
+        self.proven = self.stepped_up(self.caller.principal, self.inbound.chat)
         return AuthContext(
             channel=ASSURANCES.get(self.messenger.assurance, Assurance.PROVIDER_READABLE),
             stepped_up=self.proven,

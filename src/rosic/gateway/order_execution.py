@@ -62,7 +62,7 @@ class RunningOrder:
         words: How it ended, once it has.
     """
 
-    __slots__ = ("_lives", "begun", "card", "order", "said", "shown", "words")
+    __slots__ = ("_executor", "begun", "card", "order", "said", "shown", "words")
 
     def __init__(
         self,
@@ -70,7 +70,7 @@ class RunningOrder:
         said: Requester,
         card: OrderMessage,
         shown: OrderStatus,
-        lives: OrderExecutor,
+        executor: OrderExecutor,
     ) -> None:
         self.order = order
         self.said = said
@@ -78,25 +78,25 @@ class RunningOrder:
         self.begun = False
         self.words = ""
         self.shown = shown
-        self._lives = lives
+        self._executor = executor
 
     def tell(self, report: StageReport) -> None:
         """Take a report in; a robot's words are made inert."""
         if report.note:
             report = StageReport(report.stage, report.fraction, inert_words(report.note))
-        lives, card = self._lives, self.card
-        if card.step(self.shown, report, lives.wall_ns()):
-            lives.teller.update(card)
+        executor, card = self._executor, self.card
+        if card.step(self.shown, report, executor.wall_ns()):
+            executor.chat_sender.update(card)
 
     def void(self, refusal: OrderVoid) -> None:
         """It is over before it began."""
-        self._lives.ended(self, refused(refusal))
+        self._executor.ended(self, refused(refusal))
 
     def concluded(self) -> None:
         """Its outcome is on disk, or waits to be: from here on a card may show it."""
         self.card.end(self.order.cid, self.shown, self.words)
-        self._lives.teller.show(self.card)
-        self._lives.leave(self.order.permit.principal)
+        self._executor.chat_sender.show(self.card)
+        self._executor.leave(self.order.permit.principal)
 
 
 class RobotWorker:
@@ -104,16 +104,16 @@ class RobotWorker:
 
     Attributes:
         wake: Set while it waits.
-        life: Whose turn it is; begun as soon as it has been relayed. None: nobody's.
+        running: Whose turn it is; begun as soon as it has been relayed. None: nobody's.
         relaying: It waits for the robot.
         cut_off: Why the order at the robot is being cut off, if it is.
         rested: Set when an order that is being cut off has come to rest.
     """
 
-    __slots__ = ("cut_off", "life", "relaying", "rested", "task", "wake")
+    __slots__ = ("cut_off", "relaying", "rested", "running", "task", "wake")
 
-    def __init__(self, life: RunningOrder) -> None:
-        self.life: RunningOrder | None = life
+    def __init__(self, running: RunningOrder) -> None:
+        self.running: RunningOrder | None = running
         self.relaying = False
         self.cut_off: str = SHUT_DOWN
         self.rested: asyncio.Event | None = None
@@ -134,19 +134,19 @@ class OrderExecutor:
         organiser: Organiser,
         container: Containers,
         linker: Linker,
-        teller: ChatSender,
+        chat_sender: ChatSender,
         clock: Clock,
     ) -> None:
         self.after: Callable[[RobotId], None] | None = None
         self.watch: OrderWatcher | None = None
-        self.teller = teller
+        self.chat_sender = chat_sender
         self.wall_ns = clock.wall_ns
         self._organiser = organiser
         self._container = container
         self._linker = linker
         self._under_way = 0
         self._whose: dict[PrincipalId, int] = {}
-        self._servers: dict[RobotId, RobotWorker] = {}
+        self._workers: dict[RobotId, RobotWorker] = {}
         self._closing = False
         self._over: asyncio.Event | None = None
         self._newest: dict[RobotId, RunningOrder] | None = None
@@ -159,19 +159,19 @@ class OrderExecutor:
         self._under_way += 1
         whose = order.permit.principal
         self._whose[whose] = self._whose.get(whose, 0) + 1
-        life = RunningOrder(order, said, card, shown, self)
+        running = RunningOrder(order, said, card, shown, self)
         if self._under_way > AT_MOST:
-            self.ended(life, FULL)
+            self.ended(running, FULL)
         elif self._closing:
-            life.void(OrderVoid(NEVER_BEGUN))
+            running.void(OrderVoid(NEVER_BEGUN))
         elif self._linker.cancels and self._linker.outdated(order):
-            life.void(OrderVoid(CANCELLED_BEFORE))
+            running.void(OrderVoid(CANCELLED_BEFORE))
         else:
             try:
-                if self._linker.put(life):
-                    self._serve_now(life)
+                if self._linker.put(running):
+                    self._serve_now(running)
             except Refusal as refusal:
-                self.ended(life, refused(refusal))
+                self.ended(running, refused(refusal))
 
     def forgo(
         self, order: Order, said: Requester, card: OrderMessage, shown: OrderStatus, why: OrderVoid
@@ -182,60 +182,60 @@ class OrderExecutor:
         self._whose[whose] = self._whose.get(whose, 0) + 1
         RunningOrder(order, said, card, shown, self).void(why)
 
-    def _serve_now(self, life: RunningOrder) -> None:
-        server = self._servers.get(life.order.robot)
-        if server is None:
-            server = self._servers[life.order.robot] = RobotWorker(life)
-            server.task = asyncio.create_task(self._serve(server, life.order.robot))
+    def _serve_now(self, running: RunningOrder) -> None:
+        worker = self._workers.get(running.order.robot)
+        if worker is None:
+            worker = self._workers[running.order.robot] = RobotWorker(running)
+            worker.task = asyncio.create_task(self._serve(worker, running.order.robot))
             return
-        server.life = life
-        if server.wake is not None:
-            server.wake.set_result(None)
+        worker.running = running
+        if worker.wake is not None:
+            worker.wake.set_result(None)
 
-    async def _serve(self, server: RobotWorker, robot: RobotId) -> None:
+    async def _serve(self, worker: RobotWorker, robot: RobotId) -> None:
         """Relay one order after another; a robot that is free costs nothing but this task."""
         loop, linker = asyncio.get_running_loop(), self._linker
-        while (life := server.life) is not None:
+        while (running := worker.running) is not None:
             if self._closing:
-                life.void(OrderVoid(NEVER_BEGUN))
+                running.void(OrderVoid(NEVER_BEGUN))
                 return
-            life.begun = True
+            running.begun = True
             if self._newest is not None:
-                self._newest[robot] = life
-            server.relaying = True
+                self._newest[robot] = running
+            worker.relaying = True
             if self.watch is not None:
-                self.watch.began(life.order)
-            outcome = await self._relay(server, life)
-            server.relaying = False
-            if server.rested is not None:
-                server.rested.set()
-            self.ended(life, outcome)
+                self.watch.began(running.order)
+            outcome = await self._relay(worker, running)
+            worker.relaying = False
+            if worker.rested is not None:
+                worker.rested.set()
+            self.ended(running, outcome)
             if outcome.ending is REFUSED:
                 await asyncio.sleep(0)  # a row of refusals, after a stop, holds nobody else up
             waiting = linker.next(robot)
             if waiting is None:
-                server.life = life = None  # what is over is not kept until the next begins
-                server.wake = loop.create_future()
-                await server.wake
-                server.wake = None
+                worker.running = running = None  # what is over is not kept until the next begins
+                worker.wake = loop.create_future()
+                await worker.wake
+                worker.wake = None
             else:
                 assert isinstance(waiting, RunningOrder)  # noqa: S101 - nothing else is put there
-                server.life = waiting
+                worker.running = waiting
                 del waiting
 
-    async def _relay(self, server: RobotWorker, life: RunningOrder) -> Outcome:
+    async def _relay(self, worker: RobotWorker, running: RunningOrder) -> Outcome:
         """RELAYCOMMAND: return what the robot did, whatever happens."""
-        order = life.order
+        order = running.order
         try:
             try:
-                outcome = await self._linker.dispatch(order, life.tell)
+                outcome = await self._linker.dispatch(order, running.tell)
             except PolicyMoved:
-                outcome = await self._relay_anew(life)
+                outcome = await self._relay_anew(running)
             return inert(outcome) if outcome.note else outcome
         except Refusal as refusal:
             return refused(refusal)
         except asyncio.CancelledError:
-            reason, server.cut_off = server.cut_off, SHUT_DOWN
+            reason, worker.cut_off = worker.cut_off, SHUT_DOWN
             return Outcome(Ending.CANCELLED, reason)
         except RobotUnreachable as fault:
             log.warning("order %d of %s: %s", order.n, order.robot, fault)
@@ -245,34 +245,34 @@ class OrderExecutor:
             log.exception("order %d of %s", order.n, order.robot)
             return Outcome(Ending.UNKNOWN, WENT_WRONG, code="fault")
 
-    async def _relay_anew(self, life: RunningOrder) -> Outcome:
+    async def _relay_anew(self, running: RunningOrder) -> Outcome:
         """Admit an order once more under the present policy, and relay it; its turn is kept."""
         while True:
-            said = life.said
-            permit = self._organiser.readmit(said.caller, life.order, said.grounds())
+            said = running.said
+            permit = self._organiser.readmit(said.caller, running.order, said.grounds())
             try:
-                renewed = msgspec.structs.replace(life.order, permit=permit)
-                return await self._linker.dispatch(renewed, life.tell)
+                renewed = msgspec.structs.replace(running.order, permit=permit)
+                return await self._linker.dispatch(renewed, running.tell)
             except PolicyMoved:
                 continue
 
-    def ended(self, life: RunningOrder, outcome: Outcome) -> None:
+    def ended(self, running: RunningOrder, outcome: Outcome) -> None:
         """Write down how an order ended; once that is on disk it is told."""
-        self._organiser.settle(life.order.permit)
+        self._organiser.settle(running.order.permit)
         if self.after is not None:
-            self.after(life.order.robot)
-        if self.watch is not None and life.begun:
-            self.watch.ended(life.order, outcome)
+            self.after(running.order.robot)
+        if self.watch is not None and running.begun:
+            self.watch.ended(running.order, outcome)
         if outcome.ending is Ending.CANCELLED:
-            who = self._organiser.why_stopped.by_another(life.order)
+            who = self._organiser.why_stopped.by_another(running.order)
             note = joined("; ", filter(None, (outcome.note, who)))
             outcome = msgspec.structs.replace(outcome, note=note)
         at_ns = self.wall_ns()
-        life.words = life.shown.wording(outcome, at_ns)
-        life.card.ending = True
-        self._container.conclude(life.order, outcome, life.words, at_ns, life.concluded)
+        running.words = running.shown.wording(outcome, at_ns)
+        running.card.ending = True
+        self._container.conclude(running.order, outcome, running.words, at_ns, running.concluded)
         if outcome.ending is UNKNOWN or outcome.code in BROKEN_OFF:
-            self._linker.void(life.order.robot, AFTER_A_BREAK)  # nothing goes on by itself (I6)
+            self._linker.void(running.order.robot, AFTER_A_BREAK)  # nothing goes on by itself (I6)
 
     def shown_in(
         self, where: tuple[str, str], message: str, principal: PrincipalId = ""
@@ -283,7 +283,7 @@ class OrderExecutor:
         """
         return tuple(
             robot
-            for robot in self._servers
+            for robot in self._workers
             for entry in self._linker.entries(robot)
             if isinstance(entry, RunningOrder)
             and entry.card.message == message
@@ -295,23 +295,23 @@ class OrderExecutor:
         """Return somebody's orders that robots carry out now."""
         if principal not in self._whose:
             return []
-        under_way = map(self._linker.current, self._servers)
+        under_way = map(self._linker.current, self._workers)
         return [o for o in under_way if o is not None and o.permit.principal == principal]
 
     def take_out(self, principal: PrincipalId, robots: Collection[RobotId]) -> list[QueuedOrder]:
         """Take somebody's orders out that wait for robots, or for any if none is named."""
         if principal not in self._whose:
             return []
-        some = [robot for robot in self._servers if not robots or robot in robots]
+        some = [robot for robot in self._workers if not robots or robot in robots]
         return [entry for robot in some for entry in self._linker.take_out(robot, principal)]
 
     def follow(self) -> dict[RobotId, RunningOrder]:
         """Keep the order that each robot had last, from now on; return where it is found."""
         if self._newest is None:
             self._newest = {
-                robot: server.life
-                for robot, server in self._servers.items()
-                if server.relaying and server.life is not None
+                robot: worker.running
+                for robot, worker in self._workers.items()
+                if worker.relaying and worker.running is not None
             }
         return self._newest
 
@@ -338,21 +338,21 @@ class OrderExecutor:
             await self._cut_off(robot, reason)
 
     async def _cut_off(self, robot: RobotId, reason: str) -> None:
-        server = self._servers.get(robot)
-        if server is None or server.task is None:
+        worker = self._workers.get(robot)
+        if worker is None or worker.task is None:
             return
-        while not (server.relaying or self._idle(server) or server.task.done()):  # noqa: ASYNC110
+        while not (worker.relaying or self._idle(worker) or worker.task.done()):  # noqa: ASYNC110
             await asyncio.sleep(0)  # its turn has come: it is relayed in a moment
-        if not server.relaying:
+        if not worker.relaying:
             return
-        if server.rested is not None:  # somebody cuts it off already: once is enough
-            await server.rested.wait()
+        if worker.rested is not None:  # somebody cuts it off already: once is enough
+            await worker.rested.wait()
             return
-        server.cut_off = reason
-        server.rested = rested = asyncio.Event()
-        server.task.cancel()
+        worker.cut_off = reason
+        worker.rested = rested = asyncio.Event()
+        worker.task.cancel()
         await rested.wait()
-        server.rested = None
+        worker.rested = None
 
     def busy(self, principal: PrincipalId) -> bool:
         """Whether an order of theirs has not ended yet, or its end is not written down."""
@@ -372,17 +372,17 @@ class OrderExecutor:
         self._closing = True
         self._over = asyncio.Event()
         self._linker.clear(NEVER_BEGUN)
-        for server in self._servers.values():
+        for worker in self._workers.values():
             # Cut off before its first step it would never take one.
-            begun = server.life.begun if server.life is not None else self._idle(server)
-            if server.task is not None and begun:
-                server.task.cancel()
+            begun = worker.running.begun if worker.running is not None else self._idle(worker)
+            if worker.task is not None and begun:
+                worker.task.cancel()
         if self._under_way:
             await self._over.wait()
 
     @staticmethod
-    def _idle(server: RobotWorker) -> bool:
-        return server.wake is not None and not server.wake.done()
+    def _idle(worker: RobotWorker) -> bool:
+        return worker.wake is not None and not worker.wake.done()
 
 
 def not_done(reason: str) -> str:

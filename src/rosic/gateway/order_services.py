@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 class OrderServices(NamedTuple):
     """What such an order goes through, besides the rooms, and how people hear of it."""
 
-    lives: OrderExecutor
+    executor: OrderExecutor
     stop_lane: StopLane
     handover: LeaseHandover
-    teller: ChatSender
+    chat_sender: ChatSender
     reach: Notifier
     face: Face
     ends: EndButtons

@@ -44,7 +44,7 @@ class OrderMessage:
 
     __slots__ = (
         "_face",
-        "_lives",
+        "_statuses",
         "about",
         "adopted",
         "after",
@@ -93,7 +93,7 @@ class OrderMessage:
         self.buttons: tuple[tuple[Button, ...], ...] = ()
         self.after: tuple[tuple[Button, ...], ...] = ()
         self._face = face
-        self._lives: tuple[OrderStatus, ...] = ()
+        self._statuses: tuple[OrderStatus, ...] = ()
         self.open = 0
 
     @property
@@ -103,45 +103,45 @@ class OrderMessage:
 
     def add(self, cid: CommandId, where: str, title: str, at_ns: int) -> OrderStatus:
         """Show one more life, which begins now."""
-        life = OrderStatus(where, title, self._face, at_ns, self.words)
-        self.show(cid, life)
-        return life
+        status = OrderStatus(where, title, self._face, at_ns, self.words)
+        self.show(cid, status)
+        return status
 
-    def show(self, cid: CommandId, life: OrderStatus) -> None:
+    def show(self, cid: CommandId, status: OrderStatus) -> None:
         """Show a life that was made elsewhere."""
         self.cids += (cid,)
-        self._lives += (life,)
+        self._statuses += (status,)
         self.open += 1
         if not self.in_place:
-            self.lines += (life.line(ACCEPTED),)
+            self.lines += (status.line(ACCEPTED),)
 
-    def step(self, life: OrderStatus, report: StageReport, at_ns: int) -> bool:
+    def step(self, status: OrderStatus, report: StageReport, at_ns: int) -> bool:
         """Take a report in. Return whether the chat is to hear of it.
 
         Not while the first message is still to be sent, or the next edit due: that will show it.
         """
-        news = life.step(report, at_ns)
+        news = status.step(report, at_ns)
         if self.in_place:
             self.dirty = True
             return not self.due and self.message != "" and not self.adopted
         if news and (report.stage is not Stage.RUNNING or len(self.lines) < LINES_AT_MOST):
-            self.lines += (life.line(report),)
+            self.lines += (status.line(report),)
         return bool(self.lines)
 
-    def end(self, cid: CommandId, life: OrderStatus, words: str) -> None:
+    def end(self, cid: CommandId, status: OrderStatus, words: str) -> None:
         """One life has ended, and that is on disk."""
-        life.end(words)
+        status.end(words)
         self.open -= 1
         self.untold += (cid,)
         self.dirty = True
         if not self.in_place:
-            self.lines += (headed(life.where, words),)
+            self.lines += (headed(status.where, words),)
 
     def text(self, *, endings: bool) -> str:
         """Return the message as it should read now, with or without how lives ended."""
-        if len(self._lives) == 1:
-            return self._lives[0].text(ending=endings)
-        return "\n".join([life.text(ending=endings) for life in self._lives])
+        if len(self._statuses) == 1:
+            return self._statuses[0].text(ending=endings)
+        return "\n".join([status.text(ending=endings) for status in self._statuses])
 
 
 ACCEPTED = StageReport(Stage.ACCEPTED)

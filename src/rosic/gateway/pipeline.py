@@ -39,19 +39,19 @@ from rosic.gateway.busy import BusyRobots
 from rosic.gateway.button_expiry import ButtonExpiry
 from rosic.gateway.cancel import CancelLane
 from rosic.gateway.command_builder import CommandBuilder
+from rosic.gateway.commands import CommandContext
 from rosic.gateway.end_buttons import EndButtons
 from rosic.gateway.go_to_location import GoToLocation
+from rosic.gateway.hooks import PipelineHooks, may_bring_a_code
 from rosic.gateway.limit_clamping import LimitClamping
 from rosic.gateway.message_context import MessageContext
-from rosic.gateway.office import CommandContext
 from rosic.gateway.order_execution import OrderExecutor
 from rosic.gateway.order_status import OrderMessage, stop_button
-from rosic.gateway.reception import PipelineHooks, may_bring_a_code
 from rosic.gateway.replies import ASK_FIRST, BEHIND, CONFIRMED, LEAVE, Replies, reply_id
 from rosic.gateway.reply_context import RobotFollowers, meant
 from rosic.gateway.requests import RequestFactory, line_id
 from rosic.gateway.unfollowed_messages import UnfollowedMessages
-from rosic.gateway.urgent import UrgentLane
+from rosic.gateway.urgent_lane import UrgentLane
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -64,9 +64,9 @@ if TYPE_CHECKING:
     from rosic.core.order import Order, Request
     from rosic.core.order_status import Face
     from rosic.core.robot.skill import Argument
+    from rosic.gateway.commands import Reply
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.sender import ChatSender
-    from rosic.gateway.office import Reply
     from rosic.gateway.stop import StopLane
 
 
@@ -86,7 +86,7 @@ class ChatLocks:
         # None: somebody has the turn, and nobody waits for it.
         self._chats: dict[tuple[str, str], deque[asyncio.Future[None]] | None] = {}
 
-    def try_take(self, chat: Chat) -> bool:
+    def try_acquire(self, chat: Chat) -> bool:
         """Take the chat's turn if nobody has it; ``give`` must follow."""
         where = (chat.platform, chat.id)
         if where in self._chats:
@@ -100,7 +100,7 @@ class ChatLocks:
         Raises:
             TooManyRequests: Too many messages of this chat wait already (I15); no ``give`` is due.
         """
-        if self.try_take(chat):
+        if self.try_acquire(chat):
             return
         where = (chat.platform, chat.id)
         waiting = self._chats[where]
@@ -144,13 +144,13 @@ class Pipeline:
 
     Attributes:
         habits: What people ask for often.
-        lives: The orders under way.
-        audience: Who hears what robots say of their own accord.
-        reception: Who receives what is no order.
-        consent: Asks for confirmations.
+        executor: The orders under way.
+        followers: Who hears what robots say of their own accord.
+        hooks: Who receives what is no order.
+        confirmation: Asks for confirmations.
         resuming: Undoes stops.
         cancels: Ends what people have under way themselves.
-        arrears: Answers to what was sent while nobody listened.
+        backlog: Answers to what was sent while nobody listened.
         face: What a clock on the wall shows here.
         agreements: Binds what a tap agrees to.
         ends: What stands beneath an order that has ended.
@@ -160,27 +160,26 @@ class Pipeline:
         self,
         rooms: Components,
         stop_lane: StopLane,
-        teller: ChatSender,
+        chat_sender: ChatSender,
         clock: Clock,
         face: Face,
-        reception: PipelineHooks,
+        hooks: PipelineHooks,
     ) -> None:
         organiser, container, linker = rooms.organiser, rooms.container, rooms.linker
         self._rooms = rooms
-        self._vocabulary = rooms.vocabulary
         self._reader = reader = LanguageReader(rooms.vocabulary)
-        self._teller = teller
-        self._languages = teller.languages
+        self._chat_sender = chat_sender
+        self._languages = chat_sender.languages
         self._clock = clock
         self.face = face
         self._shown = {robot: profile.shown for robot, profile in rooms.profiles.items()}
-        self._turns = ChatLocks()
+        self._chat_locks = ChatLocks()
         self._requesting = RequestFactory(rooms, clock)
         self._followed: OrderedDict[CommandId, None] = OrderedDict()
         self._lowering = LimitClamping(rooms, self._requesting, clock)
         self.agreements = Agreements(rooms, self._reader, self._lowering)
-        self._replies = Replies(rooms, teller, clock, self.agreements.bind)
-        self._expiring = ButtonExpiry(teller, clock, rooms.authoriser.buttons)
+        self._replies = Replies(rooms, chat_sender, clock, self.agreements.bind)
+        self._expiring = ButtonExpiry(chat_sender, clock, rooms.authoriser.buttons)
         self._unfollowed = UnfollowedMessages(
             rooms, self._reader, self._replies, self._addressed, self._brought_a_code
         )
@@ -189,17 +188,20 @@ class Pipeline:
         self._choosing = CommandBuilder(
             reader, self.habits, self.agreements, self._lowering, resuming
         )
-        self.arrears = self._replies.arrears
-        self.lives = OrderExecutor(organiser, container, linker, teller, clock)
-        self.audience, self._busy = RobotFollowers(organiser), BusyRobots(rooms, self.lives)
-        self.reception, self.consent = reception, reception.consent_of(self.agreements)
-        self._going = GoToLocation(rooms, teller.subjects)
-        self.ends = EndButtons(rooms, self.agreements, self.reception)
+        self.backlog = self._replies.backlog
+        self.executor = OrderExecutor(organiser, container, linker, chat_sender, clock)
+        self.followers, self._busy = RobotFollowers(organiser), BusyRobots(rooms, self.executor)
+        self.hooks, self.confirmation = hooks, hooks.confirmation_of(self.agreements)
+        self._going = GoToLocation(rooms, chat_sender.subjects)
+        self.ends = EndButtons(rooms, self.agreements, self.hooks)
         self.cancels = CancelLane(
-            rooms, self.lives, stop_lane, self._replies, self.reception.office, clock
+            rooms, self.executor, stop_lane, self._replies, self.hooks.commands, clock
         )
-        self._stop_lane, self._urgent = stop_lane, UrgentLane(stop_lane, self.cancels, self.lives)
-        self._desk = BuiltinCommands(rooms, self._choosing, self.reception, resuming)
+        self._stop_lane, self._urgent = (
+            stop_lane,
+            UrgentLane(stop_lane, self.cancels, self.executor),
+        )
+        self._builtin = BuiltinCommands(rooms, self._choosing, self.hooks, resuming)
 
     async def receive(self, messenger: Messenger, inbound: Inbound) -> None:
         """Take one message. On return it is settled, or on disk and under way.
@@ -216,8 +218,8 @@ class Pipeline:
             await self._unfollowed.take(messenger, inbound)
             return
         try:
-            if not self._turns.try_take(inbound.chat):
-                await self._turns.take(inbound.chat)
+            if not self._chat_locks.try_acquire(inbound.chat):
+                await self._chat_locks.take(inbound.chat)
         except Refusal as refusal:
             self._replies.say(messenger, inbound, refusal.sentence)
             return
@@ -226,7 +228,7 @@ class Pipeline:
                 await asyncio.sleep(0)  # looking for a stop was a step
             await self._take(messenger, inbound, arrived_ns)
         finally:
-            self._turns.give(inbound.chat)
+            self._chat_locks.give(inbound.chat)
 
     async def _take(self, messenger: Messenger, inbound: Inbound, arrived_ns: int) -> None:
         """AUTHENTICATE and GENERATEKEY, then follow each line."""
@@ -236,7 +238,7 @@ class Pipeline:
             caller = self._rooms.authoriser.identify(inbound)
             if inbound.locale:
                 self._languages.hear(caller.principal, inbound.locale)
-            said = MessageContext(messenger, inbound, caller, arrived_ns, self.reception.stepped_up)
+            said = MessageContext(messenger, inbound, caller, arrived_ns, self.hooks.stepped_up)
             self._rooms.organiser.check_unlocked(caller)
             if inbound.brings:
                 self._take_in(said)
@@ -264,7 +266,7 @@ class Pipeline:
             return
         self._rooms.organiser.charge(caller)
         if inbound.enclosed is not None:
-            self.reception.enclosed(messenger, inbound, caller)
+            self.hooks.enclosed(messenger, inbound, caller)
         if inbound.place is not None:
             self.answer(messenger, inbound, caller, self._going.ask(messenger, inbound, caller))
 
@@ -290,7 +292,7 @@ class Pipeline:
         else:
             if command.startswith(CONFIRMED):
                 said.confirmed = True
-                command, said.second = self.consent.redeem(command[1:], caller, said.act)
+                command, said.second = self.confirmation.redeem(command[1:], caller, said.act)
             elif command.startswith(BEHIND):
                 visible = self._rooms.organiser.visible(caller.principal)
                 lines = self._reader.lines(command[1:], "", visible)
@@ -301,14 +303,14 @@ class Pipeline:
         """Show again what still waits for an answer, if that may have been the question."""
         if isinstance(void.__cause__, Expired) and said.inbound.chat.kind is ChatKind.PRIVATE:
             self._rooms.organiser.charge(said.caller)
-            self.reception.outdated.emit(said.caller.principal)
+            self.hooks.outdated.emit(said.caller.principal)
 
     async def _lines(self, said: MessageContext, text: str) -> None:
         caller, inbound = said.caller, said.inbound
         visible = self._rooms.organiser.visible(caller.principal)
         container = self._rooms.container
         selected = (
-            meant(said, self._teller.subjects, container, visible, self._desk.members)
+            meant(said, self._chat_sender.subjects, container, visible, self._builtin.members)
             if inbound.answers
             else container.selected(caller.principal, inbound.chat)
         )
@@ -329,7 +331,7 @@ class Pipeline:
             except Refusal as refusal:
                 self.agreements.name_in(refusal, line)
                 await self._replies.refuse(said, cid, refusal, kept_of(line, text))
-                self.reception.refused(caller, refusal)
+                self.hooks.refused(caller, refusal)
             except Exception:
                 log.exception("a line could not be followed")
                 self._replies.say(said.messenger, inbound, FAULT)
@@ -369,14 +371,14 @@ class Pipeline:
             asked = CommandContext(
                 said.messenger, said.inbound, said.caller, line.rest, cid, said.act
             )
-            reply = await self.reception.office.do(line, asked)
+            reply = await self.hooks.commands.do(line, asked)
             self._replies.hand_over(said.messenger, said.inbound, said.caller, reply)
         else:
             self._question(said, line)
 
     async def _brought_a_code(self, messenger: Messenger, inbound: Inbound) -> bool:
         """Whether somebody brought an invitation, or showed one in a group; then it is answered."""
-        reply = await self.reception.newcomer(messenger, inbound, inbound.text)
+        reply = await self.hooks.newcomer(messenger, inbound, inbound.text)
         if reply is None:
             return False
         self._replies.say_with(messenger, inbound, reply)
@@ -387,7 +389,7 @@ class Pipeline:
         if not isinstance(line, Do):
             self._replies.say(said.messenger, said.inbound, needed.sentence)
             return
-        reply = self.consent.ask(said.caller, line, needed)
+        reply = self.confirmation.ask(said.caller, line, needed)
         self._replies.offer(said.messenger, said.inbound, said.caller, reply.text, reply.buttons)
 
     def _repeated(self, cid: CommandId) -> bool:
@@ -406,7 +408,7 @@ class Pipeline:
             (inbound.chat.kind is ChatKind.PRIVATE and not inbound.brings)
             or inbound.addressed
             or inbound.text.startswith("/")
-            or (bool(first) and first[0].lower() in self._vocabulary.callees)
+            or (bool(first) and first[0].lower() in self._rooms.vocabulary.callees)
         )
 
     def answer(self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply) -> None:
@@ -419,14 +421,14 @@ class Pipeline:
 
     def menu(self, principal: PrincipalId) -> Reply:
         """Return what somebody who has just come in may begin with."""
-        return self._desk.menu(principal)
+        return self._builtin.menu(principal)
 
     def _question(self, said: MessageContext, line: Line) -> None:
         messenger, inbound, caller = said.messenger, said.inbound, said.caller
         if isinstance(line, Use):
-            for robot in self._desk.members(line.name):
-                self.audience.note(robot, messenger, inbound.chat, caller.principal)
-        reply = self._desk.answer(caller, inbound.chat, line)
+            for robot in self._builtin.members(line.name):
+                self.followers.note(robot, messenger, inbound.chat, caller.principal)
+        reply = self._builtin.answer(caller, inbound.chat, line)
         self._replies.hand_over(messenger, inbound, caller, reply)
 
     async def _command(self, said: MessageContext, line: Do, cid: CommandId) -> None:
@@ -441,7 +443,7 @@ class Pipeline:
         except OutOfBounds as over:
             line, requests, permits = self._lowering.admit(said, line, cid, over)
         if said.proven and any(organiser.wants_proof(request) for request in requests):
-            self.reception.proof_used(caller.principal, inbound.chat)
+            self.hooks.proof_used(caller.principal, inbound.chat)
         title = f"{line.group or self._shown[line.robots[0]]}: {line.text}"
         origin = ReplyTo(said.messenger.name, inbound.chat, reply_id(inbound), title)
         try:
@@ -479,19 +481,19 @@ class Pipeline:
             if said.note:
                 what = f"{what}, {in_language(said.note, catalogue)}"
             life = card.add(order.cid, shown, f"{shown}: {what}", now_ns)
-            self.audience.note(order.robot, messenger, chat, caller.principal)
-            self.lives.begin(order, said, card, life)
-        self._teller.show(card)
+            self.followers.note(order.robot, messenger, chat, caller.principal)
+            self.executor.begin(order, said, card, life)
+        self._chat_sender.show(card)
 
     async def close(self) -> None:
         """End every life: robots come to rest, outcomes are written and told."""
-        self.arrears.flush()
-        await self.lives.close()
+        self.backlog.flush()
+        await self.executor.close()
         await self.cancels.close()
         await self._expiring.close()
         await asyncio.sleep(0)
 
-    def enlist(self, robot: str, shown: str) -> None:
+    def add_robot(self, robot: str, shown: str) -> None:
         """Understand one more robot: what was read before it was there is read anew."""
         self._shown[robot] = shown
         self._reader.forget()

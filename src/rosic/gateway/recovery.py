@@ -40,7 +40,7 @@ class UntoldOrders(NamedTuple):
 
     origin: ReplyTo
     shown: str
-    lives: list[Unfinished]
+    orders: list[Unfinished]
 
 
 class Recovery:
@@ -50,14 +50,14 @@ class Recovery:
         self,
         store: Store,
         linker: Linker,
-        teller: ChatSender,
+        chat_sender: ChatSender,
         clock: Clock,
         messengers: Mapping[str, Messenger],
         ends: EndButtons,
     ) -> None:
         self._store = store
         self._linker = linker
-        self._teller = teller
+        self._chat_sender = chat_sender
         self._clock = clock
         self._messengers = messengers
         self._ends = ends
@@ -73,25 +73,25 @@ class Recovery:
             How many lives were settled.
         """
         settled: list[Unfinished] = []
-        for life in unfinished:
-            if life.ending is None:
-                if exists(life.robot):
-                    await self._linker.hold_for_good(life.robot, self._linker.halt(life.robot))
-                if not await self._conclude(life):
+        for order in unfinished:
+            if order.ending is None:
+                if exists(order.robot):
+                    await self._linker.hold_for_good(order.robot, self._linker.halt(order.robot))
+                if not await self._conclude(order):
                     continue  # the next start finds it again
-            settled.append(life)
+            settled.append(order)
         for told in self._together(settled):
             self._tell(told, exists)
         return len(settled)
 
-    async def _conclude(self, life: Unfinished) -> bool:
+    async def _conclude(self, order: Unfinished) -> bool:
         try:
             await self._store.write(
                 Concluded(
-                    cid=life.cid,
+                    cid=order.cid,
                     ending=Ending.UNKNOWN.value,
                     at_ns=self._clock.wall_ns(),
-                    letter=Letter(life.principal, b""),
+                    letter=Letter(order.principal, b""),
                 )
             )
         except StoreFault:
@@ -99,32 +99,32 @@ class Recovery:
             return False
         return True
 
-    def _together(self, lives: Iterable[Unfinished]) -> Iterable[UntoldOrders]:
+    def _together(self, orders: Iterable[Unfinished]) -> Iterable[UntoldOrders]:
         """Repeat answers; return the rest, robots that one line commanded together."""
         answers: dict[tuple[str, Chat], list[tuple[Unfinished, KeptAnswer]]] = {}
         cards: dict[tuple[str, ...] | CommandId, UntoldOrders] = {}
-        for life in lives:
-            if life.claim is None:
-                self._let_go(life)  # erased with its container: there is nobody to tell
+        for order in orders:
+            if order.claim is None:
+                self._let_go(order)  # erased with its container: there is nobody to tell
                 continue
             try:
                 # A refusal names no robot; an order that was refused later does.
-                if life.robot:
-                    shown = (life.placed or b"").decode("utf-8", "replace")
-                    _put_together(cards, UntoldOrders(read_reply_to(life.claim), shown, [life]))
+                if order.robot:
+                    shown = (order.placed or b"").decode("utf-8", "replace")
+                    _put_together(cards, UntoldOrders(read_reply_to(order.claim), shown, [order]))
                 else:
-                    answer = read_answer(life.claim)
-                    answers.setdefault((answer.messenger, answer.chat), []).append((life, answer))
+                    answer = read_answer(order.claim)
+                    answers.setdefault((answer.messenger, answer.chat), []).append((order, answer))
             except msgspec.DecodeError:
                 log.warning("a letter of the last run cannot be read")
-                self._let_go(life)
+                self._let_go(order)
         for found in answers.values():
             self._repeat_answers(found)
         return cards.values()
 
-    def _let_go(self, life: Unfinished) -> None:
+    def _let_go(self, order: Unfinished) -> None:
         """Nobody can be told of this any more; it takes no room in the record from now on."""
-        self._store.note(records.Told(cid=life.cid, at_ns=self._clock.wall_ns()))
+        self._store.note(records.Told(cid=order.cid, at_ns=self._clock.wall_ns()))
 
     def _repeat_answers(self, found: list[tuple[Unfinished, KeptAnswer]]) -> None:
         """Repeat what was answered in one chat, many answers as one."""
@@ -132,39 +132,39 @@ class Recovery:
         messenger = self._messengers.get(name)
         if messenger is None:
             return  # no longer configured; the record keeps it
-        languages = self._teller.languages
+        languages = self._chat_sender.languages
         if len(found) > SINGLY:
-            note = together(messenger, chat, [life.cid for life, _ in found])
+            note = together(messenger, chat, [order.cid for order, _ in found])
             catalogue = languages.of(found[-1][0].principal)
             text = in_language(messages.said_again(note.outbound.text), catalogue)
             note.outbound = msgspec.structs.replace(note.outbound, text=text)
-            self._teller.say(note)
+            self._chat_sender.say(note)
             return
-        for life, answer in found:
-            text = in_language(messages.said_again(answer.text), languages.of(life.principal))
+        for order, answer in found:
+            text = in_language(messages.said_again(answer.text), languages.of(order.principal))
             outbound = Outbound(
                 chat=chat, text=text, reply_to=answer.message, weight=Weight.OUTCOME
             )
-            self._say(name, outbound, [life])
+            self._say(name, outbound, [order])
 
     def _tell(self, told: UntoldOrders, exists: Callable[[str], bool]) -> None:
-        origin, lives = told.origin, told.lives
+        origin, orders = told.origin, told.orders
         shown = [
-            self._linker.profile(life.robot).shown if exists(life.robot) else life.robot
-            for life in lives
+            self._linker.profile(order.robot).shown if exists(order.robot) else order.robot
+            for order in orders
         ]
-        if len(lives) == 1 and origin.title.startswith(f"{shown[0]}:"):
-            text = _ended(_named_once(origin.title), lives[0])
+        if len(orders) == 1 and origin.title.startswith(f"{shown[0]}:"):
+            text = _ended(_named_once(origin.title), orders[0])
         else:  # in the order in which the line named them, which is that of their claims
-            ends = [_ended(f"{name}:", life) for name, life in zip(shown, lives, strict=True)]
+            ends = [_ended(f"{name}:", order) for name, order in zip(shown, orders, strict=True)]
             text = joined("\n", [_named_once(origin.title), *ends])
         # Without a message to edit it may be the second time, unless the end was not known before.
-        if not told.shown and any(life.ending is not None for life in lives):
+        if not told.shown and any(order.ending is not None for order in orders):
             text = messages.said_again(text)
         reply_to = "" if told.shown else origin.message
-        catalogue = self._teller.languages.of(lives[0].principal)
+        catalogue = self._chat_sender.languages.of(orders[0].principal)
         name, _, asked = origin.title.partition(": ")
-        asked_of = lives[0].robot if len(lives) == 1 else name
+        asked_of = orders[0].robot if len(orders) == 1 else name
         outbound = Outbound(
             chat=origin.chat,
             text=in_language(text, catalogue),
@@ -172,22 +172,24 @@ class Recovery:
             buttons=self._ends[asked_of, asked, catalogue] if asked else (),
             weight=Weight.OUTCOME,
         )
-        self._say(origin.messenger, outbound, lives, edit_of=told.shown)
+        self._say(origin.messenger, outbound, orders, edit_of=told.shown)
 
     def _say(
         self,
         messenger_name: str,
         outbound: Outbound,
-        lives: list[Unfinished],
+        orders: list[Unfinished],
         *,
         edit_of: str = "",
     ) -> None:
         messenger = self._messengers.get(messenger_name)
         if messenger is None:
             return  # no longer configured; the record keeps it
-        first, *also = [life.cid for life in lives]
-        self._teller.say(
-            OutgoingMessage(messenger, outbound, first, edit_of, tuple(also), to=lives[0].principal)
+        first, *also = [order.cid for order in orders]
+        self._chat_sender.say(
+            OutgoingMessage(
+                messenger, outbound, first, edit_of, tuple(also), to=orders[0].principal
+            )
         )
 
 
@@ -198,24 +200,24 @@ def _named_once(title: str) -> str:
     return f"{name}: {line[len(name) + 1 :]}" if begins else title
 
 
-def _ended(title: str, life: Unfinished) -> str:
-    if life.ending is None or (life.ending == Ending.UNKNOWN.value and not life.words):
+def _ended(title: str, order: Unfinished) -> str:
+    if order.ending is None or (order.ending == Ending.UNKNOWN.value and not order.words):
         return messages.unknown_after_restart(title)
-    return joined("\n", (title, (life.words or b"").decode("utf-8", "replace")))
+    return joined("\n", (title, (order.words or b"").decode("utf-8", "replace")))
 
 
 def _put_together(
     cards: dict[tuple[str, ...] | CommandId, UntoldOrders], told: UntoldOrders
 ) -> None:
     """Add a life to the card of its line, unless it is known to be shown in another message."""
-    origin, shown, [life] = told
+    origin, shown, [order] = told
     where = origin.message or shown
-    key: tuple[str, ...] | CommandId = life.cid
+    key: tuple[str, ...] | CommandId = order.cid
     if where:
         key = (origin.messenger, origin.chat.id, where, origin.title)
         if key in cards and shown and cards[key].shown not in ("", shown):
             key = (*key, shown)
     before = cards.setdefault(key, told)
     if before is not told:
-        before.lives.append(life)
+        before.orders.append(order)
         cards[key] = before._replace(shown=before.shown or shown)

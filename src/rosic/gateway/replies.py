@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Address, Caller, CommandId
     from rosic.core.message import Chat, Inbound
+    from rosic.gateway.commands import Reply
     from rosic.gateway.components import Components
     from rosic.gateway.message_context import MessageContext
-    from rosic.gateway.office import Reply
 
 # What only a button says; typed, it means nothing.
 LEAVE = "leave it"
@@ -71,23 +71,25 @@ class Replies:
 
     Args:
         rooms: Who knows the person.
-        teller: Says it.
+        chat_sender: Says it.
         clock: Of the gateway.
         bind: Binds a button to what it lets robots do for somebody in a chat.
 
     Attributes:
-        arrears: Answers to what was sent while nobody listened.
+        backlog: Answers to what was sent while nobody listened.
     """
 
-    def __init__(self, rooms: Components, teller: ChatSender, clock: Clock, bind: Bind) -> None:
+    def __init__(
+        self, rooms: Components, chat_sender: ChatSender, clock: Clock, bind: Bind
+    ) -> None:
         self._bind_act = bind
         self._authoriser = rooms.authoriser
         self._container = rooms.container
         self._vocabulary = rooms.vocabulary
-        self._teller = teller
-        self._languages = teller.languages
+        self._chat_sender = chat_sender
+        self._languages = chat_sender.languages
         self._clock = clock
-        self.arrears = BacklogReplies(teller, clock)
+        self.backlog = BacklogReplies(chat_sender, clock)
         self._strangers = Bucket(STRANGERS, clock.monotonic_ns())
         self._turned_away: OrderedDict[tuple[Address, bool], int] = OrderedDict()
 
@@ -125,7 +127,7 @@ class Replies:
     ) -> None:
         """Answer with a whole reply: buttons as `offer` has them, and a file if there is one.
 
-        An empty text says nothing: the clerk answers later.
+        An empty text says nothing: the handler answers later.
         """
         if not reply.text and reply.attachment is None:
             return
@@ -143,7 +145,7 @@ class Replies:
         if reply.landed is not None:
             note.landed = partial(reply.landed, messenger, inbound.chat)
         if reply.attachment is not None:  # no file comes into a message that is there
-            self._teller.say(note)
+            self._chat_sender.say(note)
         else:
             note.edit_of = "" if reply.anew else edited_by(inbound)
             self._say(note, inbound)
@@ -159,7 +161,7 @@ class Replies:
             chat=inbound.chat, text=reply.text, reply_to=reply_id(inbound), buttons=reply.buttons
         )
         plain = translated(outbound, self._languages.of_sender(inbound))
-        self._teller.say(OutgoingMessage(messenger, plain, None, edited_by(inbound)))
+        self._chat_sender.say(OutgoingMessage(messenger, plain, None, edited_by(inbound)))
 
     async def refuse(
         self, said: MessageContext, cid: CommandId, refusal: Refusal, asked: str
@@ -172,8 +174,8 @@ class Replies:
         if refusal.silent:
             return
         writing = self._refuse(said, cid, refusal, asked)
-        if self.arrears.settles(said.messenger):
-            self.arrears.begin(writing)
+        if self.backlog.settles(said.messenger):
+            self.backlog.begin(writing)
         else:
             await writing
 
@@ -195,8 +197,8 @@ class Replies:
         )
         if refusal.choices:
             buttons = (tuple(Button(*choice) for choice in refusal.choices), *buttons)
-        if refusal.petition:
-            buttons = (*buttons, (Button(ask_for_it(), refusal.petition),))
+        if refusal.access_request:
+            buttons = (*buttons, (Button(ask_for_it(), refusal.access_request),))
         outbound = Outbound(
             chat=inbound.chat,
             text=refusal.sentence,
@@ -211,9 +213,9 @@ class Replies:
     def _say(self, note: OutgoingMessage, inbound: Inbound, refusal: Refusal | None = None) -> None:
         if is_missed(inbound):
             catalogue = self._languages.of_sender(inbound)
-            self.arrears.keep(note, refusal, catalogue, away=inbound.network_away)
+            self.backlog.keep(note, refusal, catalogue, away=inbound.network_away)
         else:
-            self._teller.say(note)
+            self._chat_sender.say(note)
 
     def turn_away(self, messenger: Messenger, inbound: Inbound, sentence: str) -> None:
         """Answer a stranger in private, once and not again soon; all strangers share one bucket.

@@ -72,7 +72,7 @@ def meant(
 
 CHATS_AT_MOST = 8
 
-Ear: TypeAlias = tuple[Messenger, Chat]
+Subscriber: TypeAlias = tuple[Messenger, Chat]
 _Spoken: TypeAlias = tuple[Messenger, Chat, PrincipalId]
 
 
@@ -101,7 +101,7 @@ class RobotFollowers:
             if where in chats and who in (None, chats[where][2]):
                 del chats[where]
 
-    def of(self, robot: RobotId) -> tuple[Ear, ...]:
+    def of(self, robot: RobotId) -> tuple[Subscriber, ...]:
         """Return the chats to tell, leaving out people who may not see the robot any more."""
         return tuple(
             (messenger, chat)

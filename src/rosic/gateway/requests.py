@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 # ---- what is too old to act on (I2) ----
 
-ERRAND_LIFETIME_NS: Final = 30 * SECOND_NS
+COMMAND_LIFETIME_NS: Final = 30 * SECOND_NS
 MISSED: Final = said("You sent this while I could not listen. Nothing was done.")
 NETWORK_AWAY: Final = said("You sent this while the network was away. Nothing was done.")
 
@@ -47,20 +47,20 @@ def check_fresh(inbound: Inbound, request: Request, now_ns: int) -> None:
         raise Expired(_missed(inbound), offers=(request.text,))
 
 
-def check_errand_fresh(inbound: Inbound, again: str) -> None:
-    """Let an errand pass that robots move because of, if it was sent just now (I2).
+def check_command_fresh(inbound: Inbound, again: str) -> None:
+    """Let a command pass that robots move because of, if it was sent just now (I2).
 
     It also keeps a message that is brought once more after a crash from counting twice (I1): it was
     sent before anybody listened.
 
     Args:
         inbound: The message it came in.
-        again: The same errand, as it would be typed.
+        again: The same command, as it would be typed.
 
     Raises:
-        Expired: With the same errand on offer.
+        Expired: With the same command on offer.
     """
-    check_heard_in_time(inbound, ERRAND_LIFETIME_NS, again)
+    check_heard_in_time(inbound, COMMAND_LIFETIME_NS, again)
 
 
 def check_heard_in_time(inbound: Inbound, lifetime_ns: int, again: str) -> None:

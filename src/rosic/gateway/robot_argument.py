@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.core.language import Vocabulary
     from rosic.core.message import Chat
     from rosic.core.robot.profile import RobotId
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 MOST_WORDS = 64
 # Of a place like the demonstration none is left out; a page of buttons is enough all the same.

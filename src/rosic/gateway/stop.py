@@ -18,8 +18,8 @@ from rosic.core.order import Rest
 from rosic.core.records import Stopped
 from rosic.errors import ChatGone, MessageGone, MessengerFault, Unrecognised
 from rosic.gateway.button_rows import rows
-from rosic.gateway.company import GroupChatPeople, is_unnamed
 from rosic.gateway.delivery.chat_queue import OutgoingMessage
+from rosic.gateway.group_people import GroupChatPeople, is_unnamed
 from rosic.gateway.replies import ask_for_it
 from rosic.gateway.resume import RESUMED_AT_MOST
 from rosic.gateway.stopped_by import stopped_by
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 # ---- stops that are not on disk yet ----
 
 
-class HoldingStops:
+class LatchWait:
     """Knows the newest stop of each robot, by the messenger that would bring it again."""
 
     def __init__(self, clock: Clock) -> None:
@@ -115,12 +115,12 @@ class StopLane:
         rooms: Components,
         store: Store,
         clock: Clock,
-        teller: ChatSender,
+        chat_sender: ChatSender,
         resuming: ResumeHandler,
         outbox: Outbox,
     ) -> None:
-        self._languages = teller.languages
-        self._teller = teller
+        self._languages = chat_sender.languages
+        self._chat_sender = chat_sender
         self.resuming = resuming
         self._authoriser = rooms.authoriser
         self._organiser = rooms.organiser
@@ -131,7 +131,7 @@ class StopLane:
         self._vocabulary = rooms.vocabulary
         self._store = store
         self._clock = clock
-        self._holding = HoldingStops(clock)
+        self._latch_wait = LatchWait(clock)
         self._tasks: set[asyncio.Task[None]] = set()
         self._following: set[asyncio.Task[None]] = set()
         self._answering: Counter[tuple[str, str]] = Counter()
@@ -177,7 +177,7 @@ class StopLane:
         if self._answering[where] < ANSWERS_AT_MOST:
             self._answering[where] += 1
             self._spawn(self._answer(messenger, inbound, halting, by))
-        await self._holding.hold(messenger.name, robots, halting.latched, LATCH_WITHIN_S)
+        await self._latch_wait.hold(messenger.name, robots, halting.latched, LATCH_WITHIN_S)
         return True
 
     def stop_robots(
@@ -260,7 +260,7 @@ class StopLane:
         outbound = Outbound(chat=inbound.chat, text=plain, buttons=buttons, weight=Weight.STOP)
         told = await self._say(messenger, outbound, message)
         if told:
-            self._teller.on_buttons.emit(OutgoingMessage(messenger, outbound), told)
+            self._chat_sender.on_buttons.emit(OutgoingMessage(messenger, outbound), told)
         if told:
             self._outbox.said(key)
         else:
@@ -320,7 +320,7 @@ class StopLane:
         left = theirs or left
         if not left:
             return "", ()
-        asks = [(robot, why.petition(by, robot)) for robot in theirs[:RESUMED_AT_MOST]]
+        asks = [(robot, why.access_request(by, robot)) for robot in theirs[:RESUMED_AT_MOST]]
         several = len(robots) > 1
         return why.who_resumes(by, left, several=several), rows(
             [
@@ -328,11 +328,11 @@ class StopLane:
                     said("Ask to resume {shown}", shown=self._profiles[robot].shown)
                     if several
                     else ask_for_it(),
-                    petition,
+                    access_request,
                     good_for_ns=MENU_LIFETIME_NS,
                 )
-                for robot, petition in asks
-                if petition
+                for robot, access_request in asks
+                if access_request
             ]
         )
 

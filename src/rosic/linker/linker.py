@@ -321,7 +321,7 @@ class Linker:
         """Return how many orders wait for a robot."""
         return len(self.mailboxes[robot])
 
-    def enlist(self, robot: Robot) -> None:
+    def add_robot(self, robot: Robot) -> None:
         """Route to one more robot from now on."""
         self._robots[robot.profile.id] = robot
         self.mailboxes[robot.profile.id] = RobotQueue(robot, self._clock)

@@ -1,7 +1,8 @@
 """Who asked for a right that they lack, and what became of it.
 
-A petition is open until the first answer or until it lapses, and is remembered for an hour after:
-so that nobody asks again at once for what was denied, and nobody floods those who have to answer.
+An access request is open until the first answer or until it lapses, and is remembered for an hour
+after: so that nobody asks again at once for what was denied, and nobody floods those who have to
+answer.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from rosic.core.records import Decided, Fact
 from rosic.core.robot.profile import RobotId
 from rosic.core.time_units import DAY_S, HOUR_S, SECOND_NS
 from rosic.errors import Expired, OutOfBounds, TooManyRequests
-from rosic.organiser import petitions_messages as words
+from rosic.organiser import access_request_messages as words
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Entropy
     from rosic.core.records import Record
 
-PETITION: Final = "petition"
+ACCESS_REQUEST: Final = "petition"
 WAITS_S: Final = HOUR_S
 REMEMBERED_S: Final = HOUR_S
 SHORTEST_S: Final = 30.0
@@ -38,7 +39,7 @@ log = logging.getLogger("rosic.organiser")
 
 
 class RequestState(enum.Enum):
-    """What became of a petition."""
+    """What became of an access request."""
 
     OPEN = "open"
     ALLOWED = "allowed"
@@ -137,7 +138,7 @@ class AccessRequests:
     def ask(
         self, principal: PrincipalId, want: WantedRight, digest: bytes
     ) -> tuple[AccessRequest, tuple[Record, ...]]:
-        """Return a new petition, and the records that open it.
+        """Return a new access request, and the records that open it.
 
         Args:
             principal: Who asks.
@@ -155,23 +156,23 @@ class AccessRequests:
         mine = [p for p in self._known.values() if p.principal == principal]
         self._check_new(mine, want, now_ns)
         self._check_often(mine, now_ns)
-        petition = AccessRequest(
+        access_request = AccessRequest(
             id=f"a{self._entropy.token(REQUEST_ID_BYTES).hex()}",
             principal=principal,
             want=want,
             asked_ns=now_ns,
             digest=digest,
         )
-        return petition, self._records(petition, "ask", principal)
+        return access_request, self._records(access_request, "ask", principal)
 
     def _check_new(self, mine: Iterable[AccessRequest], want: WantedRight, now_ns: int) -> None:
-        for petition in mine:
-            if not petition.want.same(want):
+        for access_request in mine:
+            if not access_request.want.same(want):
                 continue
-            if petition.state is RequestState.OPEN and now_ns < petition.lapses_ns:
-                raise _wait(words.asked_already, petition.lapses_ns - now_ns)
-            if petition.state is RequestState.DENIED and now_ns < petition.forgotten_ns:
-                raise _wait(words.denied_lately, petition.forgotten_ns - now_ns)
+            if access_request.state is RequestState.OPEN and now_ns < access_request.lapses_ns:
+                raise _wait(words.asked_already, access_request.lapses_ns - now_ns)
+            if access_request.state is RequestState.DENIED and now_ns < access_request.forgotten_ns:
+                raise _wait(words.denied_lately, access_request.forgotten_ns - now_ns)
 
     def _check_often(self, mine: list[AccessRequest], now_ns: int) -> None:
         still = [p for p in mine if p.state is RequestState.OPEN and now_ns < p.lapses_ns]
@@ -186,47 +187,51 @@ class AccessRequests:
 
     # ---- answering ----
 
-    def allow(self, petition: AccessRequest, by: PrincipalId) -> tuple[Record, ...]:
-        """Return the records of a yes; what is given is the roster's business.
+    def allow(self, access_request: AccessRequest, by: PrincipalId) -> tuple[Record, ...]:
+        """Return the records of a yes; what is given is the grants's business.
 
         Raises:
             Expired: It is settled, or waited too long.
         """
-        return self._settled(petition, RequestState.ALLOWED, by)
+        return self._settled(access_request, RequestState.ALLOWED, by)
 
-    def deny(self, petition: AccessRequest, by: PrincipalId) -> tuple[Record, ...]:
+    def deny(self, access_request: AccessRequest, by: PrincipalId) -> tuple[Record, ...]:
         """Return the records of a no.
 
         Raises:
             Expired: It is settled, or waited too long.
         """
-        return self._settled(petition, RequestState.DENIED, by)
+        return self._settled(access_request, RequestState.DENIED, by)
 
     def _settled(
-        self, petition: AccessRequest, state: RequestState, by: PrincipalId
+        self, access_request: AccessRequest, state: RequestState, by: PrincipalId
     ) -> tuple[Record, ...]:
         now_ns = self._wall_ns()
-        known = self._known.get(petition.id)
+        known = self._known.get(access_request.id)
         if known is None or known.state is not RequestState.OPEN or now_ns >= known.lapses_ns:
             raise Expired(words.settled())
         settled = msgspec.structs.replace(known, state=state, by=by, settled_ns=now_ns)
         return self._records(settled, state.value, by)
 
-    def _records(self, petition: AccessRequest, act: str, by: PrincipalId) -> tuple[Record, ...]:
+    def _records(
+        self, access_request: AccessRequest, act: str, by: PrincipalId
+    ) -> tuple[Record, ...]:
         now_ns = self._wall_ns()
         decided = Decided(
             act=f"petition-{act}",
             by=by,
-            about=petition.principal,
+            about=access_request.principal,
             at_ns=now_ns,
-            digest=petition.id.encode(),
+            digest=access_request.id.encode(),
         )
-        return decided, Fact(kind=PETITION, key=petition.id, body=_encode(petition))
+        return decided, Fact(
+            kind=ACCESS_REQUEST, key=access_request.id, body=_encode(access_request)
+        )
 
     # ---- time ----
 
     def late(self) -> tuple[AccessRequest, ...]:
-        """Return every open petition that nobody answered in time."""
+        """Return every open access request that nobody answered in time."""
         now_ns = self._wall_ns()
         return tuple(
             p
@@ -234,29 +239,32 @@ class AccessRequests:
             if p.state is RequestState.OPEN and now_ns >= p.lapses_ns
         )
 
-    def lapse(self, petition: AccessRequest) -> Fact:
-        """Return what settles a petition that nobody answered."""
+    def lapse(self, access_request: AccessRequest) -> Fact:
+        """Return what settles an access request that nobody answered."""
         now_ns = self._wall_ns()
-        lapsed = msgspec.structs.replace(petition, state=RequestState.LAPSED, settled_ns=now_ns)
-        return Fact(kind=PETITION, key=petition.id, body=_encode(lapsed))
+        lapsed = msgspec.structs.replace(
+            access_request, state=RequestState.LAPSED, settled_ns=now_ns
+        )
+        return Fact(kind=ACCESS_REQUEST, key=access_request.id, body=_encode(lapsed))
 
     def stale(self) -> tuple[Fact, ...]:
-        """Return what is to be written so that old petitions take no room any more."""
+        """Return what is to be written so that old access requests take no room any more."""
         now_ns = self._wall_ns()
         return tuple(
-            Fact(kind=PETITION, key=petition.id, body=b"")
-            for petition in self._known.values()
-            if petition.state is not RequestState.OPEN and now_ns >= petition.forgotten_ns
+            Fact(kind=ACCESS_REQUEST, key=access_request.id, body=b"")
+            for access_request in self._known.values()
+            if access_request.state is not RequestState.OPEN
+            and now_ns >= access_request.forgotten_ns
         )
 
     # ---- looking ----
 
-    def get(self, petition: str) -> AccessRequest | None:
-        """Return a petition, open or remembered."""
-        return self._known.get(petition)
+    def get(self, access_request: str) -> AccessRequest | None:
+        """Return an access request, open or remembered."""
+        return self._known.get(access_request)
 
     def open(self) -> tuple[AccessRequest, ...]:
-        """Return every petition that can still be answered, the oldest first."""
+        """Return every access request that can still be answered, the oldest first."""
         now_ns = self._wall_ns()
         return tuple(
             p for p in self._known.values() if p.state is RequestState.OPEN and now_ns < p.lapses_ns

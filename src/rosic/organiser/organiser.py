@@ -144,7 +144,7 @@ class Organiser:
         self.leases = Leases()
         clock.when_ahead.connect(self.leases.age)
         for profile in profiles.values():
-            self.enlist(profile, fence=0)  # until `remember_fences`
+            self.add_robot(profile, fence=0)  # until `remember_fences`
         self._refusing = RefusalBuilder(self, profiles, stops)
         self.why_stopped = self._refusing.stopped
 
@@ -472,7 +472,7 @@ class Organiser:
             self.release(robot)
         return held
 
-    def enlist(self, profile: Profile, fence: int) -> None:
+    def add_robot(self, profile: Profile, fence: int) -> None:
         """Know one more robot, from the highest fence it has seen (I13)."""
         self.leases[profile.id] = Lease(fence)
         self._slots[profile.id] = profile.slots.value

@@ -136,7 +136,7 @@ class RateLimits:
         self._unsaved = False
         self._empty_ns: int | None = None  # monotonic: everything counts as empty then
 
-    def enlist(self, robot: RobotId, limit: RateLimit) -> None:
+    def add_robot(self, robot: RobotId, limit: RateLimit) -> None:
         """Limit one more robot from now on."""
         self.robots[robot] = limit
 

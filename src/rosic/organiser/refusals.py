@@ -98,7 +98,7 @@ class RefusalBuilder:
                 shown=profile.shown,
                 who_grants=self._who_grants(who),
             ),
-            petition=f"/ask {robot}" if who else "",
+            access_request=f"/ask {robot}" if who else "",
         )
 
     def needs(self, allowed: Allow, text: str) -> FirstNeeded:
@@ -208,7 +208,7 @@ class RefusalBuilder:
         more = [self.stopped.who_resumes(denied.ask.principal, robots)] if robots else []
         return NotPermitted(
             joined(" ", (sentence, *more)),
-            petition=_petition(denied),
+            access_request=_access_request(denied),
         )
 
     def _right_ended(self, denied: Deny) -> Refusal:
@@ -223,7 +223,7 @@ class RefusalBuilder:
                 when=when,
                 who_grants=self._who_grants(denied.who),
             ),
-            petition=_petition(denied),
+            access_request=_access_request(denied),
         )
 
     def _too_narrow(self, denied: Deny) -> Refusal:
@@ -275,7 +275,7 @@ class RefusalBuilder:
                 who=self._who_allows_more(denied.who),
             ),
             offers=within_limits(denied, self._profiles[denied.ask.robot].skills),
-            petition=_petition(denied),
+            access_request=_access_request(denied),
         )
 
     def _slot(self, denied: Deny) -> Refusal:
@@ -310,7 +310,7 @@ class RefusalBuilder:
         return RobotTaken(sentence, offers=(f"wait {robot}",))
 
 
-def _petition(denied: Deny) -> str:
+def _access_request(denied: Deny) -> str:
     """Return how to ask for what is missing; nothing when there is nobody to ask."""
     return f"/ask {denied.ask.robot} {_spoken(denied.ask.skill)}" if denied.who else ""
 

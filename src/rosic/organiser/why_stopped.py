@@ -99,7 +99,7 @@ class WhyStopped:
         return RobotStopped(
             joined(" ", (sentence, who, NOTHING_DONE)),
             offers=offers,
-            petition=self.petition(principal, left[0]),
+            access_request=self.access_request(principal, left[0]),
         )
 
     def resumable(self, principal: PrincipalId, robots: Sequence[RobotId]) -> list[RobotId]:
@@ -111,7 +111,7 @@ class WhyStopped:
             if stops.barred(robot) is None and may_resume(organiser, stops, principal, robot)
         ]
 
-    def petition(self, principal: PrincipalId, robot: RobotId) -> str:
+    def access_request(self, principal: PrincipalId, robot: RobotId) -> str:
         """Return how to ask for the right to resume; nothing when there is nobody to ask."""
         now_ns = self._organiser.wall_ns()
         givers = self._organiser.rights.givers(robot, now_ns, besides=principal)

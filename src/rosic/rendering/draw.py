@@ -23,8 +23,8 @@ from rosic.errors import NothingToSee
 from rosic.rendering.charts import chart
 from rosic.rendering.frames import decoded, raster
 from rosic.rendering.maps import grid_map
+from rosic.rendering.paths import way, ways_together
 from rosic.rendering.scenes import scene_image
-from rosic.rendering.ways import way, ways_together
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -10,8 +10,8 @@ from PIL import Image
 from rosic.core.i18n import said
 from rosic.errors import NothingToSee
 from rosic.rendering.axes import nice_step, written
+from rosic.rendering.paths import nose
 from rosic.rendering.style import ACCENT, ALERT, FAINT, INK, PAPER, Sheet
-from rosic.rendering.ways import nose
 
 if TYPE_CHECKING:
     from rosic.core.robot.view import Grid

@@ -39,7 +39,7 @@ class RobotFolders:
     def __init__(self, files: Mapping[RobotId, Files]) -> None:
         self._files = dict(files)
 
-    def enlist(self, robot: RobotId, files: Files) -> None:
+    def add_robot(self, robot: RobotId, files: Files) -> None:
         """Know the folders of one more robot."""
         self._files[robot] = files
 

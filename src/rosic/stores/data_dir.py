@@ -195,7 +195,7 @@ class StoreSettings(msgspec.Struct, frozen=True, kw_only=True):
         group_max: Calls that share one transaction.
         queue_max: Calls that may wait; one more is refused with a sentence.
         notes_max: Notes kept for later while the disk does not work; the oldest are lost first.
-        lives_max: Commands whose end was never told, before further ones are refused.
+        open_orders_max: Commands whose end was never told, before further ones are refused.
         unsifted: Commands that are not sifted yet, after every sifting. At most twice as many and
             one group more are looked through at opening, and a command that is settled before so
             many others were claimed costs no row in the table of open ones.
@@ -209,7 +209,7 @@ class StoreSettings(msgspec.Struct, frozen=True, kw_only=True):
     group_max: int = 512
     queue_max: int = 10_000
     notes_max: int = 10_000
-    lives_max: int = 100_000
+    open_orders_max: int = 100_000
     unsifted: int = 1_024
     busy_timeout_ms: int = 250
     synchronous: str = "FULL"

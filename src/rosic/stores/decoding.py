@@ -97,8 +97,8 @@ def standing(connection: Connection) -> DatabasePosition:
     newest: int | None = connection.scalar(select(func.max(commands.c.seq)))
     below = max((row.below for row in checked(connection, select(sifted.c.below))), default=0)
     open_commands = select(commands.c.cid, commands.c.seq).where(is_open(commands.c.seq))
-    lives = {row.cid: row.seq for row in checked(connection, open_commands)}
-    return DatabasePosition(lives, below, max((newest or 0) + 1, below))
+    open_orders = {row.cid: row.seq for row in checked(connection, open_commands)}
+    return DatabasePosition(open_orders, below, max((newest or 0) + 1, below))
 
 
 def is_open(seq: Column[int]) -> ColumnElement[bool]:
@@ -116,7 +116,7 @@ def is_open(seq: Column[int]) -> ColumnElement[bool]:
         ~told,
         ~ended_silently,
     )
-    return seq.in_(union_all(select(tables.open_lives.c.seq), unsifted.correlate(None)))
+    return seq.in_(union_all(select(tables.open_orders_of.c.seq), unsifted.correlate(None)))
 
 
 class RecordDecoder:
@@ -261,9 +261,9 @@ class RecordDecoder:
             .outerjoin(places, places.c.seq == commands.c.seq)
             .order_by(commands.c.seq)
         )
-        return tuple(self._life(row) for row in checked(self._connection, query))
+        return tuple(self._open_order(row) for row in checked(self._connection, query))
 
-    def _life(self, row: Row[Any]) -> Unfinished:
+    def _open_order(self, row: Row[Any]) -> Unfinished:
         claimed = row.kind == "claimed"
         claim = self._letter(row.container, CLAIM, row.cid, row.sealed)
         words = self._letter(row.words_container, WORDS, row.cid, row.words_sealed)

@@ -51,7 +51,7 @@ class WriteBatch:
         opened: New commands whose author is to hear of them.
         silent: New commands of which nobody is to hear.
         closed: Commands that need not be told any more.
-        struck: Those of them that stand in ``open_lives``.
+        struck: Those of them that stand in ``open_orders_of``.
         below: Up to where the record is sifted with this group; None for no change.
         kept: Commands that sifting finds open.
         facts: What is so, in the order in which it was first said.
@@ -120,12 +120,12 @@ class DatabasePosition(msgspec.Struct, frozen=True):
     """Where the database stands.
 
     Attributes:
-        lives: Open commands and their numbers.
+        open_orders: Open commands and their numbers.
         below: Up to which number it is sifted.
         next_seq: The number of the next command.
     """
 
-    lives: dict[CommandId, int]
+    open_orders: dict[CommandId, int]
     below: int
     next_seq: int
 
@@ -152,7 +152,7 @@ class RecordEncoder:
     ) -> None:
         self._settings = settings
         self._root = root
-        self._lives = dict(standing.lives)
+        self._open_orders = dict(standing.open_orders)
         self._below = standing.below
         self._next_seq = standing.next_seq
         self._find_seq = find_seq
@@ -185,7 +185,10 @@ class RecordEncoder:
         for records in calls:
             for record in records:
                 take[type(record)](batch, record)
-        if batch.opened and len(self._lives) + len(batch.opened) > self._settings.lives_max:
+        if (
+            batch.opened
+            and len(self._open_orders) + len(batch.opened) > self._settings.open_orders_max
+        ):
             raise StoreFault(said("The record is full. Nothing was written."))
         below = self._below
         batch.struck = [seq for seq in batch.closed.values() if seq < below]
@@ -199,15 +202,15 @@ class RecordEncoder:
         batch.below = below
         batch.kept = [
             seq
-            for cid, seq in self._lives.items()
+            for cid, seq in self._open_orders.items()
             if self._below <= seq < below and cid not in batch.closed
         ]
 
     def remember(self, batch: WriteBatch) -> None:
         """The rows are in the database now."""
-        self._lives.update(batch.opened)
+        self._open_orders.update(batch.opened)
         for cid in batch.closed:
-            self._lives.pop(cid, None)
+            self._open_orders.pop(cid, None)
         if batch.below is not None:
             self._below = batch.below
         if len(self._keys) > KEYS_MAX:
@@ -226,7 +229,7 @@ class RecordEncoder:
         return seq
 
     def _seq(self, batch: WriteBatch, cid: CommandId) -> int | None:
-        seq = self._lives.get(cid) or batch.opened.get(cid) or batch.silent.get(cid)
+        seq = self._open_orders.get(cid) or batch.opened.get(cid) or batch.silent.get(cid)
         return self._find_seq(cid) if seq is None else seq
 
     def _claimed(self, batch: WriteBatch, record: Claimed) -> None:

@@ -125,7 +125,7 @@ def _ended_without(record: Concluded, container: str) -> Concluded:
 # ---- the store ----
 
 IDS_MAX = 200_000
-LIVES_MAX = 100_000
+OPEN_ORDERS_MAX = 100_000
 NO_NUMBERS = (0, 0)
 SETTLING = frozenset((Claimed, Refused, Resumed))
 DECISIONS_MAX = 10_000
@@ -139,7 +139,7 @@ class MemoryStore(MemoryHistory):
     Args:
         ids_max: A duplicate is recognised while at most this many commands came after it, and
             forgotten after at most twice as many.
-        lives_max: Commands whose end was not told, before further ones are refused.
+        open_orders_max: Commands whose end was not told, before further ones are refused.
         decisions_max: Administrative acts that are kept; the oldest are forgotten first.
     """
 
@@ -147,19 +147,19 @@ class MemoryStore(MemoryHistory):
         self,
         *,
         ids_max: int = IDS_MAX,
-        lives_max: int = LIVES_MAX,
+        open_orders_max: int = OPEN_ORDERS_MAX,
         decisions_max: int = DECISIONS_MAX,
     ) -> None:
         super().__init__()
         self._ids_max = ids_max
-        self._lives_max = lives_max
+        self._open_orders_max = open_orders_max
         self._open = False
         # Two generations of ids: the older one is dropped whole, so no id costs a search.
         self._ids: set[CommandId] = set()
         self._older: set[CommandId] = set()
         # What a life still lacks when its end is not told: three tables,
         # so that a claim costs one entry.
-        self._lives: dict[CommandId, Claimed | Refused] = {}
+        self._open_orders: dict[CommandId, Claimed | Refused] = {}
         self._endings: dict[CommandId, Concluded] = {}
         self._places: dict[CommandId, Letter] = {}
         self._enrolled: dict[PrincipalId, Enrolled] = {}
@@ -198,7 +198,9 @@ class MemoryStore(MemoryHistory):
             selected=tuple(self._selected.values()),
             numbers=dict(self._numbers),
             generations=dict(self._generations),
-            unfinished=tuple(self._unfinished(life) for life in self._lives.values()),
+            unfinished=tuple(
+                self._unfinished(open_order) for open_order in self._open_orders.values()
+            ),
             facts=by_kind(fact for fact in self._facts.values() if fact.kind not in APART),
         )
 
@@ -287,12 +289,12 @@ class MemoryStore(MemoryHistory):
             if owner(fact.letter) == container and fact.kind not in APART
         )
         found = [*cards, *facts]
-        for cid, life in self._lives.items():
-            if life.principal == container:
+        for cid, open_order in self._open_orders.items():
+            if open_order.principal == container:
                 ending = self._endings.get(cid)
                 words = None if ending is None else ending.letter
-                letters = (life.letter, words, self._places.get(cid))
-                body = msgspec.msgpack.encode({"is": type(life).__name__.lower()})
+                letters = (open_order.letter, words, self._places.get(cid))
+                body = msgspec.msgpack.encode({"is": type(open_order).__name__.lower()})
                 kinds = zip(("command", "outcome", "message"), letters, strict=True)
                 found += [
                     Fact(kind=kind, key=cid.hex(), body=body, letter=letter)
@@ -311,7 +313,7 @@ class MemoryStore(MemoryHistory):
         letters = (
             *(record.letter for record in self._enrolled.values()),
             *(fact.letter for fact in self._facts.values()),
-            *(life.letter for life in self._lives.values()),
+            *(open_order.letter for open_order in self._open_orders.values()),
         )
         return tuple(sorted({name for letter in letters if (name := owner(letter))}))
 
@@ -327,7 +329,7 @@ class MemoryStore(MemoryHistory):
             if record.letter.container != container
         }
         self._forget_words(container)
-        without_letters(self._lives, container)
+        without_letters(self._open_orders, container)
         without_letters(self._endings, container)
         without_letters(self._facts, container)
         self._places = {
@@ -343,7 +345,7 @@ class MemoryStore(MemoryHistory):
                 cid = record.cid  # type: ignore[union-attr]  # the three kinds that have one
                 if cid in young or cid in older or (fresh is not None and cid in fresh):
                     raise Repeated("This was already settled.")
-                if len(self._lives) >= self._lives_max:
+                if len(self._open_orders) >= self._open_orders_max:
                     raise StoreFault(said("The record is full. Nothing was written."))
                 if len(records) > 1:
                     fresh = fresh or set()
@@ -359,7 +361,7 @@ class MemoryStore(MemoryHistory):
         self._keep_past(record)
         cid = record.cid
         self._remember(cid)
-        self._lives[cid] = record
+        self._open_orders[cid] = record
         robot = record.robot
         n, fence = self._numbers.get(robot, NO_NUMBERS)
         if record.n > n and record.fence >= fence:
@@ -373,23 +375,23 @@ class MemoryStore(MemoryHistory):
         self._keep_past(record)
         self._remember(record.cid)
         if record.letter is not None:
-            self._lives[record.cid] = record
+            self._open_orders[record.cid] = record
 
     def _concluded(self, record: Concluded) -> None:
         self._keep_past(record)
         cid = record.cid
         if record.letter is None:
             self._finish(record)
-        elif cid in self._lives:
+        elif cid in self._open_orders:
             self._endings.setdefault(cid, record)
 
     def _placed(self, record: Placed) -> None:
-        if record.cid in self._lives:
+        if record.cid in self._open_orders:
             self._places[record.cid] = record.letter
 
     def _finish(self, record: Told | Concluded) -> None:
         cid = record.cid
-        self._lives.pop(cid, None)
+        self._open_orders.pop(cid, None)
         self._endings.pop(cid, None)
         self._places.pop(cid, None)
 
@@ -438,13 +440,13 @@ class MemoryStore(MemoryHistory):
         else:
             self._facts.pop(place, None)
 
-    def _unfinished(self, life: Claimed | Refused) -> Unfinished:
+    def _unfinished(self, open_order: Claimed | Refused) -> Unfinished:
         """Say what a life still lacks; a refusal names no robot and no skill."""
-        claim, placed = content(life.letter), content(self._places.get(life.cid))
-        if isinstance(life, Refused):
+        claim, placed = content(open_order.letter), content(self._places.get(open_order.cid))
+        if isinstance(open_order, Refused):
             return Unfinished(
-                cid=life.cid,
-                principal=life.principal,
+                cid=open_order.cid,
+                principal=open_order.principal,
                 robot="",
                 skill="",
                 ending=Ending.REFUSED.value,
@@ -452,12 +454,12 @@ class MemoryStore(MemoryHistory):
                 words=None,
                 placed=placed,
             )
-        ending = self._endings.get(life.cid)
+        ending = self._endings.get(open_order.cid)
         return Unfinished(
-            cid=life.cid,
-            principal=life.principal,
-            robot=life.robot,
-            skill=life.skill,
+            cid=open_order.cid,
+            principal=open_order.principal,
+            robot=open_order.robot,
+            skill=open_order.skill,
             ending=None if ending is None else ending.ending,
             claim=claim,
             words=None if ending is None else content(ending.letter),

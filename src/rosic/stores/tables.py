@@ -99,7 +99,7 @@ sifted = Table(
     Column("below", BigInteger, nullable=False),
 )
 
-open_lives = Table("open_lives", metadata, belonging())
+open_orders_of = Table("open_lives", metadata, belonging())
 
 # ``wrapped`` is the container's key, sealed by the root key; NULL once the container was erased.
 containers = Table(

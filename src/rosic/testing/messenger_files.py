@@ -8,13 +8,13 @@ from msgspec.structs import replace
 
 from rosic.core.message import Attachment, Button, Enclosure, Outbound, Pieces
 from rosic.errors import MessengerFault, RecordUnavailable
-from rosic.testing.messenger_stage import Ear, faults_only, listening, until
+from rosic.testing.messenger_harness import HarnessInbox, faults_only, listening, until
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator
 
     from rosic.contracts.messenger import Messenger
-    from rosic.testing.messenger_stage import MessengerHarness
+    from rosic.testing.messenger_harness import MessengerHarness
 
 
 # ---- sending files ----
@@ -131,8 +131,8 @@ class EnclosureRules:
         """Under its name, with its size, and byte for byte."""
         if not stage.messenger.fetch_bytes:
             return
-        async with listening(stage) as ear:
-            enclosure = await _sent(stage, ear)
+        async with listening(stage) as inbox:
+            enclosure = await _sent(stage, inbox)
             assert enclosure.name == NAME, "a file came under another name"
             assert enclosure.size == len(CONTENT), "a file came with another size"
             content, fault = await _fetched(stage.messenger, enclosure)
@@ -145,8 +145,8 @@ class EnclosureRules:
         """Room is kept for what was said, so no more than that is ever yielded."""
         if not stage.messenger.fetch_bytes:
             return
-        async with listening(stage) as ear:
-            enclosure = await _sent(stage, ear)
+        async with listening(stage) as inbox:
+            enclosure = await _sent(stage, inbox)
             less, fault = await _fetched(stage.messenger, replace(enclosure, size=1_000))
             assert len(less) <= 1_000, "more was yielded than was said"
             assert fault is not None, "a file that is longer than was said was fetched"
@@ -161,22 +161,22 @@ class EnclosureRules:
         messenger = stage.messenger
         unknown = Enclosure(id="document-of-nobody", name=NAME, size=10)
         large = replace(unknown, size=messenger.fetch_bytes + 1)
-        async with listening(stage) as ear:
+        async with listening(stage) as inbox:
             for enclosure in (unknown, large):
                 assert (await _fetched(messenger, enclosure))[1] is not None
             if not messenger.fetch_bytes:
                 return
-            enclosure = await _sent(stage, ear)
+            enclosure = await _sent(stage, inbox)
             async with stage.outage():
                 assert (await _fetched(messenger, enclosure))[1] is not None
 
 
-async def _sent(stage: MessengerHarness, ear: Ear) -> Enclosure:
+async def _sent(stage: MessengerHarness, inbox: HarnessInbox) -> Enclosure:
     """Let a person send a file; return what the messenger says of it."""
-    before = len(ear.done)
+    before = len(inbox.done)
     await stage.enclose(stage.people[0], NAME, CONTENT)
-    await until(stage, lambda: len(ear.done) > before, "a file was swallowed")
-    enclosure = ear.done[before].enclosed
+    await until(stage, lambda: len(inbox.done) > before, "a file was swallowed")
+    enclosure = inbox.done[before].enclosed
     assert enclosure is not None, "a file came without a word of it"
     return enclosure
 

@@ -13,8 +13,8 @@ from msgspec.structs import replace
 from rosic.core.message import Outbound, Standing
 from rosic.errors import MessageGone
 from rosic.testing.messenger_files import LONG, YES, EnclosureRules, FileRules
-from rosic.testing.messenger_stage import (
-    Ear,
+from rosic.testing.messenger_harness import (
+    HarnessInbox,
     MessengerHarness,
     SeenMessage,
     faults_only,
@@ -24,7 +24,7 @@ from rosic.testing.messenger_stage import (
     until_fresh,
 )
 
-__all__ = ("Ear", "MessengerConformance", "MessengerHarness", "SeenMessage")
+__all__ = ("HarnessInbox", "MessengerConformance", "MessengerHarness", "SeenMessage")
 
 MARKUP = (
     r"*bold* _slanted_ `code` [name](http://example.org) <b>bold</b> &lt; \n ~gone~ || 100 % #1 🤖"
@@ -37,27 +37,27 @@ class MessengerConformance(FileRules, EnclosureRules):
     async def test_messages_of_a_chat_come_in_order(self, stage: MessengerHarness) -> None:
         """Every message is handed over, once each while nothing goes wrong, and in order."""
         written = [f"omni move {number} cm" for number in range(1, 9)]
-        async with listening(stage) as ear:
+        async with listening(stage) as inbox:
             for text in written:
                 for person in stage.people:
                     await stage.write(person, text)
             count = len(written) * len(stage.people)
-            await until(stage, lambda: len(ear.done) >= count, "a message was swallowed")
+            await until(stage, lambda: len(inbox.done) >= count, "a message was swallowed")
             for person in stage.people:
-                assert ear.texts(stage.chat(person)) == written
+                assert inbox.texts(stage.chat(person)) == written
 
     async def test_a_message_says_who_where_and_when(self, stage: MessengerHarness) -> None:
         """Identity is stable and distinct, times are in order, and nothing fresh is backlog."""
         count = len(stage.people) + 1
-        async with listening(stage) as ear:
-            await until_fresh(stage, ear)
+        async with listening(stage) as inbox:
+            await until_fresh(stage, inbox)
             for person in (*stage.people, stage.people[0]):
                 await stage.write(person, "status")
-            await until(stage, lambda: len(ear.done) == count, "a message was swallowed")
-        senders = {inbound.chat.id: inbound.sender for inbound in ear.heard}
+            await until(stage, lambda: len(inbox.done) == count, "a message was swallowed")
+        senders = {inbound.chat.id: inbound.sender for inbound in inbox.heard}
         assert len(set(senders.values())) == len(stage.people), "different people look the same"
-        assert len({(one.chat.id, one.message) for one in ear.heard}) == count, "an id came twice"
-        for inbound in ear.heard:
+        assert len({(one.chat.id, one.message) for one in inbox.heard}) == count, "an id came twice"
+        for inbound in inbox.heard:
             assert inbound.sender == senders[inbound.chat.id], "one person looks like two"
             assert inbound.sender.platform == inbound.chat.platform == stage.messenger.platform
             assert inbound.listening_since_ns <= inbound.sent_ns <= inbound.received_ns
@@ -70,15 +70,15 @@ class MessengerConformance(FileRules, EnclosureRules):
         """What is being received when the power fails must come again."""
         if not stage.keeps:
             return
-        async with listening(stage) as ear:
-            ear.gate.clear()
+        async with listening(stage) as inbox:
+            inbox.gate.clear()
             await stage.write(stage.people[0], "omni move 1 m")
-            await until(stage, lambda: len(ear.heard) == 1, "a message was swallowed")
+            await until(stage, lambda: len(inbox.heard) == 1, "a message was swallowed")
             # Its being heard shows that the messenger went on, and could have confirmed.
             await stage.write(stage.people[0], "stop")
-            await until(stage, lambda: len(ear.heard) == 2, "a stop waited for another message")
+            await until(stage, lambda: len(inbox.heard) == 2, "a stop waited for another message")
             assert await stage.unconfirmed() == 2, "confirmed before it was received"
-            ear.gate.set()
+            inbox.gate.set()
             await until_confirmed(stage)
 
     async def test_what_was_not_received_comes_again_as_the_same(
@@ -87,13 +87,13 @@ class MessengerConformance(FileRules, EnclosureRules):
         """A duplicate is recognised by who, where and which message; so these never change."""
         if not stage.keeps:
             return
-        async with listening(stage) as ear:
-            ear.gate.clear()
+        async with listening(stage) as inbox:
+            inbox.gate.clear()
             await stage.write(stage.people[0], "omni move 1 m")
-            await until(stage, lambda: bool(ear.heard), "a message was swallowed")
+            await until(stage, lambda: bool(inbox.heard), "a message was swallowed")
         async with listening(stage) as again:
             await until(stage, lambda: bool(again.done), "a message did not come again")
-        first, second = ear.heard[0], again.heard[0]
+        first, second = inbox.heard[0], again.heard[0]
         assert (first.sender, first.chat, first.message, first.text, first.sent_ns) == (
             second.sender,
             second.chat,
@@ -104,21 +104,21 @@ class MessengerConformance(FileRules, EnclosureRules):
 
     async def test_a_stop_overtakes_what_is_being_received(self, stage: MessengerHarness) -> None:
         """Nothing that takes long holds up a stop, not even in its own chat (I10)."""
-        async with listening(stage) as ear:
-            ear.gate.clear()
+        async with listening(stage) as inbox:
+            inbox.gate.clear()
             await stage.write(stage.people[0], "omni move 1 m")
-            await until(stage, lambda: len(ear.heard) == 1, "a message was swallowed")
+            await until(stage, lambda: len(inbox.heard) == 1, "a message was swallowed")
             await stage.write(stage.people[0], "stop")
-            await until(stage, lambda: len(ear.heard) == 2, "a stop waited for another message")
-            ear.gate.set()
+            await until(stage, lambda: len(inbox.heard) == 2, "a stop waited for another message")
+            inbox.gate.set()
 
     async def test_nothing_is_left_running(self, stage: MessengerHarness) -> None:
         """When run is cancelled, even while something is received, it leaves no task behind."""
         before = asyncio.all_tasks()
-        async with listening(stage) as ear:
-            ear.gate.clear()
+        async with listening(stage) as inbox:
+            inbox.gate.clear()
             await stage.write(stage.people[0], "omni move 1 m")
-            await until(stage, lambda: bool(ear.heard), "a message was swallowed")
+            await until(stage, lambda: bool(inbox.heard), "a message was swallowed")
         await until(stage, lambda: asyncio.all_tasks() <= before, "a task was left running")
 
     async def test_a_text_arrives_exactly_as_given(self, stage: MessengerHarness) -> None:
@@ -207,12 +207,12 @@ class MessengerConformance(FileRules, EnclosureRules):
             return
         person = stage.people[-1]
         offer = Outbound(chat=stage.chat(person), text="omni: move 1 m?", buttons=((YES,),))
-        async with listening(stage) as ear:
+        async with listening(stage) as inbox:
             await stage.write(person, "hello")
             message = await stage.messenger.send(offer)
             await stage.tap(person, message, YES.label)
-            await until(stage, lambda: len(ear.done) == 2, "a tap was swallowed")
-        said, tapped = ear.heard
+            await until(stage, lambda: len(inbox.done) == 2, "a tap was swallowed")
+        said, tapped = inbox.heard
         assert (tapped.nonce, tapped.text, tapped.under) == (YES.nonce, "", message)
         assert (tapped.sender, tapped.chat) == (said.sender, said.chat)
         assert tapped.sent_ns == tapped.received_ns
@@ -222,10 +222,10 @@ class MessengerConformance(FileRules, EnclosureRules):
         """Not twice, not with a handle nobody knows, not while the platform is away."""
         person = stage.people[0]
         chat = stage.chat(person)
-        async with listening(stage) as ear:
+        async with listening(stage) as inbox:
             await stage.write(person, "hello")
-            await until(stage, lambda: bool(ear.done), "a message was swallowed")
-            tap = replace(ear.heard[0], chat=chat, nonce=YES.nonce, tap="12345678", text="")
+            await until(stage, lambda: bool(inbox.done), "a message was swallowed")
+            tap = replace(inbox.heard[0], chat=chat, nonce=YES.nonce, tap="12345678", text="")
             try:
                 await stage.messenger.answer_tap(tap, "")
                 await stage.messenger.answer_tap(tap, "This was not asked of you. " * 20)

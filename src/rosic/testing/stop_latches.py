@@ -1,5 +1,5 @@
 """What every stop latch must do, in executable form, and latches that break one rule each."""
-# ruff: noqa: D102 - the name of a rule is its sentence, and a sinner's sin is its own
+# ruff: noqa: D102 - the name of a rule is its sentence, and a faulty one's fault is its own
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 OMNI, KUKA = "omni", "kuka1"
 
 
-class LatchPremises(Protocol):
+class LatchFixture(Protocol):
     """Where latches of one kind can be had."""
 
     def make(self) -> StopLatch:
@@ -26,43 +26,41 @@ class LatchPremises(Protocol):
 
 
 class LatchConformance:
-    """The rules; give it a fixture named ``premises``."""
+    """The rules; give it a fixture named ``fixture``."""
 
-    async def test_a_new_latch_holds_nothing(self, premises: LatchPremises) -> None:
-        assert premises.make().read() == {}
+    async def test_a_new_latch_holds_nothing(self, fixture: LatchFixture) -> None:
+        assert fixture.make().read() == {}
 
-    async def test_a_stop_survives(self, premises: LatchPremises) -> None:
-        latch = premises.make()
+    async def test_a_stop_survives(self, fixture: LatchFixture) -> None:
+        latch = fixture.make()
         latch.read()
         await latch.write(OMNI, 3, latched=True)
-        assert premises.survivor(latch).read() == {OMNI: (3, True)}
+        assert fixture.survivor(latch).read() == {OMNI: (3, True)}
 
-    async def test_a_resumed_robot_stays_resumed(self, premises: LatchPremises) -> None:
-        latch = premises.make()
+    async def test_a_resumed_robot_stays_resumed(self, fixture: LatchFixture) -> None:
+        latch = fixture.make()
         latch.read()
         await latch.write(OMNI, 3, latched=True)
         await latch.write(OMNI, 3, latched=False)
-        assert premises.survivor(latch).read() == {OMNI: (3, False)}
+        assert fixture.survivor(latch).read() == {OMNI: (3, False)}
 
-    async def test_a_generation_never_decreases(self, premises: LatchPremises) -> None:
-        latch = premises.make()
+    async def test_a_generation_never_decreases(self, fixture: LatchFixture) -> None:
+        latch = fixture.make()
         latch.read()
         await latch.write(OMNI, 3, latched=True)
         await latch.write(OMNI, 2, latched=False)
-        assert premises.survivor(latch).read() == {OMNI: (3, True)}
+        assert fixture.survivor(latch).read() == {OMNI: (3, True)}
 
-    async def test_a_generation_never_decreases_over_a_restart(
-        self, premises: LatchPremises
-    ) -> None:
-        latch = premises.make()
+    async def test_a_generation_never_decreases_over_a_restart(self, fixture: LatchFixture) -> None:
+        latch = fixture.make()
         latch.read()
         await latch.write(OMNI, 3, latched=True)
-        second = premises.survivor(latch)
+        second = fixture.survivor(latch)
         await second.write(OMNI, 2, latched=False)
-        assert premises.survivor(second).read() == {OMNI: (3, True)}
+        assert fixture.survivor(second).read() == {OMNI: (3, True)}
 
-    async def test_robots_do_not_mix(self, premises: LatchPremises) -> None:
-        latch = premises.make()
+    async def test_robots_do_not_mix(self, fixture: LatchFixture) -> None:
+        latch = fixture.make()
         latch.read()
         robots = [f"robot{index}" for index in range(50)]
         await asyncio.gather(
@@ -71,19 +69,19 @@ class LatchConformance:
                 for index, robot in enumerate(robots)
             )
         )
-        states = premises.survivor(latch).read()
+        states = fixture.survivor(latch).read()
         assert states == {r: (i + 1, bool(i % 2)) for i, r in enumerate(robots)}
 
-    async def test_the_last_of_many_writes_counts(self, premises: LatchPremises) -> None:
-        latch = premises.make()
+    async def test_the_last_of_many_writes_counts(self, fixture: LatchFixture) -> None:
+        latch = fixture.make()
         latch.read()
         await asyncio.gather(
             *(latch.write(OMNI, index, latched=bool(index % 2)) for index in range(1, 40))
         )
-        assert premises.survivor(latch).read() == {OMNI: (39, True)}
+        assert fixture.survivor(latch).read() == {OMNI: (39, True)}
 
 
-class WickedLatch:
+class FaultyLatch:
     """An honest latch inside, and a way to do wrong outside."""
 
     def __init__(self, inner: StopLatch, diary: dict[Any, Any]) -> None:
@@ -99,32 +97,32 @@ class WickedLatch:
         await self.inner.write(robot, generation, latched=latched)
 
 
-class WickedLatchPremises:
+class FaultyLatchFixture:
     """Premises on which every latch sins in the same way."""
 
-    def __init__(self, honest: LatchPremises, sinner: type[WickedLatch]) -> None:
+    def __init__(self, honest: LatchFixture, faulty: type[FaultyLatch]) -> None:
         self._honest = honest
-        self._sinner = sinner
+        self._faulty = faulty
         self._diary: dict[Any, Any] = {}
 
-    def make(self) -> WickedLatch:
+    def make(self) -> FaultyLatch:
         """Return a wicked latch without data."""
-        return self._sinner(self._honest.make(), self._diary)
+        return self._faulty(self._honest.make(), self._diary)
 
-    def survivor(self, latch: StopLatch) -> WickedLatch:
+    def survivor(self, latch: StopLatch) -> FaultyLatch:
         """Return the wicked latch that the next process would find."""
-        assert isinstance(latch, WickedLatch)
-        return self._sinner(self._honest.survivor(latch.inner), self._diary)
+        assert isinstance(latch, FaultyLatch)
+        return self._faulty(self._honest.survivor(latch.inner), self._diary)
 
 
-class InventsStops(WickedLatch):
+class InventsStops(FaultyLatch):
     """Holds a robot that nobody stopped."""
 
     def read(self) -> dict[RobotId, tuple[int, bool]]:
         return self.inner.read() | {"ghost": (1, True)}
 
 
-class ForgetsStopsOnDisk(WickedLatch):
+class ForgetsStopsOnDisk(FaultyLatch):
     """Lets go as soon as nobody looks."""
 
     async def write(self, robot: RobotId, generation: int, *, latched: bool) -> None:
@@ -132,7 +130,7 @@ class ForgetsStopsOnDisk(WickedLatch):
             await self.inner.write(robot, generation, latched=latched)
 
 
-class NeverResumes(WickedLatch):
+class NeverResumes(FaultyLatch):
     """Holds on for ever."""
 
     async def write(self, robot: RobotId, generation: int, *, latched: bool) -> None:
@@ -140,7 +138,7 @@ class NeverResumes(WickedLatch):
             await self.inner.write(robot, generation, latched=latched)
 
 
-class BelievesTheLast(WickedLatch):
+class BelievesTheLast(FaultyLatch):
     """Lets a late word undo a newer stop."""
 
     def read(self) -> dict[RobotId, tuple[int, bool]]:
@@ -150,14 +148,14 @@ class BelievesTheLast(WickedLatch):
         self.diary[robot] = (generation, latched)
 
 
-class MixesRobots(WickedLatch):
+class MixesRobots(FaultyLatch):
     """Has one place for whoever has nearly the same name."""
 
     async def write(self, robot: RobotId, generation: int, *, latched: bool) -> None:
         await self.inner.write(robot[:5], generation, latched=latched)
 
 
-class KeepsTheFirstWord(WickedLatch):
+class KeepsTheFirstWord(FaultyLatch):
     """Hears only the first of what is said at the same time."""
 
     async def write(self, robot: RobotId, generation: int, *, latched: bool) -> None:
@@ -168,7 +166,7 @@ class KeepsTheFirstWord(WickedLatch):
             self.diary[robot] = False
 
 
-LATCH_SINNERS: dict[str, type[WickedLatch]] = {
+LATCH_FAULTS_BY_RULE: dict[str, type[FaultyLatch]] = {
     "test_a_new_latch_holds_nothing": InventsStops,
     "test_a_stop_survives": ForgetsStopsOnDisk,
     "test_a_resumed_robot_stays_resumed": NeverResumes,

@@ -15,14 +15,14 @@ from rosic.core.robot.profile import Presence, Profile
 from rosic.core.robot.view import Pose, Sight, View
 from rosic.core.synchronised_start import begins_ns
 from rosic.errors import ConfigurationError, NothingToSee
-from rosic_sim.robots.fellow import answer
 from rosic_sim.robots.goals import goal_of, machine_arguments, velocity_of
 from rosic_sim.robots.machines.activity import Activity, ActivityState, CannotDo
 from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.machines.omni import Omni
+from rosic_sim.robots.peer import answer
 from rosic_sim.robots.scenery.plan import plan_of, pose_of
 from rosic_sim.robots.scenery.scene import robot_scene
-from rosic_sim.robots.theatre import theatre_of
+from rosic_sim.robots.simulation_loop import theatre_of
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Mapping

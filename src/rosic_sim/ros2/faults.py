@@ -7,8 +7,8 @@ from importlib import import_module
 from math import inf
 from typing import TYPE_CHECKING
 
-from rosic_sim.robots.machines.afield import Fire, FireWatcher, Rover
 from rosic_sim.robots.machines.crazyflie import Crazyflie
+from rosic_sim.robots.machines.field_robots import Fire, FireWatcher, Rover
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.machines.world import CUBE
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic_sim.robots.machines.world import SimulatedWorld
     from rosic_sim.robots.machines.yumi import Side
-    from rosic_sim.ros2.ends import SimulatedRobotNode
+    from rosic_sim.ros2.endpoints import SimulatedRobotNode
 
 LINK, BATTERY, OBJECT, WATCHDOG = "link", "battery", "object", "watchdog_s"
 DRIFT, FIRE, MUD = "drift", "fire", "mud"

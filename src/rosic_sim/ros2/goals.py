@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic_sim.robots.goals import machine_arguments
 from rosic_sim.robots.machines.activity import Activity, ActivityState, CannotDo
-from rosic_sim.ros2.offers import ACTIONS, INTERFACES, LEFT_TO_THE_ROBOT, START
+from rosic_sim.ros2.interfaces import ACTIONS, INTERFACES, LEFT_TO_THE_ROBOT, START
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic_sim.robots.machines.arguments import Value
-    from rosic_sim.ros2.ends import SimulatedRobotNode
+    from rosic_sim.ros2.endpoints import SimulatedRobotNode
 
 FEEDBACK_EVERY_S = 0.1
 # A cancelled goal is answered when the machine has come to rest, or after this.

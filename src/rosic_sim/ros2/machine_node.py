@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING
 
 from rosic.core.time_units import SECOND_NS
 from rosic.robots.ros2.client.rclpy_import import load_ros
-from rosic_sim.robots.fellow import answer
 from rosic_sim.robots.machines.activity import CannotDo
 from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.machines.swarm import Sighting
+from rosic_sim.robots.peer import answer
 from rosic_sim.ros2.actuations import Actuations
-from rosic_sim.ros2.ends import DEPTH, publisher, subscribe
+from rosic_sim.ros2.endpoints import DEPTH, publisher, subscribe
 from rosic_sim.ros2.faults import RobotFaults
 from rosic_sim.ros2.goals import Goals
-from rosic_sim.ros2.offers import INTERFACES, model_of
+from rosic_sim.ros2.interfaces import INTERFACES, model_of
+from rosic_sim.ros2.link_watchdog import LinkWatch
 from rosic_sim.ros2.reports import Reports
 from rosic_sim.ros2.views import DrawJpeg, SceneCamera, publish_map
-from rosic_sim.ros2.watch import LinkWatch
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.client.rclpy_import import RosObject

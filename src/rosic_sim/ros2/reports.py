@@ -7,18 +7,18 @@ from importlib import import_module
 from math import cos, sin
 from typing import TYPE_CHECKING
 
-from rosic_sim.robots.machines.afield import FireWatcher
 from rosic_sim.robots.machines.crazyflie import Crazyflie
+from rosic_sim.robots.machines.field_robots import FireWatcher
 from rosic_sim.robots.machines.kuka import Kuka
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.machines.yumi import Yumi
-from rosic_sim.ros2.ends import publisher
+from rosic_sim.ros2.endpoints import publisher
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rosic.robots.ros2.client.rclpy_import import RosObject
-    from rosic_sim.robots.machines.clockwork import SteppedMachine
+    from rosic_sim.robots.machines.stepped_machine import SteppedMachine
 
 MOVING_EVERY_S = 0.02
 AT_REST_EVERY_S = 0.1

@@ -23,17 +23,17 @@ from rosic.robots.ros2.client.rclpy_import import (
     make_executor,
 )
 from rosic.robots.ros2.messages.names import did_you_mean
-from rosic_sim.robots.machines.afield import FireWatcher, Rover
 from rosic_sim.robots.machines.crazyflie import Crazyflie
+from rosic_sim.robots.machines.field_robots import FireWatcher, Rover
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.machines.swarm import Swarm
 from rosic_sim.robots.machines.world import SWARM_PLACES, SimulatedWorld, build_world
 from rosic_sim.ros2.actuations import Actuations
+from rosic_sim.ros2.interfaces import MODELS, model_of
+from rosic_sim.ros2.link_watchdog import LINK_LOST_S, LinkWatch
 from rosic_sim.ros2.machine_node import NODE_NAME, MachineNode
-from rosic_sim.ros2.offers import MODELS, model_of
-from rosic_sim.ros2.urgency import Urgency
+from rosic_sim.ros2.realtime_priority import Urgency
 from rosic_sim.ros2.waiting_clock import WaitingClock
-from rosic_sim.ros2.watch import LINK_LOST_S, LinkWatch
 from rosic_sim.ros2_others.arm_robot import TYPES as ARM_TYPES
 from rosic_sim.ros2_others.arm_robot import ArmRobot
 from rosic_sim.ros2_others.nav2_robot import TYPES as NAV2_TYPES

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from rosic.core.robot.view import Scene
 from rosic_sim.robots.scenery.plan import plan_of
 from rosic_sim.robots.scenery.scene import robot_scene
-from rosic_sim.ros2.ends import publisher
+from rosic_sim.ros2.endpoints import publisher
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.client.rclpy_import import RosObject

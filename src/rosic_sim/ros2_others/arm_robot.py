@@ -7,9 +7,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from rosic.core.time_units import SECOND_NS
-from rosic_sim.ros2.ends import publisher
+from rosic_sim.ros2.endpoints import publisher
+from rosic_sim.ros2_others.action_server import (
+    ABORTED,
+    CANCELLED,
+    SUCCEEDED,
+    ActionCallbacks,
+    Served,
+)
 from rosic_sim.ros2_others.arm import GRIPPER, JOINTS, Arm, ArmGripper, Point
-from rosic_sim.ros2_others.served import ABORTED, CANCELLED, SUCCEEDED, ActionCallbacks, Served
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.client.rclpy_import import RosObject

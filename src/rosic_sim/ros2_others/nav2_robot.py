@@ -8,10 +8,16 @@ from math import atan2, cos, sin
 from typing import TYPE_CHECKING
 
 from rosic.robots.ros2.client.rclpy_import import load_ros
-from rosic_sim.ros2.ends import publisher, subscribe
-from rosic_sim.ros2_others.driving import Base
+from rosic_sim.ros2.endpoints import publisher, subscribe
+from rosic_sim.ros2_others.action_server import (
+    ABORTED,
+    CANCELLED,
+    SUCCEEDED,
+    ActionCallbacks,
+    Served,
+)
+from rosic_sim.ros2_others.base_controller import Base
 from rosic_sim.ros2_others.room import CELL_M, ROOM, Place, cells
-from rosic_sim.ros2_others.served import ABORTED, CANCELLED, SUCCEEDED, ActionCallbacks, Served
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.client.rclpy_import import RosObject

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet.mission import Mission, MissionPart
 from rosic_sim.robots.machines.omni import Omni
-from rosic_sim.scenarios.props import several
-from rosic_sim.scenarios.stage import Person, Scenario
+from rosic_sim.scenarios.robots import several
+from rosic_sim.scenarios.scenario import Person, Scenario
 
 if TYPE_CHECKING:
-    from rosic_sim.scenarios.stage import ScenarioRunner
+    from rosic_sim.scenarios.scenario import ScenarioRunner
 
 MANAGER: Final = "Manager"
 CARRIERS: Final = ("carrier1", "carrier2", "carrier3")
@@ -41,7 +41,7 @@ async def _script(stage: ScenarioRunner) -> None:
     stage.aside("A warehouse manager has three carriers, and four errands for any that can.")
     for number, task in enumerate(TASKS, 1):
         await stage.says(MANAGER, f"/task carriers {task}", hears=f"Task {number}: ")
-    tasks = stage.gateway.furnishing.fleet.dispatching.fleet.tasks
+    tasks = stage.gateway.furnished.fleet.dispatching.fleet.tasks
     victim = await stage.until(
         lambda: tasks["2"].robot if tasks["2"].done == 1 else "", "Task 2 did not get on"
     )

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
-from rosic_sim.scenarios.props import shipped
-from rosic_sim.scenarios.stage import Person, Scenario
+from rosic_sim.scenarios.robots import shipped
+from rosic_sim.scenarios.scenario import Person, Scenario
 
 if TYPE_CHECKING:
-    from rosic_sim.scenarios.stage import ScenarioRunner
+    from rosic_sim.scenarios.scenario import ScenarioRunner
 
 ARM: Final = "kuka1"
 TEACHER: Final = "Teacher"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from rosic_sim.robots.machines.afield import Fire, FireWatcher
-from rosic_sim.scenarios.props import prop
-from rosic_sim.scenarios.stage import Person, Scenario
+from rosic_sim.robots.machines.field_robots import Fire, FireWatcher
+from rosic_sim.scenarios.robots import prop
+from rosic_sim.scenarios.scenario import Person, Scenario
 
 if TYPE_CHECKING:
-    from rosic_sim.scenarios.stage import ScenarioRunner
+    from rosic_sim.scenarios.scenario import ScenarioRunner
 
 RANGER: Final = "Ranger"
 WATCH: Final = "watch"

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from rosic_sim.robots.machines.omni import Omni
-from rosic_sim.scenarios.props import several
-from rosic_sim.scenarios.stage import Person, Scenario
+from rosic_sim.scenarios.robots import several
+from rosic_sim.scenarios.scenario import Person, Scenario
 
 if TYPE_CHECKING:
-    from rosic_sim.scenarios.stage import ScenarioRunner
+    from rosic_sim.scenarios.scenario import ScenarioRunner
 
 NORTH, SOUTH, NIGHT = "North manager", "South manager", "Night manager"
 CARRIERS: Final = ("carrier1", "carrier2", "carrier3")
@@ -33,7 +33,7 @@ async def _script(stage: ScenarioRunner) -> None:
     stage.aside("What is not theirs does not exist for them. Tasks find a robot that is free.")
     await stage.says(SOUTH, "/task south goto x=1 y=-0.6 then goto x=0 y=-0.6", hears="Task 1: ")
     await stage.says(NORTH, LONG, hears="Task 2: ")
-    tasks = stage.gateway.furnishing.fleet.dispatching.fleet.tasks
+    tasks = stage.gateway.furnished.fleet.dispatching.fleet.tasks
     await stage.until(lambda: tasks["2"].robot, "Task 2 did not begin")
     stage.aside(
         "The day is over. The south manager could do nothing with the north's task, so it is not "

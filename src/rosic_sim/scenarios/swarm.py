@@ -6,15 +6,15 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
-from rosic_sim.robots.machines.afield import Rover
-from rosic_sim.scenarios.props import several, shipped
-from rosic_sim.scenarios.stage import Person, Scenario
+from rosic_sim.robots.machines.field_robots import Rover
+from rosic_sim.scenarios.robots import several, shipped
+from rosic_sim.scenarios.scenario import Person, Scenario
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rosic_sim.scenarios.stage import ScenarioRunner
-    from rosic_sim.scenarios.voices import SpeakingRobot
+    from rosic_sim.scenarios.scenario import ScenarioRunner
+    from rosic_sim.scenarios.speaking_robots import SpeakingRobot
 
 LEADER: Final = "Search leader"
 DRONES: Final = ("cf1", "cf2", "cf3")
@@ -38,7 +38,7 @@ async def _script(stage: ScenarioRunner) -> None:
     stage.aside("The rovers have a look, each on its own way.")
     await stage.says(LEADER, "/task rovers goto x=3.5 y=0.5", hears="Task 1: ")
     await stage.says(LEADER, "/task rovers goto x=3.5 y=-0.5", hears="Task 2: ")
-    tasks = stage.gateway.furnishing.fleet.dispatching.fleet.tasks
+    tasks = stage.gateway.furnished.fleet.dispatching.fleet.tasks
     stuck = await stage.until(lambda: tasks["1"].robot, "Task 1 did not begin")
     helper = await stage.until(lambda: tasks["2"].robot, "Task 2 did not begin")
     await _gets_help(stage, stuck, helper)

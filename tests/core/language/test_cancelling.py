@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from rosic.core.language import Vocabulary, hears_cancel, hears_stop
-from rosic.core.language.cancelling import is_cancel_word, is_urgent
+from rosic.core.language.cancel_detection import is_cancel_word, is_urgent
 from tests.core.language.test_stopping import LANGUAGES as STOPPED_IN
 
 LANGUAGES = {

@@ -7,7 +7,7 @@ import pytest
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
 from rosic.core.language import CommandLine, Do, LineContext, Vocabulary, hears_stop, understand
 from rosic.core.language.arguments import bind
-from rosic.core.language.cancelling import hears_cancel
+from rosic.core.language.cancel_detection import hears_cancel
 from rosic.core.language.common_names import TYPED
 from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Parameter, Skill
@@ -49,7 +49,7 @@ def test_german_means_the_same(german: str, english: str) -> None:
 @pytest.mark.parametrize(
     ("typed", "verb"), [("weiter", "continue"), ("buchen omni", "book"), ("pausieren", "pause")]
 )
-def test_german_errands(typed: str, verb: str) -> None:
+def test_german_commands(typed: str, verb: str) -> None:
     found = meant(typed)
     assert isinstance(found, CommandLine)
     assert found.verb == verb

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.bench import deciding
-from rosic.bench.places import LARGE, SMALL
+from rosic.bench import admission
+from rosic.bench.sites import LARGE, SMALL
 from tests.core.policy import measure
 
 
@@ -23,7 +23,7 @@ def test_a_right_is_looked_up_as_fast_in_a_large_place_as_in_a_small_one() -> No
 @pytest.mark.campaign
 def test_a_large_place_decides_as_fast_as_a_small_one() -> None:
     """Ten thousand people, a hundred roles, fifty thousand slots: at most a fifth more."""
-    _, cases = deciding.measure()
+    _, cases = admission.measure()
     p50_us = {case.name: case.p50_us for case in cases}
-    for what in deciding.ASKING:
+    for what in admission.ASKING:
         assert p50_us[f"{what}: {LARGE}"] <= 1.2 * p50_us[f"{what}: {SMALL}"], p50_us

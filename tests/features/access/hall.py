@@ -1,6 +1,6 @@
-"""The clerks of people over real rooms, a messenger in memory and a clock that the test owns.
+"""The handlers of people over real rooms, a messenger in memory and a clock that the test owns.
 
-What stands for the way of a message is the shortest that can be: the doorstep, who is it, errands.
+What stands for the way of a message is the shortest that can be: the doorstep, who is it, commands.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from rosic.core.stop_registry import StopRegistry, not_known_yet
 from rosic.errors import Refusal, Unrecognised
 from rosic.features.access.admin_policy import AdminPolicy
 from rosic.features.access.approve import ApprovalCommands
-from rosic.features.access.commands import AccessCommands, hire
+from rosic.features.access.commands import AccessCommands, register_access_commands
 from rosic.features.access.context import AccessContext
 from rosic.features.access.invite import InviteCommands
 from rosic.features.access.join import JoinHandler
@@ -37,12 +37,12 @@ from rosic.features.access.profile_commands import AccountCommands
 from rosic.features.access.revoke_lock import AccessNotices, RevokeLockCommands
 from rosic.features.access.second_factor import SecondFactorCommands
 from rosic.gateway.agreement import ActPart, ResolvedAct
+from rosic.gateway.commands import CommandContext, CommandRegistry, Reply
 from rosic.gateway.confirmation import Confirmation
 from rosic.gateway.delivery.notifier import Notifier, nobody_to_tell
 from rosic.gateway.delivery.outbox import Outbox
 from rosic.gateway.delivery.redaction import SecretRedaction
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
-from rosic.gateway.office import CommandContext, CommandRegistry, Reply
 from rosic.gateway.replies import LEAVE
 from rosic.messengers.memory import MemoryMessenger
 from rosic.organiser.grants import GRANT
@@ -121,8 +121,12 @@ class Hall:
             self.authoriser, self.authority, self.store, entropy, "lab", self.board
         )
         self.changes, self.time = self.access.changes, self.access.time
-        self.tally, self.locks, self.keys = self.access.tally, self.access.locks, self.access.keys
-        self.enrolment, self.stepup = self.access.enrolment, self.access.stepup
+        self.counters, self.locks, self.keys = (
+            self.access.counters,
+            self.access.locks,
+            self.access.keys,
+        )
+        self.enrolment, self.two_factor = self.access.enrolment, self.access.two_factor
         rights = self.authority.rights
         self.organiser = Organiser(
             self.authority.in_force,
@@ -134,11 +138,11 @@ class Hall:
         )
         vocabulary = Vocabulary.build(FLEET, known_units())
         containers = Containers(vocabulary, self.store, self.clock, {})
-        self.teller = ChatSender(containers, self.clock, nobody_to_tell)
-        self.outbox = Outbox(self.store, self.clock, entropy, self.teller)
+        self.chat_sender = ChatSender(containers, self.clock, nobody_to_tell)
+        self.outbox = Outbox(self.store, self.clock, entropy, self.chat_sender)
         self.reader = LanguageReader(vocabulary)
         self.registry = self._registry()
-        self.office = CommandRegistry()
+        self.commands = CommandRegistry()
         self._employ(entropy)
         self._names = {CY: "Cy Young", DI: "Di", ED: "Ed"}
 
@@ -154,11 +158,11 @@ class Hall:
             enrolment=self.enrolment,
             keys=self.keys,
             locks=self.locks,
-            stepup=self.stepup,
+            two_factor=self.two_factor,
             security=self.access.security,
-            roster=self.authority.roster,
+            grants_book=self.authority.grants_book,
             changes=self.changes,
-            reach=Notifier(self.authoriser, self.teller, (self.chat,), self.outbox),
+            reach=Notifier(self.authoriser, self.chat_sender, (self.chat,), self.outbox),
             clock=self.clock,
             rights=lambda: self.rights,
             ahead=self.access.ahead,
@@ -169,17 +173,17 @@ class Hall:
         registry = self.registry
         self.powers = AdminPolicy(registry)
         self.access.may_invite.bind(self.powers.may_admit)
-        doorstep = NewcomerChat(
-            self.teller, (self.chat,), self.clock, entropy, count=self.tally.count
+        newcomer_chat = NewcomerChat(
+            self.chat_sender, (self.chat,), self.clock, entropy, count=self.counters.count
         )
         self.admitting = ApprovalCommands(
-            registry, self.powers, doorstep, menu=self.menu, forget=nothing_kept
+            registry, self.powers, newcomer_chat, menu=self.menu, forget=nothing_kept
         )
         self.joining = JoinHandler(
             registry,
             self.powers,
             self.admitting,
-            doorstep,
+            newcomer_chat,
             shown_as=lambda inbound: self._names.get(inbound.sender.account, ""),
             names_robot=lambda text: text == "kuka-left",
         )
@@ -191,14 +195,14 @@ class Hall:
             shown=lambda robot: robot.upper(),
         )
         notices = AccessNotices(registry, self.powers)
-        custody = RevokeLockCommands(registry, self.powers, notices)
+        revocation = RevokeLockCommands(registry, self.powers, notices)
         proving = SecondFactorCommands(registry, self.powers)
         inviting = InviteCommands(registry, self.powers, link=self.link)
-        self.consent = Confirmation(
-            self.organiser, registry.reach, OneAct(), self.clock, entropy, self.stepup.is_set_up
+        self.confirmation = Confirmation(
+            self.organiser, registry.reach, OneAct(), self.clock, entropy, self.two_factor.is_set_up
         )
-        clerks = AccessCommands(about, self.admitting, custody, inviting, proving)
-        hire(self.office, clerks, self.consent)
+        handlers = AccessCommands(about, self.admitting, revocation, inviting, proving)
+        register_access_commands(self.commands, handlers, self.confirmation)
 
     def menu(self, principal: str) -> Reply:
         robots = sorted(self.rights.visible(principal, self.clock.wall_ns()))
@@ -208,7 +212,7 @@ class Hall:
     def link(self, messenger: object, code: Secret) -> str:
         return f"https://t.me/lab_bot?start={code.reveal()}" if messenger is self.chat else ""
 
-    def custody_ends(self, begin: Callable[[str], Awaitable[None]]) -> None:
+    def revocation_ends(self, begin: Callable[[str], Awaitable[None]]) -> None:
         """Let something else happen when somebody's access ends."""
         self._ends = begin
 
@@ -239,7 +243,7 @@ class Hall:
                 buttons=reply.buttons,
                 attachment=reply.attachment,
             )
-            self.teller.say(OutgoingMessage(self.chat, outbound, None, inbound.under))
+            self.chat_sender.say(OutgoingMessage(self.chat, outbound, None, inbound.under))
 
     def _bound(self, inbound: Inbound, reply: Reply) -> Reply:
         known = self.directory.at(inbound.sender)
@@ -266,7 +270,7 @@ class Hall:
         if not isinstance(line, CommandLine):
             return Reply(f"({type(line).__name__})")
         asked = CommandContext(self.chat, inbound, caller, line.rest, b"", act)
-        return self._bound(inbound, await self.office.do(line, asked))
+        return self._bound(inbound, await self.commands.do(line, asked))
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[Hall]:
@@ -278,7 +282,7 @@ class Hall:
         finally:
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
-            flushing = asyncio.create_task(self.teller.flush(0.1))
+            flushing = asyncio.create_task(self.chat_sender.flush(0.1))
             while not flushing.done():
                 await self.clock.advance(0.02)
             await self.store.close()
@@ -286,8 +290,8 @@ class Hall:
     async def _restore(self) -> None:
         memory = await self.store.open()
         for principal, roles in remember(self.authoriser, memory).items():
-            self.authority.roster.set_roles(principal, roles)
-        self.authority.roster.restore(memory.facts.get(GRANT, ()))
+            self.authority.grants_book.set_roles(principal, roles)
+        self.authority.grants_book.restore(memory.facts.get(GRANT, ()))
         self.authority.draw_up()
         self.access.restore(memory, self.organiser)
 
@@ -311,7 +315,11 @@ class Hall:
                 (
                     Enrolled(principal=principal, roles=roles, at_ns=1, letter=card),
                     KeyIssued(key=key),
-                    *(self.authority.roster.give(principal, grants, OPERATOR) if grants else ()),
+                    *(
+                        self.authority.grants_book.give(principal, grants, OPERATOR)
+                        if grants
+                        else ()
+                    ),
                 )
             )
         return principal

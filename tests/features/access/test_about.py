@@ -7,7 +7,7 @@ import msgspec
 from rosic.core.policy.roles import Grant
 from rosic.core.records import KeyIssued
 from rosic.features.access.profile_commands import MOST_CHARACTERS, MOST_LINES
-from rosic.gateway.office import ONLY_IN_PRIVATE
+from rosic.gateway.commands import ONLY_IN_PRIVATE
 from tests.features.access.hall import ADA, BO, CY, DI, ED, a_hall
 
 HOUR_NS = 3_600_000_000_000

@@ -206,10 +206,10 @@ async def test_a_yes_goes_to_whoever_asked() -> None:
             text="omni wave",
         )
         wave = Do(robots=("omni",), skills=(Skill(id="wave"),), spoken=(), text="omni wave")
-        hall.consent.ask(caller, wave, needed)
+        hall.confirmation.ask(caller, wave, needed)
         await hall.quiet()
         assert await hall.tap(ADA, "I agree") == "Cy Young is told that you agree."
-        hall.consent.ask(caller, wave, needed)
+        hall.confirmation.ask(caller, wave, needed)
         await hall.quiet()
         button, under = next(
             (b, told.message)

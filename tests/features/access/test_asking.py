@@ -74,7 +74,7 @@ async def test_who_gives_rights_on_a_part_of_a_group_is_not_asked_for_all_of_it(
     async with house() as place:
         rights = place.gateway.authority.rights
         tim = place.gateway.rooms.authoriser.directory.named("Tim")[0].id
-        powers = place.gateway.furnishing.petitioning._powers
+        powers = place.gateway.furnished.request_commands._powers
         one = InvitedRights(scopes=("kuka1:wave",))
         assert powers.may_give(tim, one)
         assert rights.fleet.robots("*") != ("kuka1",)
@@ -174,7 +174,7 @@ async def test_a_no_is_told_and_not_asked_again_within_the_hour() -> None:
 async def test_nobody_answers_their_own_question_and_only_who_may_give_it_answers() -> None:
     async with house() as place:
         await place.line(VI, "/ask omni wave")
-        number = place.gateway.access.petitions.open()[0].id
+        number = place.gateway.access.access_requests.open()[0].id
         for account in (VI, BO, TIM):
             told = await place.line(account, f"/approve {number} 3600")
             assert told in {
@@ -182,7 +182,7 @@ async def test_nobody_answers_their_own_question_and_only_who_may_give_it_answer
                 "That is not yours to give. Ada or Eve can. Nothing was done.",
             }
         assert not place.gateway.rooms.organiser.allows(
-            place.gateway.access.petitions.open()[0].principal, "omni", "wave"
+            place.gateway.access.access_requests.open()[0].principal, "omni", "wave"
         )
         assert (await place.line(ADA, "/approve Vi for 2h")).startswith(
             "Vi may now: wave on omni, until tomorrow 00:13."
@@ -193,7 +193,7 @@ async def test_who_gives_rights_and_has_none_cannot_answer_themselves() -> None:
     async with house(Vi="registrar") as place:
         await place.line(VI, "/ask omni wave")
         assert not place.told(VI).count("Do you allow it?")
-        number = place.gateway.access.petitions.open()[0].id
+        number = place.gateway.access.access_requests.open()[0].id
         told = await place.line(VI, f"/approve {number} 3600")
         assert told == "Somebody else has to answer that. Nothing was done."
         await place.line(VI, "omni wave")
@@ -252,7 +252,7 @@ async def test_nobody_floods_those_who_answer() -> None:
             assert told.startswith("You wait for too many answers already.")
         assert place.told(ADA, before).count("Vi asks") == MOST_OPEN
         for _ in range(MOST_OPEN):
-            [first, *_] = place.gateway.access.petitions.open()
+            [first, *_] = place.gateway.access.access_requests.open()
             await place.line(ADA, f"/approve {first.id} 60")
         for line in ("/ask cf1 wave", "/ask cf1 move")[: MOST_AN_HOUR - MOST_OPEN]:
             assert (await place.line(VI, line)).startswith("I have asked")
@@ -326,7 +326,7 @@ async def test_who_was_locked_meanwhile_gets_nothing() -> None:
         told = await place.press(ADA, "Allow 1 h")
         assert told == "Vi has no access now. Nothing was done."
         assert await place.line(VI, "/ask omni move") != ""
-        assert len(place.gateway.access.petitions.open()) == 1
+        assert len(place.gateway.access.access_requests.open()) == 1
 
 
 async def test_after_a_restart_the_question_still_stands_and_the_button_is_shown_again() -> None:
@@ -367,8 +367,8 @@ async def test_what_is_allowed_is_what_was_asked_about() -> None:
     """A role that has grown since, a robot that has come into a group: it has to be asked anew."""
     async with house() as place:
         await place.line(VI, "/ask kuka1 for 30 min")
-        [petition] = place.gateway.access.petitions.open()
-        role = petition.want.role
+        [access_request] = place.gateway.access.access_requests.open()
+        role = access_request.want.role
         rolebook = place.gateway.authority.rolebook
         roles = rolebook.rulebook.roles
         wider = {**roles, role: replace(roles[role], scopes=(*roles[role].scopes, "*:*"))}
@@ -379,21 +379,21 @@ async def test_what_is_allowed_is_what_was_asked_about() -> None:
             "The roles or robots that Vi asked about have changed since, so that was not given. "
             "Vi can ask again."
         )
-        assert not place.gateway.authority.roster.grants_of(petition.principal)[1:]
-        await place.gateway.furnishing.petitioning.lapse()
+        assert not place.gateway.authority.grants_book.grants_of(access_request.principal)[1:]
+        await place.gateway.furnished.request_commands.lapse()
         await place.quiet()
         assert place.newest(VI).text.startswith("What you asked for is void: ")
-        assert not place.gateway.access.petitions.open()
+        assert not place.gateway.access.access_requests.open()
 
 
 async def test_what_an_older_version_wrote_is_void_and_that_is_said() -> None:
     async with house() as place:
         await place.line(VI, "/ask omni wave")
-        petitions = place.gateway.access.petitions
-        [petition] = petitions.open()
-        petitions._known[petition.id] = replace(petition, digest=b"")
+        access_requests = place.gateway.access.access_requests
+        [access_request] = access_requests.open()
+        access_requests._known[access_request.id] = replace(access_request, digest=b"")
         assert "Vi can ask again." in await place.press(ADA, "Allow 1 h")
-        await place.gateway.furnishing.petitioning.lapse()
+        await place.gateway.furnished.request_commands.lapse()
         await place.quiet()
         assert place.newest(VI).text == (
             "What you asked for is void: wave on omni, for 1 h. The roles or robots, or ROSIC "

@@ -34,7 +34,7 @@ async def test_a_code_in_a_group_is_burnt_and_the_admins_are_told() -> None:
         assert hall.last(ADA).text == hall.last(BO).text == alarm
         assert hall.last(ADA).urgent
         assert await hall.say(DI, code) == messages.NOT_GOOD
-        assert hall.tally["code-in-group"] == 1
+        assert hall.counters["code-in-group"] == 1
 
 
 async def test_every_code_of_a_message_in_a_group_is_burnt() -> None:
@@ -60,7 +60,7 @@ async def test_what_is_no_code_and_not_followed_gets_no_answer_and_counts_as_no_
     async with a_hall() as hall:
         said = await hall.in_group(CY, "/start ABCD-0000", standing=Standing.FORWARDED)
         assert said == "(Start)", "nobody is told anything about codes"
-        assert not hall.tally.by_kind()
+        assert not hall.counters.by_kind()
 
 
 async def test_a_code_in_a_private_message_that_is_forwarded_stays_good() -> None:
@@ -93,7 +93,7 @@ async def test_people_who_talk_in_a_group_are_left_alone() -> None:
     async with a_hall() as hall:
         for text in ("join tomorrow at 5", "left-hand", "let us start now", "omni-move"):
             assert await hall.in_group(DI, text) == "", text
-        assert not hall.tally.by_kind()
+        assert not hall.counters.by_kind()
 
 
 async def test_a_code_in_a_group_is_burnt_with_the_disk_full() -> None:

@@ -9,7 +9,7 @@ from rosic.core.identity import Address
 from rosic.core.policy.roles import Grant
 from rosic.core.records import Decided, Fact, KeyRevoked, Record
 from rosic.features.access import access_messages, messages
-from rosic.gateway.office import ONLY_IN_PRIVATE
+from rosic.gateway.commands import ONLY_IN_PRIVATE
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import settle
 from tests.features.access.hall import ADA, BO, CY, DI, ED, BrokenStore, Hall, a_hall
@@ -278,7 +278,7 @@ async def test_what_is_in_hand_ends_before_the_disk_has_answered() -> None:
         async def begin(principal: str) -> None:
             begun.append(principal)
 
-        hall.custody_ends(begin)
+        hall.revocation_ends(begin)
         await hall.say(ADA, "/revoke Cy Young")
         store.ready.clear()
         button, under = hall.button(ADA, "Revoke")
@@ -325,10 +325,10 @@ async def test_locking_is_for_those_who_may() -> None:
 async def test_a_lock_ends_every_proof_of_a_phone() -> None:
     async with a_hall() as hall:
         chat = hall.chat.say("/me", account=CY, chat=CY).chat
-        hall.stepup._proven.refresh("p-3", chat)
+        hall.two_factor._proven.refresh("p-3", chat)
         await hall.say(ADA, "/lock Cy Young")
         await hall.say(ADA, "/unlock Cy Young")
-        assert not hall.stepup.fresh("p-3", chat)
+        assert not hall.two_factor.fresh("p-3", chat)
 
 
 async def test_acts_are_on_record_by_ids_only() -> None:

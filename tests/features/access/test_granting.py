@@ -87,7 +87,7 @@ async def test_what_is_given_for_good_is_confirmed_first() -> None:
 async def test_a_gift_that_makes_no_sense_gives_nothing(line: str, said: str) -> None:
     async with house() as place:
         assert (await place.line(ADA, line)).startswith(said)
-        assert not place.gateway.authority.roster.next_end_ns(0)
+        assert not place.gateway.authority.grants_book.next_end_ns(0)
 
 
 async def test_a_single_right_is_given_with_its_limit_and_ends() -> None:

@@ -10,7 +10,7 @@ from rosic.core.policy.roles import Grant
 from rosic.errors import NotUnderstood
 from rosic.features.access import messages
 from rosic.features.access.invite import read_invitation
-from rosic.gateway.office import ONLY_IN_PRIVATE
+from rosic.gateway.commands import ONLY_IN_PRIVATE
 from tests.features.access.hall import ADA, BO, CY, DI, ED, BrokenStore, Hall, a_hall
 
 FOR_ADMINS = "Inviting people and letting them in is for admins. Ada or Bo can. Nothing was done."
@@ -316,7 +316,7 @@ async def test_the_code_of_whoever_may_not_invite_any_more_lets_nobody_in() -> N
         await hall.knows(DI, "Di", grants=(Grant(id="g", role="admin"),))
         code = await hall.invited("operator for 3 days", account=DI)
         async with hall.changes.turn() as turn:
-            await turn.act(hall.registry.roster.take_one("p-4", "g", "p-1"))
+            await turn.act(hall.registry.grants_book.take_one("p-4", "g", "p-1"))
         told = await hall.say(ED, f"join {code}")
         assert told.startswith("This code is not good here. Ask whoever invited you for a new one.")
 

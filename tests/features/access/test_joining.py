@@ -317,7 +317,7 @@ async def test_a_robot_that_looks_like_a_code_is_a_robot_to_those_who_know_it() 
     async with a_hall() as hall:
         assert (await hall.say(CY, "kuka-left")).startswith("(")
         # Nothing was counted: five of them are no five wrong codes.
-        assert not hall.tally.by_kind()
+        assert not hall.counters.by_kind()
         assert await hall.say(DI, "kuka-left") == messages.NOT_GOOD
 
 

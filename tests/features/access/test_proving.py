@@ -8,7 +8,7 @@ from rosic.authoriser import keys_messages, totp
 from rosic.authoriser.invite_codes import qr_png
 from rosic.core.message import Chat, ChatKind
 from rosic.features.access import access_messages
-from rosic.gateway.office import ONLY_IN_PRIVATE
+from rosic.gateway.commands import ONLY_IN_PRIVATE
 from rosic.stores.memory import MemoryStore
 from tests.features.access.hall import ADA, BO, CY, BrokenStore, Hall, a_hall
 
@@ -32,7 +32,7 @@ async def set_up(hall: Hall, account: str = CY) -> bytes:
 
 
 def fresh(hall: Hall, chat: str = CY, kind: ChatKind = ChatKind.PRIVATE) -> bool:
-    return hall.stepup.fresh("p-3", Chat(hall.chat.platform, chat, kind))
+    return hall.two_factor.fresh("p-3", Chat(hall.chat.platform, chat, kind))
 
 
 async def test_a_phone_is_set_up_by_a_link_and_its_first_code() -> None:
@@ -48,10 +48,10 @@ async def test_a_phone_is_set_up_by_a_link_and_its_first_code() -> None:
         assert picture is not None
         assert (picture.media_type, picture.content) == ("image/png", qr_png(lines[1]))
         assert lines[4] == access_messages.SCAN
-        assert not hall.stepup.is_set_up("p-3")
+        assert not hall.two_factor.is_set_up("p-3")
         code = code_now(hall, secret_in(said))
         assert await hall.say(CY, f"/code {code[:3]} {code[3:]}") == keys_messages.PHONE_READY
-        assert hall.stepup.is_set_up("p-3")
+        assert hall.two_factor.is_set_up("p-3")
         assert fresh(hall)
         assert access_messages.PHONE_PROVEN in await hall.say(CY, "/me")
         await hall.clock.advance(3_601.0)
@@ -93,7 +93,7 @@ async def test_what_is_said_to_a_code_that_is_none() -> None:
 async def test_setting_up_is_private_and_needs_the_old_phone() -> None:
     async with a_hall() as hall:
         assert await hall.in_group(CY, "/authenticator") == keys_messages.PRIVATE_ONLY
-        assert hall.tally["totp-in-group"] == 1
+        assert hall.counters["totp-in-group"] == 1
         old = await set_up(hall)
         await hall.clock.advance(3_601.0)
         assert await hall.say(CY, "/authenticator") == keys_messages.PROVE_FIRST
@@ -156,7 +156,7 @@ async def test_an_admin_forgets_a_lost_phone_but_not_their_own() -> None:
         assert hall.last(CY).text == (
             "Ada reset your authenticator. /authenticator sets up another phone."
         )
-        assert not hall.stepup.is_set_up("p-3")
+        assert not hall.two_factor.is_set_up("p-3")
         assert not fresh(hall)
         assert await hall.say(ADA, "/authenticator reset Cy Young") == (
             "No phone is set up for this person. Nothing was done."

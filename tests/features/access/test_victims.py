@@ -105,8 +105,8 @@ async def test_a_line_that_can_mean_two_people_is_asked_about() -> None:
             "Bo, operator, senior operator kuka1 for 2h",
         ]
         assert await place.press(ADA, "Bo, operator, senior operator kuka1 for 2h")
-        assert len(place.gateway.authority.roster.grants_of(bo.id)) == 3
-        assert not place.gateway.authority.roster.grants_of("p-x")
+        assert len(place.gateway.authority.grants_book.grants_of(bo.id)) == 3
+        assert not place.gateway.authority.grants_book.grants_of("p-x")
 
 
 async def test_who_is_called_back_is_given_rights_like_anybody() -> None:
@@ -117,7 +117,7 @@ async def test_who_is_called_back_is_given_rights_like_anybody() -> None:
         assert told == "Back has no access. Nothing was done." or "Back" in told
 
 
-async def test_a_petition_is_not_answered_for_somebody_of_a_longer_name() -> None:
+async def test_an_access_request_is_not_answered_for_somebody_of_a_longer_name() -> None:
     async with house(Bo="viewer") as place:
         directory = place.gateway.rooms.authoriser.directory
         bo = directory.named("Bo")[0]
@@ -129,7 +129,7 @@ async def test_a_petition_is_not_answered_for_somebody_of_a_longer_name() -> Non
         told = await place.line(ADA, "/approve Vi for 2h")
         assert told.startswith("These wait for your answer:")
         assert {"Allow Vi 1 h", "Allow Vi for 2h 1 h"} <= set(place.labels(ADA))
-        assert len(place.gateway.access.petitions.open()) == 2
+        assert len(place.gateway.access.access_requests.open()) == 2
         assert (await place.press(ADA, "Allow Vi 1 h")).startswith("Vi may now: wave on omni")
 
 

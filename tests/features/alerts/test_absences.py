@@ -11,7 +11,7 @@ from rosic.core.messages import robot_line
 from rosic.core.order import Ending, Outcome
 from rosic.core.robot.profile import AtRest, Presence
 from rosic.errors import StillMoves
-from rosic.features.alerts.absences import LOOKED_AFTER_NS, back
+from rosic.features.alerts.offline_notices import LOOKED_AFTER_NS, back
 from tests.features.fleet.test_tasks import Worker, heard, warehouse, worker
 from tests.gateway.place import profile
 

@@ -8,7 +8,7 @@ from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.robot.alert_config import AlertConfig
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.theatre import theatre_of
+from rosic_sim.robots.simulation_loop import theatre_of
 from tests.features.alerts.test_alerts import heard
 from tests.gateway.place import ADA, BO, Place
 
@@ -42,7 +42,7 @@ async def test_a_battery_that_drains_is_told_and_its_rule_folds_the_arm() -> Non
         assert told[ADA][0].startswith("omni: Battery is low.\nNow: battery 19.9 %.")
         assert any("arm, home · rule battery_low" in text for text in told[BO])
         await heard(here, 30)
-        lives = [here.chat.shown(t.message).text for t in here.chat.told]
-        assert any("rule battery_low" in text and "done" in text for text in lives)
+        executor = [here.chat.shown(t.message).text for t in here.chat.told]
+        assert any("rule battery_low" in text and "done" in text for text in executor)
         machine._cell.fraction = 1.0
         assert (await heard(here, 2))[ADA][0].startswith("omni: over: Battery is low.")

@@ -18,14 +18,14 @@ from rosic.core.robot.profile import Link, Profile, Slots
 from rosic.core.robot.skill import Skill
 from rosic.core.slot import SERIES, SLOT
 from rosic.errors import NotPermitted, Refusal, RobotUnreachable, StoreFault
-from rosic.features.booking.commands import employ_clerks
+from rosic.features.booking.commands import register_commands
 from rosic.features.booking.context import BookingContext, BookingQueries
 from rosic.features.booking.scheduler import BookingScheduler
 from rosic.gateway.cancel import BOOKING
+from rosic.gateway.commands import CommandContext, CommandRegistry
 from rosic.gateway.delivery.notifier import Notifier, nobody_to_tell
 from rosic.gateway.delivery.outbox import Outbox
 from rosic.gateway.delivery.sender import ChatSender
-from rosic.gateway.office import CommandContext, CommandRegistry
 from rosic.gateway.transactions import Transactions
 from rosic.messengers.memory import MemoryMessenger
 from rosic.organiser.calendar import Calendar
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Button
     from rosic.core.records import Record
     from rosic.core.slot import BookedSlot
-    from rosic.gateway.office import Reply
+    from rosic.gateway.commands import Reply
     from rosic.organiser.timezones import Zone
 
 __all__ = ["HOUR", "MIN", "NOW", "VIENNA", "Lab"]
@@ -132,8 +132,10 @@ class Lab:
             person = Principal(id=who, name=name, addresses=(Address("memory", who),))
             key = AuthorisationKey(id=f"k{who}", principal=who, issuer=ADA, issued_ns=0)
             self.authoriser.enrol(person, key)
-        teller = ChatSender(Containers(vocabulary, self.store, clock, {}), clock, nobody_to_tell)
-        outbox = Outbox(self.store, clock, SeededEntropy(), teller)
+        chat_sender = ChatSender(
+            Containers(vocabulary, self.store, clock, {}), clock, nobody_to_tell
+        )
+        outbox = Outbox(self.store, clock, SeededEntropy(), chat_sender)
         self.changes = Transactions(self.store)
         self.calendar = Calendar(clock)
         self.calendar.name_of = NAMES.__getitem__
@@ -152,7 +154,7 @@ class Lab:
             wishes=self.wishes,
             vocabulary=vocabulary,
             changes=self.changes,
-            reach=Notifier(self.authoriser, teller, (self.chat,), outbox),
+            reach=Notifier(self.authoriser, chat_sender, (self.chat,), outbox),
             clock=clock,
             sides=BookingQueries(
                 visible=self.visible,
@@ -170,11 +172,11 @@ class Lab:
             ),
             lease_idle_s=IDLE_S,
         )
-        self.keeper = BookingScheduler(self.times)
-        self.changes.after(self.keeper.look)
-        self.office = CommandRegistry()
-        employ_clerks(self.office, self.times, self.keeper)
-        self.office.employ("cancel", self._cancel_booking)
+        self.scheduler = BookingScheduler(self.times)
+        self.changes.after(self.scheduler.look)
+        self.commands = CommandRegistry()
+        register_commands(self.commands, self.times, self.scheduler)
+        self.commands.register("cancel", self._cancel_booking)
 
     # ---- the other rooms ----
 
@@ -234,7 +236,7 @@ class Lab:
         cid: CommandId = self._serial.to_bytes(16, "big")
         self.reply = self.refusal = None
         try:
-            self.reply = await self.office.do(
+            self.reply = await self.commands.do(
                 line, CommandContext(self.chat, inbound, caller, line.rest, cid)
             )
         except Refusal as refusal:
@@ -244,7 +246,7 @@ class Lab:
 
     async def _cancel_booking(self, asked: CommandContext) -> Reply:
         """Do what the gateway leaves of ``/cancel`` to bookings."""
-        return await self.office.do(CommandLine(BOOKING, asked.rest), asked)
+        return await self.commands.do(CommandLine(BOOKING, asked.rest), asked)
 
     def offers(self) -> tuple[str, ...]:
         """Return what the last refusal offers."""
@@ -320,7 +322,7 @@ class Lab:
         self.calendar.restore((*memory.facts.get(SERIES, ()), *memory.facts.get(SLOT, ())))
         self.waiting.restore(memory.facts.get(WAITING, ()))
         self.wishes.restore(memory.facts.get(WISH, ()))
-        running = asyncio.create_task(self.keeper.run())
+        running = asyncio.create_task(self.scheduler.run())
         await settle()
         try:
             yield self
@@ -328,7 +330,7 @@ class Lab:
         finally:
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
-            closing = asyncio.create_task(self.keeper.close())
+            closing = asyncio.create_task(self.scheduler.close())
             while not closing.done():
                 await self.clock.advance(1.0)
             await self._quiet()

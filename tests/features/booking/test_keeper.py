@@ -345,6 +345,6 @@ async def test_a_robot_that_comes_to_rest_is_nobodys_turn() -> None:
         lab.begin(ANN)
         await lab.told_until(10.01)
         lab.leases["kuka1"].release()
-        lab.keeper.look()
+        lab.scheduler.look()
         assert await lab.told_until(10.49) == []
         assert [who for who, _ in await lab.told_until(10.51)] == [ANN, BEN]

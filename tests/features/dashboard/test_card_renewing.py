@@ -30,7 +30,7 @@ async def pass_s(place: Booth, seconds: float) -> list[float]:
         await place.clock.advance(1.0)
         await place.quiet()
         for _ in range(30_000):  # a thread draws it
-            if place.gateway.seeing.studio.quiet:
+            if place.gateway.media_feature.render_queue.quiet:
                 break
             await asyncio.sleep(0.001)
         await place.quiet()
@@ -123,7 +123,9 @@ async def test_whoever_asks_comes_first_and_has_as_many_as_ever() -> None:
             for _ in range(30):
                 await place.clock.advance(1.0)
                 await place.quiet()
-            assert len(place.gateway.seeing.studio._tasks) == 2, "half of the places are left"
+            assert len(place.gateway.media_feature.render_queue._tasks) == 2, (
+                "half of the places are left"
+            )
         finally:
             place.painter.wait.set()
 

@@ -102,7 +102,7 @@ async def test_a_question_is_good_once_and_for_its_asker(tmp_path: Path) -> None
 async def test_what_a_button_says_cannot_be_typed(tmp_path: Path) -> None:
     async with place(tmp_path) as ward:
         await send(ward)
-        (filed,) = ward.holdings.files.of(ward.id_of(ADA))
+        (filed,) = ward.data_context.files.of(ward.id_of(ADA))
         await asked(ward, f"/files put {filed.id} omni")
         assert held(tmp_path) == set()
 

@@ -82,7 +82,7 @@ async def test_a_damaged_one_is_not_sent(tmp_path: Path) -> None:
     async with a_ward(tmp_path) as ward:
         room_for(ward)
         await send(ward, "hall.png", LARGE)
-        (filed,) = ward.holdings.files.of(ward.id_of(ADA))
+        (filed,) = ward.data_context.files.of(ward.id_of(ADA))
         spoilt = Fact(
             kind=PART,
             key=f"{filed.id}.000000",
@@ -121,7 +121,7 @@ async def test_a_content_is_read_a_few_parts_at_a_time(tmp_path: Path) -> None:
     async with a_ward(tmp_path) as ward:
         room_for(ward)
         await send(ward, "hall.png", LARGE * 3)
-        (filed,) = ward.holdings.files.of(ward.id_of(ADA))
+        (filed,) = ward.data_context.files.of(ward.id_of(ADA))
         tracemalloc.start()
         try:
             digest = hashlib.sha256()

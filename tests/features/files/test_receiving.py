@@ -138,7 +138,7 @@ async def test_what_is_no_known_kind_leaves_nothing(name: str, content: bytes) -
     async with a_ward() as ward:
         assert "none of the kinds" in await send(ward, name, content)
         assert await parts(ward) == 0
-        assert ward.holdings.files.used(ward.id_of(ADA)) == (0, 0)
+        assert ward.data_context.files.used(ward.id_of(ADA)) == (0, 0)
 
 
 async def test_an_archive_is_kept_as_it_is() -> None:
@@ -158,7 +158,7 @@ async def test_a_second_file_of_a_name_gets_another() -> None:
     async with a_ward() as ward:
         await send(ward, "a.yaml", NOTE)
         assert "A (2).yaml" in await send(ward, "A.yaml", NOTE)
-        assert {one.name for one in ward.holdings.files.of(ward.id_of(ADA))} == {
+        assert {one.name for one in ward.data_context.files.of(ward.id_of(ADA))} == {
             "a.yaml",
             "A (2).yaml",
         }
@@ -170,7 +170,7 @@ async def test_the_same_message_again_is_the_same_file() -> None:
         await come(ward)
         ward.chat.deliver(inbound)
         await come(ward)
-        assert ward.holdings.files.used(ward.id_of(ADA))[0] == 1
+        assert ward.data_context.files.used(ward.id_of(ADA))[0] == 1
 
 
 async def test_too_large_is_said_at_once() -> None:
@@ -189,7 +189,9 @@ async def test_a_messenger_without_files_says_so() -> None:
 
 async def test_there_is_only_so_much_room() -> None:
     async with a_ward() as ward:
-        ward.holdings.files.room = FileQuota(files=2, person_bytes=900_000, place_bytes=1_000_000)
+        ward.data_context.files.room = FileQuota(
+            files=2, person_bytes=900_000, place_bytes=1_000_000
+        )
         await send(ward)
         assert "you have 300 KB left here" in await send(ward, "b.png")
         assert "kept for you" in await send(ward, "c.yaml", NOTE)
@@ -244,7 +246,7 @@ async def test_what_breaks_off_leaves_nothing(broken: type[Exception]) -> None:
         slow.go.set()
         assert "Something went wrong" in await send(ward)
         assert await parts(ward) == 0
-        assert ward.holdings.files.used(ward.id_of(ADA)) == (0, 0)
+        assert ward.data_context.files.used(ward.id_of(ADA)) == (0, 0)
 
 
 async def test_a_messenger_that_sends_more_than_it_said_is_not_believed() -> None:
@@ -258,15 +260,15 @@ async def test_a_messenger_that_sends_more_than_it_said_is_not_believed() -> Non
 
 async def test_an_interrupted_file_is_taken_away_and_said(tmp_path: Path) -> None:
     async with a_ward(tmp_path) as ward:
-        files, who = ward.holdings.files, ward.id_of(ADA)
-        async with ward.holdings.changes.turn() as turn:
+        files, who = ward.data_context.files, ward.id_of(ADA)
+        async with ward.data_context.changes.turn() as turn:
             await turn.write(files.begin(who, "f1", "map.txt", len(MAP)))
             await turn.write((files.part(who, "f1", 0, MAP[:PART_BYTES]),))
         assert files.of(who) == ()  # not whole, so not there
     async with a_ward(tmp_path) as ward:
         await ward.quiet()
         assert await parts(ward) == 0
-        assert ward.holdings.files.used(ward.id_of(ADA)) == (0, 0)
+        assert ward.data_context.files.used(ward.id_of(ADA)) == (0, 0)
         assert ward.last()[1].text == (
             "map.txt had not come whole when I was restarted. Send it again."
         )
@@ -282,7 +284,7 @@ async def test_only_so_many_come_at_once() -> None:
         assert len(refused) == 2
         slow.go.set()
         await come(ward)
-        assert ward.holdings.files.used(ward.id_of(ADA))[0] == 10
+        assert ward.data_context.files.used(ward.id_of(ADA))[0] == 10
 
 
 async def test_who_is_erased_leaves_no_file(tmp_path: Path) -> None:
@@ -298,7 +300,7 @@ async def test_who_is_erased_leaves_no_file(tmp_path: Path) -> None:
             await asyncio.sleep(0.002)
         assert "forgotten" in await erasing
         assert await parts(ward) == 0
-        assert ward.holdings.files.used(who) == (0, 0)
+        assert ward.data_context.files.used(who) == (0, 0)
 
 
 async def test_delete_is_one_tap() -> None:

@@ -218,7 +218,7 @@ async def test_a_painter_that_fails_is_told_of(place: Booth) -> None:
     def fails(*_: object, **__: object) -> None:
         raise ZeroDivisionError
 
-    place.gateway.seeing.studio._painter = fails  # type: ignore[assignment]
+    place.gateway.media_feature.render_queue._painter = fails  # type: ignore[assignment]
     shown = await place.see("picture omni")
     assert shown.text == "The picture could not be made. The log says why."
 

@@ -119,9 +119,9 @@ async def test_what_cannot_be_drawn_is_said(place: Booth, line: str, words: str)
 async def test_a_robot_that_is_away_leaves_a_gap(place: Booth) -> None:
     await place.clock.advance(3.0)
     place.robot("omni").online = False
-    before = place.gateway.seeing.sampler.samples.points("omni", "x", 0.0)
+    before = place.gateway.media_feature.sampler.samples.points("omni", "x", 0.0)
     await place.clock.advance(5.0)
-    assert place.gateway.seeing.sampler.samples.points("omni", "x", 0.0) == before
+    assert place.gateway.media_feature.sampler.samples.points("omni", "x", 0.0) == before
 
 
 # ---- ways ----

@@ -106,7 +106,9 @@ async def test_a_limit_is_changed_for_one_and_no_other_is_read(tmp_path: Path) -
         for account in (ADA, BO, VI):
             await ward.said("data", "bay = four", account=account)
         bo, seen = ward.id_of(BO), watch(ward)
-        await operator_view.limit_container(ward.holdings, bo, "operator", names=1, most_bytes=100)
+        await operator_view.limit_container(
+            ward.data_context, bo, "operator", names=1, most_bytes=100
+        )
         assert seen == {bo}
         seen.clear()
         assert "at most 1 name" in await ward.said("data", "more = 1", account=BO)

@@ -78,7 +78,7 @@ async def test_the_last_admin_stays() -> None:
             )
         with pytest.raises(Refusal) as refused:
             await operator_view.erase_container(
-                ward.holdings, ward.erasing, ward.id_of(ADA), OPERATOR
+                ward.data_context, ward.erasing, ward.id_of(ADA), OPERATOR
             )
         assert str(refused.value) == (
             "Ada is the only admin here. Nothing was erased. Make somebody else admin first."
@@ -123,16 +123,16 @@ async def test_an_order_under_way_ends_before_the_key_is_shredded(tmp_path: Path
     async with a_ward(tmp_path) as ward:
         bo = ward.id_of(BO)
         gateway, order = ward.gateway, []
-        lives, shred = gateway.pipeline.lives, ward.kept.shred
+        executor, shred = gateway.pipeline.executor, ward.kept.shred
 
         async def shredding(container: str) -> None:
-            order.append(len(lives))
+            order.append(len(executor))
             await shred(container)
 
         ward.kept.shred = shredding  # type: ignore[method-assign]
         ward.robot("omni").work_s = 30.0
         await ward.say("omni wave", account=BO, chat=BO)
-        under_way = len(lives)
+        under_way = len(executor)
         assert under_way == 1
         erasing = asyncio.create_task(ward.erasing.erase(bo, OPERATOR))
         while not erasing.done():  # the disk takes real time, while 10 s pass on the test's clock
@@ -261,11 +261,11 @@ async def test_somebody_else_s_order_holds_nobody_s_erasing_up() -> None:
     async with a_ward() as ward:
         ward.robot("omni").work_s = 30.0
         await ward.say("omni wave", account=ADA, chat=ADA)
-        lives = ward.gateway.pipeline.lives
-        assert lives.busy(ward.id_of(ADA))
-        assert not lives.busy(ward.id_of(BO))
+        executor = ward.gateway.pipeline.executor
+        assert executor.busy(ward.id_of(ADA))
+        assert not executor.busy(ward.id_of(BO))
         assert await ward.sure("forget", "me", account=BO) == ("You are forgotten here. Farewell.")
-        assert len(lives) == 1
+        assert len(executor) == 1
         await ward.say("stop", account=ADA, chat=ADA)
         await ward.quiet()
-        assert not lives.busy(ward.id_of(ADA))
+        assert not executor.busy(ward.id_of(ADA))

@@ -104,7 +104,7 @@ async def a_phone(ward: Ward) -> bytes:
     secret = b32decode(pad(parse_qs(urlsplit(said.splitlines()[1]).query)["secret"][0]))
     code = totp.hotp(secret, totp.step_at(ward.clock.wall_ns()))
     ready = await ward.said("code", code, account=BO)
-    assert ward.gateway.access.stepup.is_set_up(ward.id_of(BO)), ready
+    assert ward.gateway.access.two_factor.is_set_up(ward.id_of(BO)), ready
     return secret
 
 
@@ -121,9 +121,10 @@ def secret_in(folder: Path, secret: bytes) -> list[str]:
 
 async def taken_out(ward: Ward) -> None:
     """Take everything out once: what is handed over leaves nothing behind on the disk."""
-    for one in await operator_view.list_containers(ward.holdings):
+    for one in await operator_view.list_containers(ward.data_context):
         assert (
-            sum(map(len, await operator_view.export_container(ward.holdings, one.container))) >= 0
+            sum(map(len, await operator_view.export_container(ward.data_context, one.container)))
+            >= 0
         )
     for form in export.ENDINGS:
         reply = await ward.ask("archive", f"export {form}")
@@ -209,6 +210,6 @@ async def test_a_thousand_planted_strings_are_found_in_no_file(tmp_path: Path) -
     assert (tmp_path / "gateway.log").stat().st_size > 0
     async with a_ward(tmp_path, clock=clock) as ward:
         await ward.quiet()
-        assert ward.gateway.access.stepup.is_set_up(ward.id_of(BO))
+        assert ward.gateway.access.two_factor.is_set_up(ward.id_of(BO))
         assert not secret_in(tmp_path, secret)
         assert found_in(tmp_path, planted) == {}

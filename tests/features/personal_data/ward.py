@@ -24,10 +24,10 @@ from rosic.features.files.background import BackgroundTransfer
 from rosic.features.files.commands import FileCommands
 from rosic.features.files.upload import FileUpload
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
-from rosic.features.personal_data.commands import employ_clerks, take_over
+from rosic.features.personal_data.commands import register_commands, take_over
 from rosic.features.personal_data.erasure import ErasureCommands, ErasureQueries
+from rosic.gateway.commands import CommandContext, Reply
 from rosic.gateway.container_context import ContainerContext
-from rosic.gateway.office import CommandContext, Reply
 from rosic.organiser.timezones import zone_named
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore
@@ -71,7 +71,7 @@ class WardGateway(Gateway):
 
     async def _compose(self, memory: Memory, vocabulary: Any) -> None:  # noqa: ANN401 - as handed
         await super()._compose(memory, vocabulary)
-        await self.ward.furnish()
+        await self.ward.set_up()
 
 
 class Ward(Place):
@@ -106,8 +106,8 @@ class Ward(Place):
         found = self.gateway.rooms.authoriser.directory.at(address)
         return NOBODY if found is None else Author(found[0].id, found[0].name)
 
-    async def furnish(self) -> None:
-        """As the composition root: the books, what was so, the clerks."""
+    async def set_up(self) -> None:
+        """As the composition root: the books, what was so, the handlers."""
         gateway, clock = self.gateway, self.clock
         rooms, access, authority = gateway.rooms, gateway.access, gateway.authority
         directory, organiser = rooms.authoriser.directory, rooms.organiser
@@ -117,7 +117,7 @@ class Ward(Place):
         self.shelf.is_robot = rooms.profiles.__contains__
         self.shelf.sees = lambda who, robot: robot in organiser.visible(who)
         self.shelf.works_with = lambda who, robot: organiser.holder(robot) == who
-        self.holdings = ContainerContext(
+        self.data_context = ContainerContext(
             preferences=self.book,
             shelf=self.shelf,
             files=FileStore(clock),
@@ -136,20 +136,24 @@ class Ward(Place):
             may_archive=lambda who: authority.rights.holds(who, FLEET, "archive", clock.wall_ns()),
             robots=frozenset(rooms.profiles),
             find=lambda name: tuple(person.id for person in directory.named(name)),
-            tell=gateway.furnishing.reach.tell,
+            tell=gateway.furnished.reach.tell,
         )
-        self.erasing = ErasureCommands(self.holdings, self.sides())
-        office, filing = gateway.pipeline.reception.office, FileCommands(self.holdings)
-        employ_clerks(office, self.holdings, self.erasing)
-        filing.employ(office)
-        self.receiving = FileUpload(self.holdings, gateway.pipeline.answer, gateway.pipeline.plain)
-        gateway.pipeline.reception.enclosed = Deferred(self.receiving.take)
+        self.erasing = ErasureCommands(self.data_context, self.sides())
+        commands, filing = gateway.pipeline.hooks.commands, FileCommands(self.data_context)
+        register_commands(commands, self.data_context, self.erasing)
+        filing.register(commands)
+        self.receiving = FileUpload(
+            self.data_context, gateway.pipeline.answer, gateway.pipeline.plain
+        )
+        gateway.pipeline.hooks.enclosed = Deferred(self.receiving.take)
         self.aside = BackgroundTransfer(gateway.pipeline.answer, gateway.pipeline.plain, clock)
         filing.take_time(self.aside, gateway.pipeline.plain)
-        handing = handing_of(rooms, self.holdings, gateway.pipeline, self.aside, folders_of(rooms))
+        handing = handing_of(
+            rooms, self.data_context, gateway.pipeline, self.aside, folders_of(rooms)
+        )
         filing.hand_over(handing)
         self.receiving.offer = handing.offer
-        take_over(self.kept.memory.facts, self.holdings, self.erasing)
+        take_over(self.kept.memory.facts, self.data_context, self.erasing)
         chosen = rooms.container.selected
         rooms.container.selected = lambda principal, chat: (  # type: ignore[method-assign]
             chosen(principal, chat) or self.book.of(principal).robot
@@ -167,11 +171,15 @@ class Ward(Place):
             revoked = [r for key in keys for r in access.keys.revoke(key.id, by).records]
             made = [i for i in access.enrolment.invitations.open() if i.issuer == principal]
             withdrawn = [r for i in made for r in access.enrolment.invitations.withdraw(i.id, by)]
-            phone = access.stepup.reset(principal, by) if access.stepup.is_set_up(principal) else ()
+            phone = (
+                access.two_factor.reset(principal, by)
+                if access.two_factor.is_set_up(principal)
+                else ()
+            )
             return (
                 *withdrawn,
                 *phone,
-                *authority.roster.take(principal, by),
+                *authority.grants_book.take(principal, by),
                 *rooms.organiser.calendar.end_all(principal),
                 *access.waiting.leave_all(principal),
                 *revoked,
@@ -194,7 +202,7 @@ class Ward(Place):
             is_last_admin=access.is_only_admin,
             ends=ends,
             ended=ended,
-            busy=gateway.pipeline.lives.busy,
+            busy=gateway.pipeline.executor.busy,
             in_use=lambda robot: (
                 directory.name(who) if (who := rooms.organiser.holder(robot)) else ""
             ),
@@ -225,7 +233,7 @@ class Ward(Place):
         kind: ChatKind = ChatKind.PRIVATE,
         act: bytes = b"",
     ) -> Reply:
-        """Do an errand; a refusal's sentence is a reply as well, with its offers as buttons."""
+        """Do a command; a refusal's sentence is a reply as well, with its offers as buttons."""
         self.serial += 1
         chat = Chat("memory", account if kind is ChatKind.PRIVATE else "g", kind)
         now_ns = self.clock.wall_ns()
@@ -241,7 +249,7 @@ class Ward(Place):
         caller = Caller(author.principal, author.name, inbound.sender, "k", "s")
         asked = CommandContext(self.chat, inbound, caller, rest, b"", act)
         try:
-            return await self.gateway.pipeline.reception.office.do(CommandLine(verb, rest), asked)
+            return await self.gateway.pipeline.hooks.commands.do(CommandLine(verb, rest), asked)
         except Refusal as refusal:
             return Reply(str(refusal))
 
@@ -252,7 +260,7 @@ class Ward(Place):
         return reply.attachment.content.decode()
 
     async def sure(self, verb: str, rest: str, **how: Any) -> str:  # noqa: ANN401 - as `ask`
-        """Do an errand that asks first, and tap its first button."""
+        """Do a command that asks first, and tap its first button."""
         reply = await self.ask(verb, rest, **how)
         [[yes, *_], *_] = reply.buttons or [[None]]
         if yes is None:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import msgspec
 
 from rosic.features.robot_to_robot.inbox import CONVERSATION, CUT_NS, HOPS_AT_MOST
-from tests.features.robot_to_robot.fellows import Fellows
+from tests.features.robot_to_robot.peers import PeerRobots
 from tests.gateway.place import BO, VI
 
 
 class Echo:
     """Two robots whose nodes answer whatever they are told."""
 
-    def __init__(self, here: Fellows, *, names_cause: bool) -> None:
+    def __init__(self, here: PeerRobots, *, names_cause: bool) -> None:
         self.said = 0
         self._here = here
         self._names_cause = names_cause
@@ -28,13 +28,13 @@ class Echo:
         return True
 
 
-def cuts(here: Fellows, account: str) -> list[str]:
+def cuts(here: PeerRobots, account: str) -> list[str]:
     said = [t.outbound for t in here.chat.told if "without end" in t.outbound.text]
     return [outbound.text for outbound in said if outbound.chat.id == account]
 
 
 async def test_a_chain_of_answers_ends_and_is_told_once() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         echo = Echo(here, names_cause=True)
         here.speaks("omni", "tell", to="cf1", data="hello")
         await here.clock.advance(120)
@@ -45,7 +45,7 @@ async def test_a_chain_of_answers_ends_and_is_told_once() -> None:
 
 
 async def test_who_hides_why_it_speaks_is_cut_by_the_budget_of_the_pair() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         echo = Echo(here, names_cause=False)
         here.speaks("omni", "tell", to="cf1", data="hello")
         await here.clock.advance(200)
@@ -59,7 +59,7 @@ async def test_who_hides_why_it_speaks_is_cut_by_the_budget_of_the_pair() -> Non
 
 
 async def test_who_begins_again_at_once_is_cut_again_without_being_told_again() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         Echo(here, names_cause=False)
         for _ in range(3):
             here.speaks("omni", "tell", to="cf1", data="hello")
@@ -68,7 +68,7 @@ async def test_who_begins_again_at_once_is_cut_again_without_being_told_again() 
 
 
 async def test_others_go_on_and_so_do_they_later() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         Echo(here, names_cause=True)
         here.speaks("omni", "tell", to="cf1", data="hello")
         await here.clock.advance(30)
@@ -80,7 +80,7 @@ async def test_others_go_on_and_so_do_they_later() -> None:
 
 
 async def test_sharing_because_of_what_was_shared_is_a_chain_too() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         await here.says("cf1", "follow", robot="omni")
         await here.says("omni", "follow", robot="cf1")
         said = 0
@@ -102,7 +102,7 @@ async def test_sharing_because_of_what_was_shared_is_a_chain_too() -> None:
 
 
 async def test_speaking_to_another_needs_the_right_and_answering_does_not() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         refused = await here.says("cf2", "tell", to="cf1", data="hello")
         assert (refused["ok"], refused["code"]) == (False, "not-permitted")
         here.robot("cf2").heard.clear()

@@ -8,7 +8,7 @@ from rosic.core.fleet.task import TaskState
 from rosic.core.records import Decided
 from rosic.stores.memory import MemoryStore
 from tests.features.fleet.test_tasks import Worker
-from tests.features.robot_to_robot.fellows import Fellows
+from tests.features.robot_to_robot.peers import PeerRobots
 from tests.gateway.place import ADA, BO, VI, BrokenStore, SlowStore, profile
 
 
@@ -26,21 +26,21 @@ class TwoTasks:
         return f"{helper} leaves its task; that of {asker} waits."
 
 
-async def asked(here: Fellows, what: str = "stuck at aisle 4", **how: object) -> str:
+async def asked(here: PeerRobots, what: str = "stuck at aisle 4", **how: object) -> str:
     answer = await here.says("omni", "help", what=what, **how)
     assert answer["ok"], answer
     return str(answer["id"])
 
 
-async def told_to(here: Fellows, account: str, since: int) -> list[str]:
+async def told_to(here: PeerRobots, account: str, since: int) -> list[str]:
     await here.quiet()
     told = list(here.chat.told)[since:]
     return [t.outbound.text for t in told if t.outbound.chat.id == account]
 
 
 async def test_another_robot_accepts_both_tasks_are_adjusted_and_operators_told() -> None:
-    async with Fellows().open() as here:
-        tasks = here.gateway.among.circle.desk.tasks = TwoTasks()
+    async with PeerRobots().open() as here:
+        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
         before = len(here.chat.told)
         ident = await asked(here)
         [request] = here.heard("cf1", "help")
@@ -63,8 +63,8 @@ async def test_another_robot_accepts_both_tasks_are_adjusted_and_operators_told(
 
 
 async def test_the_same_help_is_accepted_once_whoever_comes_together() -> None:
-    async with Fellows().open() as here:
-        tasks = here.gateway.among.circle.desk.tasks = TwoTasks()
+    async with PeerRobots().open() as here:
+        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
         ident = await asked(here)
         here.speaks("cf1", "accept", id=ident, ref="r")
         here.chat.say(f"/assist {ident}", account=BO, chat=BO)
@@ -86,8 +86,8 @@ async def test_the_same_help_is_accepted_once_whoever_comes_together() -> None:
 async def test_while_the_disk_takes_its_time_nobody_else_gets_in_between() -> None:
     store = SlowStore(Decided)
     store.ready.set()
-    async with Fellows(store).open() as here:
-        tasks = here.gateway.among.circle.desk.tasks = TwoTasks()
+    async with PeerRobots(store).open() as here:
+        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
         ident = await asked(here)
         store.ready.clear()
         here.speaks("cf1", "accept", id=ident)
@@ -95,15 +95,15 @@ async def test_while_the_disk_takes_its_time_nobody_else_gets_in_between() -> No
         here.chat.say(f"/assist {ident} cf2", account=BO, chat=BO)
         await here.clock.advance(1)
         assert tasks.adjusted == []
-        assert here.gateway.among.circle.desk.book.find(ident).open, "not before it is on disk"
+        assert here.gateway.among.circle.helping.book.find(ident).open, "not before it is on disk"
         store.ready.set()
         await here.clock.advance(1)
         assert len(tasks.adjusted) == 1
 
 
 async def test_a_person_helps_by_a_button_or_sends_a_robot_that_is_free() -> None:
-    async with Fellows().open() as here:
-        tasks = here.gateway.among.circle.desk.tasks = TwoTasks()
+    async with PeerRobots().open() as here:
+        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
         ident = await asked(here)
         button, under = here.button("Send cf1")
         account = next(t.outbound.chat.id for t in reversed(here.chat.told) if t.message == under)
@@ -122,7 +122,7 @@ async def test_a_person_helps_by_a_button_or_sends_a_robot_that_is_free() -> Non
 
 
 async def test_who_may_not_help_does_not() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         ident = await asked(here)
         assert "I know no robot" in (await here.says("cf2", "accept", id=ident))["why"]
         told = await here.say(f"/assist {ident}", account=VI, chat=VI)
@@ -130,11 +130,11 @@ async def test_who_may_not_help_does_not() -> None:
         assert (await here.says("omni", "accept", id=ident))["why"] == (
             "A robot cannot help itself. Nothing was changed."
         )
-        assert here.gateway.among.circle.desk.book.find(ident).open
+        assert here.gateway.among.circle.helping.book.find(ident).open
 
 
 async def test_nobody_accepts_it_too_late_and_that_is_said_once() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         ident = await asked(here, for_s=60)
         before = len(here.chat.told)
         await here.clock.advance(70)
@@ -149,7 +149,7 @@ async def test_nobody_accepts_it_too_late_and_that_is_said_once() -> None:
 
 
 async def test_asking_the_same_again_is_no_second_request_and_three_are_enough() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         first = await asked(here)
         assert await asked(here) == first
         await asked(here, "the door is shut")
@@ -160,7 +160,7 @@ async def test_asking_the_same_again_is_no_second_request_and_three_are_enough()
 
 
 async def test_a_robot_does_not_call_people_together_all_the_time() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         refused = []
         for number in range(20):
             answer = await here.says("omni", "help", what=f"wolf {number}")
@@ -174,7 +174,7 @@ async def test_a_robot_does_not_call_people_together_all_the_time() -> None:
 
 
 async def test_a_robot_is_not_told_the_names_of_people() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         ident = await asked(here)
         await here.say(f"/assist {ident}", account=BO, chat=BO)
         refused = await here.says("cf1", "accept", id=ident)
@@ -184,10 +184,10 @@ async def test_a_robot_is_not_told_the_names_of_people() -> None:
 
 async def test_what_was_accepted_stays_so_over_a_restart() -> None:
     store = MemoryStore()
-    async with Fellows(store).open() as here:
+    async with PeerRobots(store).open() as here:
         first, second = await asked(here), await asked(here, "no light")
         assert (await here.says("cf1", "accept", id=first))["ok"]
-    async with Fellows(store).open() as here:
+    async with PeerRobots(store).open() as here:
         again = await here.says("cf1", "accept", id=first)
         assert "accepted already, by cf1" in again["why"]
         assert (await here.says("cf1", "accept", id=second))["ok"] is True
@@ -197,8 +197,8 @@ async def test_what_was_accepted_stays_so_over_a_restart() -> None:
 
 async def test_what_cannot_be_written_is_not_accepted() -> None:
     store = BrokenStore()
-    async with Fellows(store).open() as here:
-        tasks = here.gateway.among.circle.desk.tasks = TwoTasks()
+    async with PeerRobots(store).open() as here:
+        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
         ident = await asked(here)
         store.broken = True
         refused = await here.says("cf1", "accept", id=ident)
@@ -209,21 +209,21 @@ async def test_what_cannot_be_written_is_not_accepted() -> None:
 
 
 async def test_tasks_that_cannot_be_adjusted_are_said_and_the_help_stands() -> None:
-    async with Fellows().open() as here:
-        here.gateway.among.circle.desk.tasks = TwoTasks(breaks=True)
+    async with PeerRobots().open() as here:
+        here.gateway.among.circle.helping.tasks = TwoTasks(breaks=True)
         ident = await asked(here)
         before = len(here.chat.told)
         await here.says("cf1", "accept", id=ident)
         [text] = await told_to(here, BO, before)
         assert text.endswith("Their tasks could not be adjusted; please look at both.")
-        here.gateway.among.circle.desk.tasks = None
+        here.gateway.among.circle.helping.tasks = None
         second = await asked(here, "no light")
         before = len(here.chat.told)
         await here.says("cf1", "accept", id=second)
         assert (await told_to(here, BO, before))[0].endswith("No tasks were changed.")
 
 
-class Warehouse(Fellows):
+class Warehouse(PeerRobots):
     """Its robots work until they are told how it ended."""
 
     kind = Worker
@@ -232,7 +232,7 @@ class Warehouse(Fellows):
 async def test_the_tasks_of_both_go_on_with_others_and_neither_gets_one_meanwhile() -> None:
     fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
     async with Warehouse(fleet=fleet).open() as here:
-        tasks = here.gateway.furnishing.fleet.dispatching.fleet.tasks
+        tasks = here.gateway.furnished.fleet.dispatching.fleet.tasks
         for robot in ("omni", "cf1"):
             await here.say(f"/task {robot} wave", account=ADA, chat=ADA)
         await here.say("/task crew move 1 m", account=ADA, chat=ADA)
@@ -260,7 +260,7 @@ async def test_the_tasks_of_both_go_on_with_others_and_neither_gets_one_meanwhil
 async def test_whoever_helps_takes_over_what_the_other_did() -> None:
     fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
     async with Warehouse(fleet=fleet).open() as here:
-        tasks = here.gateway.furnishing.fleet.dispatching.fleet.tasks
+        tasks = here.gateway.furnished.fleet.dispatching.fleet.tasks
         for _ in fleet:
             await here.say("/task crew wave", account=ADA, chat=ADA)
         await here.clock.advance(2)
@@ -278,7 +278,7 @@ async def test_whoever_helps_takes_over_what_the_other_did() -> None:
 async def test_a_task_waits_for_whoever_helps_no_longer_than_the_help_lasts() -> None:
     fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
     async with Warehouse(fleet=fleet).open() as here:
-        tasks = here.gateway.furnishing.fleet.dispatching.fleet.tasks
+        tasks = here.gateway.furnished.fleet.dispatching.fleet.tasks
         await here.say("stop cf1 cf2", account=ADA, chat=ADA)
         await here.say("/task crew wave", account=ADA, chat=ADA)
         await here.clock.advance(2)
@@ -293,8 +293,8 @@ async def test_a_task_waits_for_whoever_helps_no_longer_than_the_help_lasts() ->
 
 
 async def test_help_that_was_accepted_long_ago_or_unheard_takes_no_robot_off_its_task() -> None:
-    async with Fellows().open() as here:
-        tasks = here.gateway.among.circle.desk.tasks = TwoTasks()
+    async with PeerRobots().open() as here:
+        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
         ident = await asked(here)
         old_ns = here.clock.wall_ns() - 60 * 1_000_000_000
         told = await here.say(f"/assist {ident} cf1", account=BO, chat=BO, sent_ns=old_ns)
@@ -306,8 +306,8 @@ async def test_help_that_was_accepted_long_ago_or_unheard_takes_no_robot_off_its
 
 async def test_a_robot_is_called_as_people_read_it() -> None:
     fleet = (profile("omni"), replace(profile("rover2"), title="Rover 2"))
-    async with Fellows(fleet=fleet).open() as here:
-        tasks = here.gateway.among.circle.desk.tasks = TwoTasks()
+    async with PeerRobots(fleet=fleet).open() as here:
+        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
         ident = await asked(here)
         assert "Rover 2 shares nothing now." in await here.say("/shared Rover 2")
         assert "read here what Rover 2 shares on road" in await here.say(
@@ -322,7 +322,7 @@ async def test_a_robot_is_called_as_people_read_it() -> None:
 async def test_no_task_waits_for_one_that_helps_and_takes_no_part() -> None:
     fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
     async with Warehouse(fleet=fleet).open() as here:
-        tasks = here.gateway.furnishing.fleet.dispatching.fleet.tasks
+        tasks = here.gateway.furnished.fleet.dispatching.fleet.tasks
         await here.say("/task crew wave", account=ADA, chat=ADA)
         await here.say("/robot retire cf1", account=ADA, chat=ADA)
         await here.clock.advance(2)

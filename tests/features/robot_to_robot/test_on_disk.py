@@ -6,7 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.stores.database import DatabaseStore
-from tests.features.robot_to_robot.fellows import Fellows
+from tests.features.robot_to_robot.peers import PeerRobots
 from tests.features.robot_to_robot.test_storm import RealClock, until
 from tests.gateway.place import ADA
 
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-def place(folder: Path) -> Fellows:
+def place(folder: Path) -> PeerRobots:
     clock = RealClock()
-    return Fellows(DatabaseStore(folder, clock=clock), clock=clock)
+    return PeerRobots(DatabaseStore(folder, clock=clock), clock=clock)
 
 
-async def answered(here: Fellows, name: str, kind: str, **said: object) -> dict[str, object]:
+async def answered(here: PeerRobots, name: str, kind: str, **said: object) -> dict[str, object]:
     """Let a robot say something, and wait for its answer."""
     here.robot(name).heard.clear()
     here.speaks(name, kind, ref="r", **said)
@@ -43,7 +43,7 @@ async def test_it_is_sealed_on_disk_outlives_a_restart_and_is_erased(tmp_path: P
         assert "accepted already, by cf1" in str(again["why"])
         await answered(here, "omni", "share", topic="road", data="dry now")
         await until(lambda: bool(here.heard("cf1", "shared")))
-        erasing = here.gateway.holding.erasing
+        erasing = here.gateway.data_feature.erasing
         assert erasing is not None
         await erasing.erase_other("omni", "operator")
         assert (await answered(here, "cf1", "get", robot="omni"))["found"] is False

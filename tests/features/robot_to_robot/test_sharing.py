@@ -10,23 +10,23 @@ from rosic.features.personal_data.archive_recorder import ArchivingMessenger
 from rosic.features.robot_to_robot.digest import EVERY_S
 from rosic.features.robot_to_robot.subscriptions import PAIR_PACE
 from rosic.stores.memory import MemoryStore
-from tests.features.robot_to_robot.fellows import Fellows
+from tests.features.robot_to_robot.peers import PeerRobots
 from tests.gateway.place import ADA, BO, STRANGER, VI
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
 
-async def say(here: Fellows, text: str, account: str = ADA) -> str:
+async def say(here: PeerRobots, text: str, account: str = ADA) -> str:
     return await here.say(text, account=account, chat=account)
 
 
-def texts(here: Fellows, account: str, since: int) -> Iterable[str]:
+def texts(here: PeerRobots, account: str, since: int) -> Iterable[str]:
     return [t.outbound.text for t in list(here.chat.told)[since:] if t.outbound.chat.id == account]
 
 
 async def test_what_a_robot_shares_another_reads_with_its_sender_and_its_age() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         answer = await here.says("omni", "share", topic="road", data={"wet": True, "at": [1, 2]})
         assert answer["ok"] is True
         await here.clock.advance(7)
@@ -41,13 +41,13 @@ async def test_what_a_robot_shares_another_reads_with_its_sender_and_its_age() -
 
 
 async def test_nothing_shared_is_said_and_no_error() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         got = await here.says("cf1", "get", robot="omni", topic="road")
         assert (got["ok"], got["found"]) == (True, False)
 
 
 async def test_rights_are_checked_like_a_persons() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         refused = await here.says("kuka1", "share", topic="road", data=1)
         assert refused["why"].startswith("kuka1 has no key of its own here.")
         refused = await here.says("cf2", "get", robot="omni")
@@ -60,7 +60,7 @@ async def test_rights_are_checked_like_a_persons() -> None:
 
 
 async def test_a_robot_whose_key_is_taken_back_or_that_is_locked_is_heard_no_more() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         await say(here, "/lock cf1")
         assert (await here.says("cf1", "share", topic="road", data=1))["ok"] is False
         assert (await here.says("cf1", "unfollow", robot="omni"))["ok"] is False
@@ -72,7 +72,7 @@ async def test_a_robot_whose_key_is_taken_back_or_that_is_locked_is_heard_no_mor
 
 
 async def test_data_of_10_mb_is_refused_in_a_sentence_and_nothing_is_kept() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         large = b'{"kind":"share","ref":"r","topic":"map","data":"' + b"x" * 10_000_000 + b'"}'
         here.robot("omni").speak(large, 0)
         await here.quiet()
@@ -88,7 +88,7 @@ async def test_data_of_10_mb_is_refused_in_a_sentence_and_nothing_is_kept() -> N
 
 
 async def test_topics_and_bytes_of_one_robot_are_bounded() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         board = here.gateway.among.circle.board
         for number in range(TOPICS_A_ROBOT):
             here.speaks("omni", "share", topic=f"t{number}", data=number)
@@ -104,7 +104,7 @@ async def test_topics_and_bytes_of_one_robot_are_bounded() -> None:
 
 
 async def test_what_is_not_of_the_published_form_is_refused_with_what_is_wrong() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         for words in (
             b"",
             b"{",
@@ -125,7 +125,7 @@ async def test_what_is_not_of_the_published_form_is_refused_with_what_is_wrong()
 
 
 async def test_it_is_forgotten_when_it_is_too_old() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         await here.says("omni", "share", topic="road", data=1, keep_s=30)
         await here.clock.advance(29)
         assert (await here.says("cf1", "get", robot="omni"))["found"] is True
@@ -135,13 +135,13 @@ async def test_it_is_forgotten_when_it_is_too_old() -> None:
 
 async def test_the_newest_and_who_follows_outlive_a_restart() -> None:
     store = MemoryStore()
-    async with Fellows(store).open() as here:
+    async with PeerRobots(store).open() as here:
         await here.says("cf1", "follow", robot="omni", topic="road")
         await say(here, "/shared omni follow")
         for number in range(5):
             await here.says("omni", "share", topic="road", data=number)
         await here.clock.advance(6)
-    async with Fellows(store).open() as here:
+    async with PeerRobots(store).open() as here:
         got = await here.says("cf1", "get", robot="omni", topic="road")
         assert (got["data"], got["age_s"] >= 0) == (4, True)
         before = len(here.chat.told)
@@ -152,7 +152,7 @@ async def test_the_newest_and_who_follows_outlive_a_restart() -> None:
 
 
 async def test_a_follower_hears_at_a_pace_and_in_the_end_the_newest() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         await here.says("cf1", "follow", robot="omni")
         here.robot("cf1").heard.clear()
         for number in range(200):
@@ -170,7 +170,7 @@ async def test_a_follower_hears_at_a_pace_and_in_the_end_the_newest() -> None:
 
 
 async def test_a_follower_whose_right_ends_hears_nothing_more() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         await here.says("cf2", "follow", robot="cf1")
         await say(here, "/lock cf2")
         here.robot("cf2").heard.clear()
@@ -180,7 +180,7 @@ async def test_a_follower_whose_right_ends_hears_nothing_more() -> None:
 
 
 async def test_people_read_it_who_may_read_the_robot() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         await here.says("omni", "share", topic="road", data={"wet": "\u202eyes"})
         await here.clock.advance(3)
         assert await say(here, "/shared") == 'omni · road (3 s ago): {"wet":"yes"}'
@@ -191,7 +191,7 @@ async def test_people_read_it_who_may_read_the_robot() -> None:
 
 
 async def test_a_chat_that_follows_reads_a_digest_and_can_interrupt() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         said = await say(here, "/shared omni road follow", BO)
         assert said.startswith("From now on you read here what omni shares on road.")
         before = len(here.chat.told)
@@ -214,7 +214,7 @@ async def test_a_chat_that_follows_reads_a_digest_and_can_interrupt() -> None:
 
 
 async def test_who_follows_a_robot_no_more_reads_nothing_of_it_whatever_the_topic() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         for topic in ("road ", "map ", ""):
             await say(here, f"/shared omni {topic}follow", BO)
         told = await say(here, "/shared omni road unfollow", BO)
@@ -232,7 +232,7 @@ async def test_who_follows_a_robot_no_more_reads_nothing_of_it_whatever_the_topi
 
 async def test_what_a_robot_shares_lies_in_its_own_container_and_goes_with_it() -> None:
     store = MemoryStore()
-    async with Fellows(store).open() as here:
+    async with PeerRobots(store).open() as here:
         await here.says("omni", "share", topic="road", data="where I was")
         await here.says("omni", "help", what="stuck at the back door")
         await here.clock.advance(6)
@@ -241,18 +241,18 @@ async def test_what_a_robot_shares_lies_in_its_own_container_and_goes_with_it() 
             b'"where I was"',
             b"stuck at the back door",
         }
-        erasing = here.gateway.holding.erasing
+        erasing = here.gateway.data_feature.erasing
         assert erasing is not None
         await erasing.erase_other("omni", "operator")
         assert (await here.says("cf1", "get", robot="omni"))["found"] is False
         assert "back door" not in await say(here, "/assist")
         await here.clock.advance(6)
-    async with Fellows(store).open() as here:
+    async with PeerRobots(store).open() as here:
         assert (await here.says("cf1", "get", robot="omni"))["found"] is False
 
 
 async def test_a_digest_is_in_the_archive_of_the_chat_that_reads_it() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         await say(here, "/archive on")
         await say(here, "/shared omni road follow")
         here.speaks("omni", "share", topic="road", data=7)
@@ -264,8 +264,8 @@ async def test_a_digest_is_in_the_archive_of_the_chat_that_reads_it() -> None:
 
 
 async def test_whoever_speaks_to_chats_speaks_through_the_archive() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         gateway = here.gateway
-        digests, retracting = gateway.among.circle.digests, gateway.furnishing.retracting
+        digests, retracting = gateway.among.circle.digests, gateway.furnished.retracting
         for speakers in (digests._messengers, retracting._messengers):
             assert all(isinstance(one, ArchivingMessenger) for one in speakers.values())

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from rosic.config.profiles import load_profile, shipped_profiles
-from rosic_sim.robots.fellow import answer
 from rosic_sim.robots.machines.omni import Omni
+from rosic_sim.robots.peer import answer
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.theatre import theatre_of
+from rosic_sim.robots.simulation_loop import theatre_of
 from tests.gateway.place import BO, Place
 
 

@@ -12,7 +12,7 @@ import msgspec
 
 from rosic.features.robot_to_robot.inbox import PACE, WAITING_AT_MOST
 from rosic.testing.clock import ManualClock
-from tests.features.robot_to_robot.fellows import Fellows
+from tests.features.robot_to_robot.peers import PeerRobots
 from tests.gateway.place import ADA, BO, VI
 from tests.pace import pace
 
@@ -41,7 +41,7 @@ class RealClock(ManualClock):
 
 
 async def test_ten_thousand_a_second_are_bounded_and_the_newest_gets_through() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         robot, inbox = here.robot("omni"), here.gateway.among.inboxes["omni"]
         total = 0
         for _ in range(200):
@@ -61,7 +61,7 @@ async def test_ten_thousand_a_second_are_bounded_and_the_newest_gets_through() -
 
 
 async def test_it_is_told_again_only_after_a_minute_in_which_it_was_calm() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
 
         async def flood() -> int:
             for number in range(500):
@@ -77,7 +77,7 @@ async def test_it_is_told_again_only_after_a_minute_in_which_it_was_calm() -> No
 
 
 async def test_what_an_adapter_has_dropped_already_counts_too() -> None:
-    async with Fellows().open() as here:
+    async with PeerRobots().open() as here:
         here.robot("omni").speak(words(1), 9_999)
         await here.clock.advance(1)
         assert here.gateway.among.inboxes["omni"].dropped == 9_999
@@ -92,7 +92,7 @@ async def test_others_are_not_slower_in_a_storm(
     record_property: Callable[[str, object], None],
 ) -> None:
     """Orders and stops of other robots, while one shares 10,000 a second and two never end."""
-    async with Fellows(clock=RealClock()).open() as here:
+    async with PeerRobots(clock=RealClock()).open() as here:
         calm = await measured(here)
         storm = asyncio.create_task(pour(here))
         echo(here)
@@ -114,7 +114,7 @@ async def test_others_are_not_slower_in_a_storm(
             assert median(row) < 10 * median(calm[what]) + 0.02, figures
 
 
-async def pour(here: Fellows) -> None:
+async def pour(here: PeerRobots) -> None:
     """Let omni share 10,000 things a second, as far as this machine comes to it."""
     number, begun = 0, time.monotonic()
     while True:
@@ -125,7 +125,7 @@ async def pour(here: Fellows) -> None:
         await asyncio.sleep(0.005)
 
 
-def echo(here: Fellows) -> None:
+def echo(here: PeerRobots) -> None:
     """Let cf1 and cf2 answer each other without end."""
     for name in ("cf1", "cf2"):
 
@@ -140,7 +140,7 @@ def echo(here: Fellows) -> None:
     here.speaks("cf1", "tell", to="cf2", data="hello")
 
 
-async def measured(here: Fellows) -> dict[str, list[float]]:
+async def measured(here: PeerRobots) -> dict[str, list[float]]:
     """Measure how long an order of another robot takes until it acts, and a stop until it holds."""
     orders: list[float] = []
     stops: list[float] = []

@@ -8,28 +8,28 @@ import pytest
 
 from rosic.features.robot_to_robot.strategies import ANSWER_WITHIN_S, IDLE_WITHIN_S
 from rosic.stores.memory import MemoryStore
-from tests.features.robot_to_robot.fellows import Fellows, with_strategies
+from tests.features.robot_to_robot.peers import PeerRobots, with_strategies
 from tests.gateway.place import ADA, BO, VI
 
 if TYPE_CHECKING:
     from typing import Any
 
 
-def place(store: MemoryStore | None = None) -> Fellows:
-    return Fellows(store, fleet=with_strategies())
+def place(store: MemoryStore | None = None) -> PeerRobots:
+    return PeerRobots(store, fleet=with_strategies())
 
 
-async def say(here: Fellows, text: str, account: str = BO) -> str:
+async def say(here: PeerRobots, text: str, account: str = BO) -> str:
     return await here.say(text, account=account, chat=account)
 
 
-async def asked(here: Fellows) -> dict[str, Any]:
+async def asked(here: PeerRobots) -> dict[str, Any]:
     """Return the strategy that omni was told last."""
     await here.quiet()
     return here.heard("omni", "strategy")[-1]
 
 
-async def answered(here: Fellows, *, ok: bool = True, why: str = "") -> str:
+async def answered(here: PeerRobots, *, ok: bool = True, why: str = "") -> str:
     """Let omni answer it, and return what people are told because of it."""
     before = len(here.chat.told)
     here.speaks("omni", "ack", id=(await asked(here))["id"], ok=ok, why=why)

@@ -85,7 +85,7 @@ def look(gateway: Gateway, acts: Counter[tuple[str, str]]) -> Found:
         keys = access.keys.of(who)
         good = [key for key in keys if key.revoked_ns is None]
         revoked = bool(keys) and not good
-        grants = gateway.authority.roster.grants_of(who)
+        grants = gateway.authority.grants_book.grants_of(who)
         slots = calendar.of(who)
         facts = {
             "their key": len(good) == (0 if revoked else 1),

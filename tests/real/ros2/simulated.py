@@ -17,7 +17,7 @@ from rosic.core.robot.profile import Profile
 from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS, request, service_of
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.testing.factories import OrderBook
-from rosic_sim.ros2.watch import LINK_LOST_S
+from rosic_sim.ros2.link_watchdog import LINK_LOST_S
 from tests.pace import patience
 
 if TYPE_CHECKING:

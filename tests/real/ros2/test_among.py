@@ -16,7 +16,7 @@ from rosic.core.robot.profile import Link, Profile
 from rosic.errors import ConfigurationError
 from rosic.features.robot_to_robot.inbox import PACE
 from rosic.robots.ros2.robot import Ros2Robot
-from tests.features.robot_to_robot.fellows import CAREFUL, Fellows
+from tests.features.robot_to_robot.peers import CAREFUL, PeerRobots
 from tests.features.robot_to_robot.test_storm import RealClock
 from tests.gateway.place import BO
 from tests.pace import pace
@@ -31,18 +31,18 @@ PEER = Path(__file__).with_name("fellow_peer.py")
 PATIENCE_S = 30.0 * pace()
 
 
-def fellow(name: str) -> Profile:
+def peer(name: str) -> Profile:
     link = Link(kind="ros2", namespace=f"/{name}", among=True)
     return Profile(id=name, link=link, strategies={"careful": CAREFUL})
 
 
-class OnRos(Fellows):
+class OnRos(PeerRobots):
     """omni and cf1, reached over ROS 2."""
 
     kind = Ros2Robot
 
     def __init__(self, *fleet: Profile) -> None:
-        fleet = fleet or (fellow("omni"), fellow("cf1"), fellow("cf2"))
+        fleet = fleet or (peer("omni"), peer("cf1"), peer("cf2"))
         super().__init__(clock=RealClock(), fleet=fleet)
 
 
@@ -186,7 +186,7 @@ async def test_a_robot_that_ships_takes_on_a_strategy(
 
 async def test_a_profile_without_a_namespace_is_refused(graph: RosGraph) -> None:
     assert graph is not None
-    lonely = replace(fellow("omni"), link=Link(kind="ros2", among=True))
-    place = Fellows(fleet=(lonely,))
+    lonely = replace(peer("omni"), link=Link(kind="ros2", among=True))
+    place = PeerRobots(fleet=(lonely,))
     with pytest.raises(ConfigurationError, match="among needs a namespace"):
         Ros2Robot(lonely, place.gateway, place.clock)  # type: ignore[arg-type]

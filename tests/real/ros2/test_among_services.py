@@ -102,6 +102,6 @@ async def what_is_refused_says_why(here: OnRos, omni: Brain, cf1: Brain) -> None
 async def a_call_for_help_is_answered(here: OnRos, omni: Brain, cf1: Brain) -> None:
     ok, ident = await answer(omni, "help", "-", "helped")
     assert ok is True
-    assert here.gateway.among.circle.desk.book.find(ident).what == "It cannot go on by itself."
+    assert here.gateway.among.circle.helping.book.find(ident).what == "It cannot go on by itself."
     request = await cf1.heard("help")
     assert request["id"] == ident

@@ -67,7 +67,7 @@ async def picker(clock: SystemClock) -> AsyncIterator[TriedRobot]:
         yield robot
 
 
-class Life:
+class CarriedOrder:
     """The life of one order, as it was told."""
 
     def __init__(self, robot: TriedRobot, skill: str, arguments: dict[str, Argument]) -> None:
@@ -102,7 +102,7 @@ class Life:
 
 
 async def do(robot: TriedRobot, skill: str, arguments: dict[str, Argument]) -> Outcome:
-    return await Life(robot, skill, arguments).end()
+    return await CarriedOrder(robot, skill, arguments).end()
 
 
 def place_of(rover: TriedRobot) -> tuple[float, float]:
@@ -116,12 +116,12 @@ def place_of(rover: TriedRobot) -> tuple[float, float]:
 
 
 async def test_a_nav2_robot_goes_to_a_point_and_says_how_far_it_is(rover: TriedRobot) -> None:
-    life = Life(rover, "goto", {"x": -0.6, "y": 0.5, "yaw": pi / 2})
-    outcome = await life.end()
+    carried = CarriedOrder(rover, "goto", {"x": -0.6, "y": 0.5, "yaw": pi / 2})
+    outcome = await carried.end()
 
     assert outcome.ending is Ending.DONE, outcome
-    assert life.stages() == [Stage.SENT, Stage.RECEIVED, Stage.RUNNING]
-    fractions = [r.fraction for r in life.reports if r.fraction is not None]
+    assert carried.stages() == [Stage.SENT, Stage.RECEIVED, Stage.RUNNING]
+    fractions = [r.fraction for r in carried.reports if r.fraction is not None]
     assert fractions == sorted(fractions)
     assert any(0.1 < f < 0.9 for f in fractions)
     assert place_of(rover) == pytest.approx((-0.6, 0.5), abs=0.05)
@@ -148,13 +148,13 @@ async def test_a_stop_brings_it_to_measured_rest_and_voids_what_was_meant(
     rover: TriedRobot, onlooker: RosRuntime
 ) -> None:
     odometry = await onlooker.latest("/rover/odom", ODOMETRY)
-    life = Life(rover, "goto", {"x": -3.0, "y": -2.0, "yaw": 0.0})
-    await life.under_way()
+    carried = CarriedOrder(rover, "goto", {"x": -3.0, "y": -2.0, "yaw": 0.0})
+    await carried.under_way()
 
     rest = await rover.stop(Stop("rover", rover.gate.generation + 1))
 
     assert rest.confirmed
-    assert (await life.end()).ending is Ending.CANCELLED
+    assert (await carried.end()).ending is Ending.CANCELLED
     await odometry.newer(odometry.received, timeout_s=5)
     message: Any = odometry.message()
     twist = message.twist.twist
@@ -164,12 +164,12 @@ async def test_a_stop_brings_it_to_measured_rest_and_voids_what_was_meant(
 
 
 async def test_an_order_that_is_given_up_brings_it_to_rest(rover: TriedRobot) -> None:
-    life = Life(rover, "goto", {"x": -3.0, "y": 2.0, "yaw": 0.0})
-    await life.under_way()
+    carried = CarriedOrder(rover, "goto", {"x": -3.0, "y": 2.0, "yaw": 0.0})
+    await carried.under_way()
 
-    life.task.cancel()
+    carried.task.cancel()
     with pytest.raises(asyncio.CancelledError):
-        await life.task
+        await carried.task
 
     assert rover.presence().at_rest is True
 
@@ -178,12 +178,12 @@ async def test_a_goal_that_somebody_else_sends_ends_ours_as_failed(
     rover: TriedRobot, clock: SystemClock
 ) -> None:
     """Nav2 takes the newest goal: whoever sends one past ROSIC takes the robot, and it is said."""
-    life = Life(rover, "goto", {"x": -3.0, "y": 2.0, "yaw": 0.0})
-    await life.under_way()
+    carried = CarriedOrder(rover, "goto", {"x": -3.0, "y": 2.0, "yaw": 0.0})
+    await carried.under_way()
     async with opened(shipped("rover"), clock) as another:
         outcome = await do(another, "visit", {"place": "dock"})
         assert outcome.ending is Ending.DONE, outcome
-    assert (await life.end()).ending is Ending.FAILED
+    assert (await carried.end()).ending is Ending.FAILED
 
 
 async def test_battery_map_way_and_place_are_seen(rover: TriedRobot) -> None:
@@ -230,12 +230,12 @@ async def test_an_arm_goes_to_a_pose_no_faster_than_its_share(
 
     states = await onlooker.latest("/picker/joint_states", JOINTS, on_new=see)
     await states.newer(0, timeout_s=10)
-    life = Life(picker, "pose", {"pose": "ready", "speed": 0.4})
-    outcome = await life.end()
+    carried = CarriedOrder(picker, "pose", {"pose": "ready", "speed": 0.4})
+    outcome = await carried.end()
 
     assert outcome.ending is Ending.DONE, outcome
-    assert life.stages() == [Stage.SENT, Stage.RECEIVED, Stage.RUNNING]
-    assert any(0.1 < (r.fraction or 0.0) < 0.9 for r in life.reports)
+    assert carried.stages() == [Stage.SENT, Stage.RECEIVED, Stage.RUNNING]
+    assert any(0.1 < (r.fraction or 0.0) < 0.9 for r in carried.reports)
     found = await joints_of(onlooker)
     profile = shipped("picker")
     wanted = profile.skills["pose"].parameters["pose"].means["ready"]["joints"]
@@ -273,13 +273,13 @@ async def test_a_joint_does_not_go_further_than_the_profile_lets_it(
 
 async def test_a_stop_holds_the_arm_where_it_is(picker: TriedRobot, onlooker: RosRuntime) -> None:
     await do(picker, "pose", {"pose": "home", "speed": 1.0})
-    life = Life(picker, "pose", {"pose": "stow", "speed": 0.1})
-    await life.under_way()
+    carried = CarriedOrder(picker, "pose", {"pose": "stow", "speed": 0.1})
+    await carried.under_way()
 
     rest = await picker.stop(Stop("picker", picker.gate.generation + 1))
 
     assert rest.confirmed
-    assert (await life.end()).ending is Ending.CANCELLED
+    assert (await carried.end()).ending is Ending.CANCELLED
     found = await joints_of(onlooker)
     assert max(abs(speed) for _, speed in found.values()) < 0.005
     assert found["elbow_joint"][0] < 2.4, "it did not go on to the pose"

@@ -21,7 +21,7 @@ from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
-from rosic_sim.ros2.offers import ACTIONS, MODELS
+from rosic_sim.ros2.interfaces import ACTIONS, MODELS
 from rosic_sim.ros2.simulation import main
 from tests.pace import pace, patience
 from tests.real.ros2.simulated import (

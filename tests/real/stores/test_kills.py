@@ -54,8 +54,8 @@ async def what_is_there(folder: Path) -> tuple[list[int], set[int]]:
     store = DatabaseStore(folder, clock=ManualClock())
     memory = await store.open()
     claimed = {an_id(number): number for number in range(memory.numbers.get(OMNI, (0, 0))[0] + 1)}
-    numbers = [claimed[life.cid] for life in memory.unfinished]
-    half = {claimed[life.cid] for life in memory.unfinished if life.placed != b"shown"}
+    numbers = [claimed[carried.cid] for carried in memory.unfinished]
+    half = {claimed[carried.cid] for carried in memory.unfinished if carried.placed != b"shown"}
     facts = {int(fact.key): fact for fact in memory.facts.get("slot", ())}
     half |= {n for n, fact in facts.items() if fact.letter != Letter(ADA, b"%d" % n)}
     acts = [int(act.about) for act in await store.decisions(len(numbers))]

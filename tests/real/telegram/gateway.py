@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rosic.core.message import Chat, Inbound, Outbound, Passing
 from rosic.messengers.telegram.messenger import TelegramMessenger, telegram_messenger
-from rosic.testing.messenger_stage import settled
+from rosic.testing.messenger_harness import settled
 from tests.pace import pace
 
 if TYPE_CHECKING:

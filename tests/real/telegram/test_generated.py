@@ -101,7 +101,10 @@ class Run:
     async def _quiet(self) -> None:
         for _ in range(100):
             await settle()
-            if not len(self._place.gateway.pipeline.lives) and self._place.gateway.stop_lane.quiet:
+            if (
+                not len(self._place.gateway.pipeline.executor)
+                and self._place.gateway.stop_lane.quiet
+            ):
                 return
         raise AssertionError("something does not come to an end")
 

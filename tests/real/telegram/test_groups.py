@@ -196,12 +196,12 @@ async def test_of_two_bots_in_a_group_the_addressed_one_answers(privacy: bool) -
         async with first.listening(), second.listening():
             bridge.say(f"/status@{OTHER}")
             bridge.say(f"@{OTHER} omni move 1 m")
-            life = await bridge.second_says(second, "Omni: move 1 m. STOP")
-            bridge.say("omni move 2 m", reply_to=life)
-            bridge.say("@rosic_test_bot status", reply_to=life)
+            carried = await bridge.second_says(second, "Omni: move 1 m. STOP")
+            bridge.say("omni move 2 m", reply_to=carried)
+            bridge.say("@rosic_test_bot status", reply_to=carried)
             bridge.say(f"/stop@{OTHER}")
             if not privacy:
-                bridge.say("stop", reply_to=life)
+                bridge.say("stop", reply_to=carried)
             for one_chat in (one, two):
                 one_chat.say(bridge.ada, bridge.ada, "help")
             await first.until(lambda: "help" in first.texts)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rosic.testing.telegram import FakeTelegram
     from rosic.testing.telegram.state import JsonObject
 
-WICKED = (
+FAULTY = (
     "stück 🤖: see http://evil.example/x?y or evil.com, EVIL.ORG/a and tg://resolve?domain=evil, "
     "ask @stranger_x, write to a.b@evil.com. Now #follow $EVIL, 10.0.0.7/a or +1-212-555-0123!"
 )
@@ -47,7 +47,7 @@ def marked(message: JsonObject, kinds: set[str]) -> list[str]:
 
 
 def check(message: JsonObject) -> None:
-    assert message["text"] == WICKED, "it is read as it was said"
+    assert message["text"] == FAULTY, "it is read as it was said"
     assert marked(message, LINKS) == []
     assert marked(message, {"code"}) == [
         "http://evil.example/x?y",
@@ -66,10 +66,10 @@ def check(message: JsonObject) -> None:
 async def test_a_message_and_its_edit_lead_nowhere(
     server: FakeTelegram, gateway: Gateway, ada: int
 ) -> None:
-    sent = await gateway.messenger.send(to(ada, WICKED))
+    sent = await gateway.messenger.send(to(ada, FAULTY))
     check(server.messages(ada, by_bot=True)[-1])
     await gateway.messenger.edit(sent, to(ada, "done"))
-    await gateway.messenger.edit(sent, to(ada, WICKED))
+    await gateway.messenger.edit(sent, to(ada, FAULTY))
     check(server.messages(ada, by_bot=True)[-1])
 
 
@@ -83,7 +83,7 @@ async def test_what_stands_beneath_a_file_leads_nowhere(
         Attachment("a.zip", "application/zip", b"PK"),
         Attachment("a.zip", "application/zip", pieces=Pieces(2, read)),
     ):
-        await gateway.messenger.send(replace(to(ada, WICKED), attachment=attachment))
+        await gateway.messenger.send(replace(to(ada, FAULTY), attachment=attachment))
         check(server.messages(ada, by_bot=True)[-1])
 
 

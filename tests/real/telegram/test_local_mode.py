@@ -119,8 +119,8 @@ async def test_a_large_file_goes_once_whatever_the_way_does(
 
 async def test_a_name_stays_inside_its_quotes(local: FakeTelegram, near: Gateway) -> None:
     ada = local.create_user("Ada")
-    wicked = replace(large(count=1, promised=1), name='a"; name="chat_id')
-    await near.messenger.send(replace(to(ada, "x"), attachment=wicked))
+    faulty = replace(large(count=1, promised=1), name='a"; name="chat_id')
+    await near.messenger.send(replace(to(ada, "x"), attachment=faulty))
     (seen,) = local.messages(ada, by_bot=True)
     assert re.fullmatch(r"a(%22|\").*", seen["document"]["file_name"])
 

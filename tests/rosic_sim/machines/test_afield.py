@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rosic_sim.robots.machines.activity import ActivityState
-from rosic_sim.robots.machines.afield import AIR_C, Fire, FireWatcher, Rover
 from rosic_sim.robots.machines.fast_forward import to_end, to_rest
+from rosic_sim.robots.machines.field_robots import AIR_C, Fire, FireWatcher, Rover
 from rosic_sim.robots.machines.world import build_world
 from rosic_sim.robots.scenery.scene import EMBER, robot_scene
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from rosic_sim.robots.machines.activity import ActivityState, CannotDo
 from rosic_sim.robots.machines.kinematics import iiwa_points, iiwa_tool_down
 from rosic_sim.robots.machines.kuka import HOME, IIWA_LIMITS, STATION_M, Kuka
-from rosic_sim.robots.machines.things import SimulatedObject
+from rosic_sim.robots.machines.objects import SimulatedObject
 from rosic_sim.robots.machines.world import CUBE, build_world
 from tests.rosic_sim.machines.watching import JointWatch, Watched
 

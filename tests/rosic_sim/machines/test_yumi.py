@@ -13,7 +13,7 @@ from rosic_sim.robots.machines.yumi import APART_M, HOME, JOINTS, MEET
 from tests.rosic_sim.machines.watching import JointWatch, Watched
 
 if TYPE_CHECKING:
-    from rosic_sim.robots.machines.things import SimulatedObject
+    from rosic_sim.robots.machines.objects import SimulatedObject
     from rosic_sim.robots.machines.world import SimulatedWorld
     from rosic_sim.robots.machines.yumi import Side, Yumi
 

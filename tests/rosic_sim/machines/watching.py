@@ -20,10 +20,10 @@ from rosic_sim.robots.machines.mecanum import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from rosic_sim.robots.machines.clockwork import SteppedMachine
     from rosic_sim.robots.machines.crazyflie import Crazyflie
     from rosic_sim.robots.machines.joints import JointGroup
     from rosic_sim.robots.machines.omni import Omni
+    from rosic_sim.robots.machines.stepped_machine import SteppedMachine
 
 STEP_S = 0.01
 SLACK = 1e-6

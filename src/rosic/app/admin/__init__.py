@@ -1,1 +1,1 @@
-"""The operator's desk: what ``rosic`` commands ask of a running gateway, or of its data."""
+"""The operator's interface: what ``rosic`` commands ask of a running gateway, or of its data."""

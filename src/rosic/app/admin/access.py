@@ -252,7 +252,7 @@ class AccessAdmin:
         invitations = self._access.enrolment.invitations
         codes = [made for made in invitations.open() if made.issuer == person.id]
         ended = [record for made in codes for record in invitations.withdraw(made.id, OPERATOR)]
-        taken = self._books.authority.roster.take(person.id, OPERATOR)
+        taken = self._books.authority.grants_book.take(person.id, OPERATOR)
         ahead = self._access.ahead(person.id)
         return (*ended, *ahead, *taken, *self._keys_end(person))
 

@@ -1,4 +1,4 @@
-"""What the operator's desk looks into: the rooms of a running gateway, or the data alone."""
+"""What the operator's interface looks into: the rooms of a running gateway, or the data alone."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class AdminContext(NamedTuple):
         assurances: What a conversation on each platform is worth.
         bots: Names of the accounts on Telegram, as far as they are known.
         notices: Tells people in their chats; None: no gateway runs, so nobody can be told.
-        holdings: What is kept in containers; None: the record cannot look into them.
+        data_context: What is kept in containers; None: the record cannot look into them.
         erasing: Erases somebody; None while no gateway runs.
     """
 
@@ -59,7 +59,7 @@ class AdminContext(NamedTuple):
     assurances: Mapping[str, Assurance]
     bots: Sequence[str] = ()
     notices: AccessNotices | None = None
-    holdings: ContainerContext | None = None
+    data_context: ContainerContext | None = None
     erasing: ErasureCommands | None = None
 
     def name(self, principal: PrincipalId) -> str:
@@ -101,9 +101,9 @@ def books_of(
         clock=gateway.access.time,
         zone=zone_or_universal(zone),
         bots=bots,
-        notices=gateway.furnishing.notices,
-        holdings=gateway.holding.holdings,
-        erasing=gateway.holding.erasing,
+        notices=gateway.furnished.notices,
+        data_context=gateway.data_feature.data_context,
+        erasing=gateway.data_feature.erasing,
         assurances={
             m.platform: ASSURANCES.get(m.assurance, Assurance.PROVIDER_READABLE) for m in messengers
         },

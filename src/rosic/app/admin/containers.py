@@ -44,7 +44,7 @@ class ContainersAdmin:
 
     async def list(self, _ask: Ask) -> Iterable[str]:
         """Return every container, some at a time."""
-        found = await operator_view.list_containers(self._holdings)
+        found = await operator_view.list_containers(self._data_context)
         ats = range(0, len(found), LISTED_AT_ONCE)
         return (_encode(found[at : at + LISTED_AT_ONCE]).decode() for at in ats)
 
@@ -55,7 +55,7 @@ class ContainersAdmin:
             NotUnderstood: There is none, or several people are called so.
             StoreFault: It cannot be read now.
         """
-        shown = await operator_view.show_container(self._holdings, await self._meant(ask))
+        shown = await operator_view.show_container(self._data_context, await self._meant(ask))
         return (_encode(shown).decode(),)
 
     async def content(self, ask: Ask) -> Iterable[str]:
@@ -65,7 +65,7 @@ class ContainersAdmin:
             NotUnderstood, StoreFault: As `show`.
         """
         container = await self._meant(ask)
-        lines = await operator_view.export_container(self._holdings, container)
+        lines = await operator_view.export_container(self._data_context, container)
         return (each for some in ((container,), lines) for each in some)
 
     async def limit(self, ask: Ask, asked: LimitAsk) -> Iterable[str]:
@@ -76,7 +76,7 @@ class ContainersAdmin:
         """
         container = await self._meant(ask)
         said = await operator_view.limit_container(
-            self._holdings, container, OPERATOR, names=asked.names, most_bytes=asked.most_bytes
+            self._data_context, container, OPERATOR, names=asked.names, most_bytes=asked.most_bytes
         )
         return (said,)
 
@@ -89,19 +89,19 @@ class ContainersAdmin:
         if self._books.erasing is None:
             raise NotUnderstood(NEEDS_A_GATEWAY)
         container = await self._meant(ask)
-        holdings, erasing = self._holdings, self._books.erasing
-        return (await operator_view.erase_container(holdings, erasing, container, OPERATOR),)
+        data_context, erasing = self._data_context, self._books.erasing
+        return (await operator_view.erase_container(data_context, erasing, container, OPERATOR),)
 
     @property
-    def _holdings(self) -> ContainerContext:
-        if self._books.holdings is None:
+    def _data_context(self) -> ContainerContext:
+        if self._books.data_context is None:
             raise NotUnderstood(NONE_HERE)
-        return self._books.holdings
+        return self._books.data_context
 
     async def _meant(self, ask: Ask) -> str:
         """Return the container that is meant: by its id, a robot's id, or a person's name."""
         name = " ".join(ask.names)
-        holdings = self._holdings
-        if name in holdings.robots or name in await holdings.vault.containers():
+        data_context = self._data_context
+        if name in data_context.robots or name in await data_context.vault.containers():
             return name
         return the_one(self._books.authoriser.directory, name).id

@@ -317,7 +317,7 @@ class AdminDispatcher:
         """
         if ask.verb is Verb.ADD_ROBOT:
             wanted = body_of(ask, Wanted)
-            return (await self._gateway.enlisting.add(wanted.draft, OPERATOR, wanted.role),)
+            return (await self._gateway.robot_adder.add(wanted.draft, OPERATOR, wanted.role),)
         if ask.verb is Verb.RESUME:
             return (await self.resume(ask.names),)
         if self._desk is None:

@@ -56,7 +56,7 @@ async def history_of(books: AdminContext, asked: HistoryAsk) -> Iterator[str]:
         NotUnderstood: There is no such robot or person.
         StoreFault: It cannot be read now.
     """
-    if books.holdings is None:
+    if books.data_context is None:
         raise NotUnderstood(NO_RECORD)
     robot = books.vocabulary.robot(asked.robot) if asked.robot else None
     if asked.robot and robot is None:
@@ -70,7 +70,7 @@ async def history_of(books: AdminContext, asked: HistoryAsk) -> Iterator[str]:
         since_ns=0 if asked.since_s is None else now_ns - int(asked.since_s * 1e9),
         limit=max(1, min(asked.limit, AT_MOST)),
     )
-    found = await books.holdings.vault.history(query)
+    found = await books.data_context.vault.history(query)
     if not found and not asked.json:
         return iter((_nothing(books, asked, query),))
     return _written(books, found[::-1], json=asked.json)

@@ -60,7 +60,7 @@ def _listed(books: AdminContext, person: Principal) -> dict[str, object]:
             "limits": [str(limit) for limit in held.limits],
             "until": utc(held.expires_ns),
         }
-        for held in books.authority.roster.grants_of(person.id)
+        for held in books.authority.grants_book.grants_of(person.id)
         if held.id and (held.expires_ns is None or held.expires_ns > now_ns)
     ]
     return {
@@ -114,7 +114,7 @@ def _grants(books: AdminContext, person: Principal) -> list[str]:
         messages.grant(
             held, held.limits, "" if held.expires_ns is None else books.moment(held.expires_ns)
         )
-        for held in books.authority.roster.grants_of(person.id)
+        for held in books.authority.grants_book.grants_of(person.id)
         if held.id and (held.expires_ns is None or held.expires_ns > now_ns)
     ]
 

@@ -1,4 +1,4 @@
-"""The operator's desk while no gateway runs: straight from the data, which it takes."""
+"""The operator's interface while no gateway runs: straight from the data, which it takes."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from rosic.app.access import AccessFeature, authoriser_of
-from rosic.app.added_robots import KIND as ENLISTED
-from rosic.app.added_robots import with_enlisted
+from rosic.app.added_robots import KIND as ADDED
+from rosic.app.added_robots import with_added
 from rosic.app.admin.api import AdminContext, zone_or_universal
 from rosic.app.admin.dispatch import AdminApi
 from rosic.app.admin.naming import CONFIGURED, people_lines, people_listed
-from rosic.app.data_feature import DataContext, holdings_of, preferences_of
+from rosic.app.data_feature import DataContext, data_context_of, preferences_of
 from rosic.app.people import remember, seed
 from rosic.app.policy import PolicyService
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
@@ -188,25 +188,25 @@ class OfflineAdmin:
             clock=time,
             zone=zone_or_universal(UNIVERSAL if config is None else config.zone),
             assurances=LOCAL,
-            holdings=self._holdings(around, store, memory),
+            data_context=self._data_context(around, store, memory),
         )
 
     @staticmethod
     def _robots(config: Config, memory: Memory) -> tuple[Profile, ...]:
-        return with_enlisted(config.robots, memory.facts.get(ENLISTED, ()), known_units())
+        return with_added(config.robots, memory.facts.get(ADDED, ()), known_units())
 
-    def _holdings(
+    def _data_context(
         self, around: DataContext, store: Store, memory: Memory
     ) -> ContainerContext | None:
         if not isinstance(store, ContainerStore):
             return None
         parts = OfflineContext(known_units(), self._entropy)
-        holdings = holdings_of(around, store, Archive(self._clock), parts, FileQuota())
-        for kind, apply in books_kept(holdings).items():
+        data_context = data_context_of(around, store, Archive(self._clock), parts, FileQuota())
+        for kind, apply in books_kept(data_context).items():
             for fact in memory.facts.get(kind, ()):
                 apply(fact)
             around.access.changes.keep(kind, apply)
-        return holdings
+        return data_context
 
     async def _stops(
         self, memory: Memory, robots: Iterable[RobotId]

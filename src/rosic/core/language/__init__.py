@@ -22,7 +22,7 @@ from rosic.core.language.ast import (
     Status,
     Use,
 )
-from rosic.core.language.cancelling import hears_cancel, is_urgent
+from rosic.core.language.cancel_detection import hears_cancel, is_urgent
 from rosic.core.language.compiled import SAY, skills_of
 from rosic.core.language.formatting import show
 from rosic.core.language.line_parser import MOST_WORDS

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
-from rosic.core.language.placing import place_value
+from rosic.core.language.skill_values import place_value
 from rosic.core.language.value_errors import Objection
 from rosic.errors import NotUnderstood
 

@@ -6,7 +6,7 @@ VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 
 # What is asked of ROSIC itself. With a slash always; without one unless a robot has a skill of that
 # name.
-ERRANDS = frozenset(
+COMMANDS = frozenset(
     {
         "abort",
         "again",

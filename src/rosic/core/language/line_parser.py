@@ -23,19 +23,19 @@ from rosic.core.language.keywords import (
     ALIASES,
     ALIASES_OF_TWO,
     ALONG_ELSEWHERE,
-    ERRANDS,
+    COMMANDS,
     EVERYTHING,
     EVERYTHING_ELSEWHERE,
     HELP_PAGES,
     NOTHING,
     PAGE_ALIASES,
 )
-from rosic.core.language.placing import fits
+from rosic.core.language.line_words import past_fillers
+from rosic.core.language.skill_values import fits
 from rosic.core.language.stop_detection import hears_stop
 from rosic.core.language.syntax_errors import Misunderstanding
 from rosic.core.language.values import Doubt, ValueReader
 from rosic.core.language.vocabulary import Callee, Vocabulary
-from rosic.core.language.wording import past_fillers
 from rosic.core.order import Spoken
 
 if TYPE_CHECKING:
@@ -193,7 +193,7 @@ class LineReader:
         two = ALIASES_OF_TWO.get(tuple(self._low[at:])) if len(self._low) == at + 2 else None
         if two is not None:
             return CommandLine(two, "")
-        if word in ERRANDS and ours:
+        if word in COMMANDS and ours:
             alone = word in EXPLAINED and self._asks_how(at + 1)
             return CommandLine(word, "" if alone else self._rest(at + 1))
         return self._unaddressed(at, slash=slash)

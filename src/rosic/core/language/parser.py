@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
 from rosic.core.language.ast import Cancel, Halt, Line, LineContext, Misunderstood
-from rosic.core.language.cancelling import hears_cancel
+from rosic.core.language.cancel_detection import hears_cancel
 from rosic.core.language.line_parser import LineReader
+from rosic.core.language.line_words import words_of
 from rosic.core.language.sanitise import REORDERING, clean, is_plain
 from rosic.core.language.stop_detection import hears_stop
-from rosic.core.language.wording import words_of
 
 if TYPE_CHECKING:
     from rosic.core.language.vocabulary import Vocabulary

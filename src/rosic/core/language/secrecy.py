@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.language.ast import Do
 from rosic.core.language.keywords import ALIASES
+from rosic.core.language.line_words import past_fillers, words_of
 from rosic.core.language.sanitise import clean, normalised
-from rosic.core.language.wording import past_fillers, words_of
 
 if TYPE_CHECKING:
     from rosic.core.language.ast import Line

@@ -12,8 +12,8 @@ import msgspec
 
 from rosic.core.i18n import said
 from rosic.core.language.ast import Misunderstood
-from rosic.core.language.clock_words_elsewhere import shown_when
 from rosic.core.language.time_tokens import TimeTokens, Unclear
+from rosic.core.language.time_words import shown_when
 from rosic.core.local_time import (
     LAST_YEAR,
     MONTHS,

@@ -11,9 +11,9 @@ from math import isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.i18n import said
-from rosic.core.language.clock_words_elsewhere import OTHERWISE
 from rosic.core.language.numbers import read_numeral
 from rosic.core.language.sanitise import clean, fold_word, quote
+from rosic.core.language.time_words import OTHERWISE
 from rosic.core.local_time import MONTHS, WEEKDAYS
 from rosic.core.time_units import DAY_S, HOUR_S, MINUTES_A_DAY
 

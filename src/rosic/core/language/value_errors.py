@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import joined, said, titled
 from rosic.core.language.common_names import known_name
 from rosic.core.language.formatting import show_bound, show_number, shown_bound, usual_values
-from rosic.core.language.placing import fits
 from rosic.core.language.sanitise import quote
+from rosic.core.language.skill_values import fits
 from rosic.core.language.suggestions import AND, did_you_mean, listed, one_each
 from rosic.core.language.values import Doubt, ValueReader
 from rosic.core.order import Spoken

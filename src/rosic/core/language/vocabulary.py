@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.language.cancelling import is_cancel_word
+from rosic.core.language.cancel_detection import is_cancel_word
 from rosic.core.language.common_names import TYPED
 from rosic.core.language.compiled import (
     CompiledRobot,

@@ -12,8 +12,8 @@ from rosic.core.message import Button
 from rosic.errors import Expired, NotPermitted, NotUnderstood, OutOfBounds
 from rosic.features.access import request_messages as words
 from rosic.features.access.access_request_parser import read_tail, want_of
-from rosic.gateway.office import Reply
-from rosic.organiser import petitions_messages
+from rosic.gateway.commands import Reply
+from rosic.organiser import access_request_messages
 from rosic.organiser.access_requests import (
     LONGEST_S,
     REMEMBERED_S,
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from rosic.features.access.admin_policy import AdminPolicy
     from rosic.features.access.context import AccessContext
     from rosic.features.access.grant import GrantCommands
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
     from rosic.organiser.access_requests import AccessRequest, AccessRequests
     from rosic.organiser.timezones import Zone
 
@@ -43,9 +43,9 @@ _NUMBER = re.compile(r"\d{1,9}(?:\.\d{1,3})?")
 
 
 class RequestAnswer(NamedTuple):
-    """What somebody says to a petition: which, and until when."""
+    """What somebody says to an access request: which, and until when."""
 
-    petition: AccessRequest
+    access_request: AccessRequest
     how: str
 
 
@@ -55,7 +55,7 @@ class AccessRequestCommands:
     Args:
         registry: Who knows people.
         powers: Who may give what.
-        petitions: What is open.
+        access_requests: What is open.
         granting: Gives it.
         places: How robots are named and shown, and where people read times.
     """
@@ -64,13 +64,13 @@ class AccessRequestCommands:
         self,
         registry: AccessContext,
         powers: AdminPolicy,
-        petitions: AccessRequests,
+        access_requests: AccessRequests,
         granting: GrantCommands,
         places: RequestPlaces,
     ) -> None:
         self._registry = registry
         self._powers = powers
-        self._petitions = petitions
+        self._access_requests = access_requests
         self._granting = granting
         self._places = places
 
@@ -90,23 +90,23 @@ class AccessRequestCommands:
         self._check_lacking(principal, given)
         digest = self._places.digest(self._registry.rights(), given)
         async with self._registry.changes.turn() as turn:
-            petition, records = self._petitions.ask(principal, want, digest)
-            others = self._answerers(petition)
+            access_request, records = self._access_requests.ask(principal, want, digest)
+            others = self._answerers(access_request)
             if not others:
                 raise NotPermitted(self._nobody(principal, given))
             await turn.write(records)
         names = self._names(others)
         told = self._registry.reach.tell(
             others,
-            self._question(petition),
-            (self._buttons(petition),),
+            self._question(access_request),
+            (self._buttons(access_request),),
             urgent=True,
             lifetime_s=WAITS_S,
             still=True,
         )
         if not told:
             return Reply(words.reach_nobody(names))
-        return Reply(words.have_asked(names, self._asked_for(petition), WAITS_S))
+        return Reply(words.have_asked(names, self._asked_for(access_request), WAITS_S))
 
     def _nobody(self, principal: PrincipalId, given: InvitedRights) -> str:
         """Say that nobody can answer, and who has what was asked for themselves."""
@@ -135,7 +135,7 @@ class AccessRequestCommands:
     # ---- answering ----
 
     def knows(self, by: PrincipalId, said: str) -> bool:
-        """Whether an answer is about a petition: an id, or somebody who asks this person."""
+        """Whether an answer is about an access request: an id, or somebody who asks this person."""
         return self._meant(by, said) is not None
 
     async def approve(self, asked: CommandContext) -> Reply:
@@ -146,21 +146,23 @@ class AccessRequestCommands:
         """
         by = asked.caller.principal
         answer = self._checked(by, asked.rest)
-        petition = answer.petition
+        access_request = answer.access_request
         wanted_ns = self._until_ns(answer, self._places.zone_of(by))
-        given = self._places.given(petition.want)
+        given = self._places.given(access_request.want)
         async with self._registry.changes.turn() as turn:
-            self._check(by, petition)
-            self._check_same(petition)
+            self._check(by, access_request)
+            self._check_same(access_request)
             until_ns = self._powers.gives_until_ns(by, given, wanted_ns)
-            grant, records = self._granting.granted(petition.principal, given, until_ns, by)
-            await turn.write((*self._petitions.allow(petition, by), *records))
-        name, who = self._registry.name(by), self._registry.name(petition.principal)
+            grant, records = self._granting.granted(access_request.principal, given, until_ns, by)
+            await turn.write((*self._access_requests.allow(access_request, by), *records))
+        name, who = self._registry.name(by), self._registry.name(access_request.principal)
         what = self._places.what(given)
-        use = Button(self._places.shown(petition.want.robot), f"/use {petition.want.robot}")
-        told = words.you_may(name, self._until(what, until_ns, petition.principal))
-        self._registry.reach.tell((petition.principal,), told, ((use,),))
-        for other in self._answerers(petition):
+        use = Button(
+            self._places.shown(access_request.want.robot), f"/use {access_request.want.robot}"
+        )
+        told = words.you_may(name, self._until(what, until_ns, access_request.principal))
+        self._registry.reach.tell((access_request.principal,), told, ((use,),))
+        for other in self._answerers(access_request):
             if other != by:
                 text = words.was_allowed(name, who, self._until(what, until_ns, other))
                 self._registry.reach.tell((other,), text)
@@ -177,26 +179,26 @@ class AccessRequestCommands:
             Refusal: Not theirs to give, settled before, or too late.
         """
         by = asked.caller.principal
-        petition = self._checked(by, asked.rest).petition
+        access_request = self._checked(by, asked.rest).access_request
         async with self._registry.changes.turn() as turn:
-            self._check(by, petition)
-            await turn.write(self._petitions.deny(petition, by))
-        name, who = self._registry.name(by), self._registry.name(petition.principal)
-        what = self._asked_for(petition)
+            self._check(by, access_request)
+            await turn.write(self._access_requests.deny(access_request, by))
+        name, who = self._registry.name(by), self._registry.name(access_request.principal)
+        what = self._asked_for(access_request)
         told = words.you_may_not(name, what, REMEMBERED_S)
-        self._registry.reach.tell((petition.principal,), told)
-        others = (other for other in self._answerers(petition) if other != by)
+        self._registry.reach.tell((access_request.principal,), told)
+        others = (other for other in self._answerers(access_request) if other != by)
         self._registry.reach.tell(others, words.was_denied(name, who, what))
         return Reply(words.denied(who))
 
     def _checked(self, by: PrincipalId, said: str) -> RequestAnswer:
         answer = self._meant(by, said)
         if answer is None:
-            raise Expired(petitions_messages.settled())
-        self._check(by, answer.petition)
+            raise Expired(access_request_messages.settled())
+        self._check(by, answer.access_request)
         return answer
 
-    def _check(self, by: PrincipalId, petition: AccessRequest) -> None:
+    def _check(self, by: PrincipalId, access_request: AccessRequest) -> None:
         """See that somebody may answer, and that there is something to answer.
 
         Raises:
@@ -204,34 +206,34 @@ class AccessRequestCommands:
             Expired: It is settled.
         """
         self._powers.check_not_locked(by)
-        if by == petition.principal:
+        if by == access_request.principal:
             raise NotPermitted(words.own_question())
-        if not self._powers.may_give(by, self._places.given(petition.want)):
+        if not self._powers.may_give(by, self._places.given(access_request.want)):
             raise NotPermitted(words.not_yours(self._powers.helpers(by)))
-        now = self._petitions.get(petition.id)
+        now = self._access_requests.get(access_request.id)
         if now is not None and now.by:
             name, allowed = self._registry.name(now.by), now.state is RequestState.ALLOWED
             raise Expired(words.answered_before(name, allowed=allowed))
-        if not self._powers.acts(petition.principal):
-            raise NotPermitted(words.no_access(self._registry.name(petition.principal)))
+        if not self._powers.acts(access_request.principal):
+            raise NotPermitted(words.no_access(self._registry.name(access_request.principal)))
 
-    def _is_same(self, petition: AccessRequest) -> bool:
+    def _is_same(self, access_request: AccessRequest) -> bool:
         """Whether what was asked for still is what it was (I16)."""
-        given, rights = self._places.given(petition.want), self._registry.rights()
-        return petition.digest == self._places.digest(rights, given)
+        given, rights = self._places.given(access_request.want), self._registry.rights()
+        return access_request.digest == self._places.digest(rights, given)
 
-    def _check_same(self, petition: AccessRequest) -> None:
+    def _check_same(self, access_request: AccessRequest) -> None:
         """See that what somebody allows is what they were asked about.
 
         Raises:
             Expired: It would give something else by now.
         """
-        if not self._is_same(petition):
-            raise Expired(words.is_something_else(self._registry.name(petition.principal)))
+        if not self._is_same(access_request):
+            raise Expired(words.is_something_else(self._registry.name(access_request.principal)))
 
     def _meant(self, by: PrincipalId, said: str) -> RequestAnswer | None:
         first, _, how = said.strip().partition(" ")
-        known = self._petitions.get(first)
+        known = self._access_requests.get(first)
         if known is not None:
             return RequestAnswer(known, how.strip())
         found = self._called(by, said)
@@ -243,19 +245,19 @@ class AccessRequestCommands:
         return RequestAnswer(found[0], "" if lasts is None else str(lasts))
 
     def _called(self, by: PrincipalId, said: str) -> list[AccessRequest]:
-        """Return every petition of whoever may be meant: all of it is a name, or its head."""
+        """Return every access request of whoever may be meant: all of it is a name, or its head."""
         wanted = {said.strip().casefold(), read_tail(said)[0].casefold()}
         return [
-            petition
-            for petition in self.waiting(by)
-            if self._registry.name(petition.principal).casefold() in wanted
+            access_request
+            for access_request in self.waiting(by)
+            if self._registry.name(access_request.principal).casefold() in wanted
         ]
 
     def _until_ns(self, answer: RequestAnswer, zone: Zone) -> int:
         now_ns = self._registry.clock.wall_ns()
         if answer.how == TODAY:
             return midnight_ns(now_ns, zone)
-        lasts_s = _seconds(answer.how) if answer.how else answer.petition.want.lasts_s
+        lasts_s = _seconds(answer.how) if answer.how else answer.access_request.want.lasts_s
         return now_ns + int(lasts_s * 1e9)
 
     # ---- time ----
@@ -267,30 +269,30 @@ class AccessRequestCommands:
             RecordUnavailable: Nothing was written; it is tried again with the next call.
         """
         async with self._registry.changes.turn() as turn:
-            late = self._petitions.late()
-            void = tuple(p for p in self._petitions.open() if not self._is_same(p))
-            settled = map(self._petitions.lapse, (*late, *void))
-            await turn.write((*settled, *self._petitions.stale()))
-        for petition in late:
-            others, what = self._answerers(petition), self._asked_for(petition)
+            late = self._access_requests.late()
+            void = tuple(p for p in self._access_requests.open() if not self._is_same(p))
+            settled = map(self._access_requests.lapse, (*late, *void))
+            await turn.write((*settled, *self._access_requests.stale()))
+        for access_request in late:
+            others, what = self._answerers(access_request), self._asked_for(access_request)
             names = self._names(others)
-            asker = petition.principal
+            asker = access_request.principal
             self._registry.reach.tell((asker,), words.nobody_answered(what, names))
             self._registry.reach.tell(others, words.lapsed(self._registry.name(asker), what))
-        for petition in void:
+        for access_request in void:
             self._registry.reach.tell(
-                (petition.principal,), words.ask_anew(self._asked_for(petition))
+                (access_request.principal,), words.ask_anew(self._asked_for(access_request))
             )
 
     # ---- lists ----
 
     def waiting(self, by: PrincipalId) -> tuple[AccessRequest, ...]:
-        """Return every open petition that this person may answer."""
+        """Return every open access request that this person may answer."""
         return tuple(
-            petition
-            for petition in self._petitions.open()
-            if petition.principal != by
-            and self._powers.may_give(by, self._places.given(petition.want))
+            access_request
+            for access_request in self._access_requests.open()
+            if access_request.principal != by
+            and self._powers.may_give(by, self._places.given(access_request.want))
         )
 
     def questions(
@@ -305,43 +307,49 @@ class AccessRequestCommands:
         waiting = self._called(by, said) if said else self.waiting(by)
         named = [(self._registry.name(p.principal), p) for p in waiting]
         return tuple(
-            (name, words.asks(name, self._asked_for(petition)), self._buttons(petition, name))
-            for name, petition in named
+            (
+                name,
+                words.asks(name, self._asked_for(access_request)),
+                self._buttons(access_request, name),
+            )
+            for name, access_request in named
         )
 
     def own(self, principal: PrincipalId) -> tuple[str, ...]:
         """Return what somebody waits for, a line each."""
         return tuple(
-            words.you_wait(self._asked_for(petition))
-            for petition in self._petitions.open()
-            if petition.principal == principal
+            words.you_wait(self._asked_for(access_request))
+            for access_request in self._access_requests.open()
+            if access_request.principal == principal
         )
 
-    def _answerers(self, petition: AccessRequest) -> tuple[PrincipalId, ...]:
-        return self._powers.givers(self._places.given(petition.want), petition.principal)
+    def _answerers(self, access_request: AccessRequest) -> tuple[PrincipalId, ...]:
+        return self._powers.givers(
+            self._places.given(access_request.want), access_request.principal
+        )
 
     # ---- words ----
 
     def _names(self, people: Iterable[PrincipalId]) -> list[str]:
         return sorted(map(self._registry.name, people))[:MOST_NAMED]
 
-    def _question(self, petition: AccessRequest) -> str:
-        given, rights = self._places.given(petition.want), self._registry.rights()
+    def _question(self, access_request: AccessRequest) -> str:
+        given, rights = self._places.given(access_request.want), self._registry.rights()
         now_ns = self._registry.clock.wall_ns()
-        limits = self._places.limits(rights, petition.principal, given, now_ns)
-        name = self._registry.name(petition.principal)
-        return words.wants(name, self._asked_for(petition), limits)
+        limits = self._places.limits(rights, access_request.principal, given, now_ns)
+        name = self._registry.name(access_request.principal)
+        return words.wants(name, self._asked_for(access_request), limits)
 
-    def _asked_for(self, petition: AccessRequest) -> str:
-        what = self._places.what(self._places.given(petition.want))
-        return words.for_a_time(what, int(petition.want.lasts_s))
+    def _asked_for(self, access_request: AccessRequest) -> str:
+        what = self._places.what(self._places.given(access_request.want))
+        return words.for_a_time(what, int(access_request.want.lasts_s))
 
     def _until(self, what: str, until_ns: int, reader: PrincipalId) -> str:
         now_ns, zone = self._registry.clock.wall_ns(), self._places.zone_of(reader)
         return words.until(what, moment(until_ns, now_ns, zone))
 
-    def _buttons(self, petition: AccessRequest, name: str = "") -> tuple[Button, ...]:
-        number, lasts_s = petition.id, petition.want.lasts_s
+    def _buttons(self, access_request: AccessRequest, name: str = "") -> tuple[Button, ...]:
+        number, lasts_s = access_request.id, access_request.want.lasts_s
         yes = words.allow_label(length(int(lasts_s)), name)
         return (
             Button(yes, f"/approve {number} {lasts_s:.0f}"),

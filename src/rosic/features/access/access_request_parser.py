@@ -25,7 +25,7 @@ from rosic.core.role_names import role_shown
 from rosic.core.time_units import HOUR_S
 from rosic.errors import NotUnderstood
 from rosic.features.access import messages, request_messages
-from rosic.gateway.office import CommandContext, check_length
+from rosic.gateway.commands import CommandContext, check_length
 from rosic.organiser.access_requests import WantedRight
 from rosic.organiser.timezones import Zone
 
@@ -80,8 +80,8 @@ class RequestPlaces(msgspec.Struct, frozen=True, kw_only=True):
         """Whether somebody would gain anything by this: it is not theirs, or only with limits."""
         return any(
             not any(
-                not way.limits and now_ns < holding.until_ns
-                for way, holding in rights.ways(principal, robot, skill)
+                not way.limits and now_ns < granted.until_ns
+                for way, granted in rights.ways(principal, robot, skill)
             )
             for robot, skill in self._rights(rights, given)
         )
@@ -93,8 +93,8 @@ class RequestPlaces(msgspec.Struct, frozen=True, kw_only=True):
         found = [
             limit.said
             for robot, skill in self._rights(rights, given)
-            for way, holding in rights.ways(principal, robot, skill)
-            if now_ns < holding.until_ns
+            for way, granted in rights.ways(principal, robot, skill)
+            if now_ns < granted.until_ns
             for limit in way.limits
         ]
         return joined(", ", map(limit_in_words, dict.fromkeys(found)))

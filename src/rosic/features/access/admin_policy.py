@@ -16,7 +16,7 @@ from rosic.core.policy.roles import priority_of
 from rosic.core.policy.scope import FLEET, GRANT
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access import messages
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rosic.core.policy.roles import Grant, RoleRules
     from rosic.core.robot.profile import RobotId
     from rosic.features.access.context import AccessContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 
 # ---- who may do what with people ----
@@ -140,8 +140,8 @@ class AdminPolicy:
         """Whether one skill of one robot is somebody's own, without limits, and theirs to give."""
         rights = self._registry.rights()
         return rights.holds(principal, robot, GRANT, now_ns) and any(
-            not way.limits and now_ns < holding.until_ns
-            for way, holding in rights.ways(principal, robot, skill)
+            not way.limits and now_ns < granted.until_ns
+            for way, granted in rights.ways(principal, robot, skill)
         )
 
     def may_make(

@@ -11,7 +11,7 @@ from rosic.core.message import Button
 from rosic.errors import Expired, NotUnderstood
 from rosic.features.access import messages as words
 from rosic.features.access.admin_policy import INVITE
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rosic.features.access.admin_policy import AdminPolicy
     from rosic.features.access.context import AccessContext
     from rosic.features.access.newcomer_chat import NewcomerChat
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 
 class ApprovalCommands:
@@ -31,7 +31,7 @@ class ApprovalCommands:
     Args:
         registry: Who knows people.
         powers: Who may let somebody in.
-        doorstep: Reaches whoever is nobody yet.
+        newcomer_chat: Reaches whoever is nobody yet.
         menu: What somebody who has just come in is shown besides the welcome.
         forget: Erases what was kept of a newcomer who was not let in.
     """
@@ -40,7 +40,7 @@ class ApprovalCommands:
         self,
         registry: AccessContext,
         powers: AdminPolicy,
-        doorstep: NewcomerChat,
+        newcomer_chat: NewcomerChat,
         *,
         menu: Callable[[PrincipalId], Reply],
         forget: Callable[[PrincipalId], Awaitable[None]],
@@ -50,7 +50,7 @@ class ApprovalCommands:
         self._registry = registry
         self._enrolment = registry.enrolment
         self._powers = powers
-        self._doorstep = doorstep
+        self._newcomer_chat = newcomer_chat
 
     def records(self, redeemed: CodeRedeemed, by: PrincipalId) -> tuple[Record, ...]:
         """Return all that lets somebody in: the person, the key and what ends by itself.
@@ -60,7 +60,7 @@ class ApprovalCommands:
         """
         if not redeemed.grants:
             return redeemed.records
-        given = self._registry.roster.give(redeemed.person.id, redeemed.grants, by)
+        given = self._registry.grants_book.give(redeemed.person.id, redeemed.grants, by)
         return (*redeemed.records, *given)
 
     def ask(self, applicant: Applicant) -> int:
@@ -129,7 +129,7 @@ class ApprovalCommands:
         return late
 
     async def _turned_away(self, declined: Declined) -> None:
-        self._doorstep.tell(declined.address, declined.sentence)
+        self._newcomer_chat.tell(declined.address, declined.sentence)
         if declined.newcomer:
             await self._forget(declined.principal)
 

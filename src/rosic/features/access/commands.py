@@ -1,4 +1,4 @@
-"""Says who does which errand about people."""
+"""Says who does which command about people."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from rosic.core.i18n import joined
 from rosic.errors import NotUnderstood
 from rosic.features.access import messages, request_messages
 from rosic.features.access.access_request import AccessRequestCommands
+from rosic.features.access.approval_reminders import MOST
 from rosic.features.access.approve import ApprovalCommands
 from rosic.features.access.grant import GrantCommands
 from rosic.features.access.invite import InviteCommands
 from rosic.features.access.profile_commands import AccountCommands
-from rosic.features.access.reminding import MOST
 from rosic.features.access.revoke_lock import RevokeLockCommands
 from rosic.features.access.roles import RoleCommands
 from rosic.features.access.second_factor import SecondFactorCommands
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 
 if TYPE_CHECKING:
+    from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.confirmation import Confirmation
-    from rosic.gateway.office import CommandContext, CommandRegistry
 
 
 class AccessCommands(msgspec.Struct, frozen=True):
-    """Everybody who does errands about people."""
+    """Everybody who does commands about people."""
 
     about: AccountCommands
     admitting: ApprovalCommands
-    custody: RevokeLockCommands
+    revocation: RevokeLockCommands
     inviting: InviteCommands
     proving: SecondFactorCommands
     granting: GrantCommands | None = None
-    petitioning: AccessRequestCommands | None = None
+    request_commands: AccessRequestCommands | None = None
     rolemaking: RoleCommands | None = None
 
 
@@ -47,12 +47,12 @@ class Answers:
     def __init__(
         self,
         admitting: ApprovalCommands,
-        consent: Confirmation | None,
-        petitioning: AccessRequestCommands | None,
+        confirmation: Confirmation | None,
+        request_commands: AccessRequestCommands | None,
     ) -> None:
         self._admitting = admitting
-        self._consent = consent
-        self._petitioning = petitioning
+        self._confirmation = confirmation
+        self._request_commands = request_commands
 
     async def approve(self, asked: CommandContext) -> Reply:
         """Take a yes; without saying to whom, show what may be answered."""
@@ -68,9 +68,9 @@ class Answers:
 
     def _open(self, asked: CommandContext) -> Reply | None:
         """Return the rights that somebody is asked for, in private, where none was named."""
-        if asked.rest.strip() or not asked.private or self._petitioning is None:
+        if asked.rest.strip() or not asked.private or self._request_commands is None:
             return None
-        found = self._petitioning.questions(asked.caller.principal)[:MOST]
+        found = self._request_commands.questions(asked.caller.principal)[:MOST]
         if not found:
             return None
         lines = [joined("\n", (line, request_messages.answer_so(name))) for name, line, _ in found]
@@ -89,11 +89,11 @@ class Answers:
             NotUnderstood: Others read along.
         """
         said, by = asked.rest.strip(), asked.caller.principal
-        if self._consent is not None and self._consent.is_one(said):
+        if self._confirmation is not None and self._confirmation.is_one(said):
             return None
         found = self._admitting.questions(by, said)
-        if self._petitioning is not None:
-            found += self._petitioning.questions(by, said)
+        if self._request_commands is not None:
+            found += self._request_commands.questions(by, said)
         if len(found) < 2:  # noqa: PLR2004 - it is clear who is meant
             return None
         if not asked.private:
@@ -105,34 +105,38 @@ class Answers:
     def _asker(
         self, asked: CommandContext
     ) -> ApprovalCommands | Confirmation | AccessRequestCommands:
-        consent, petitioning, said = self._consent, self._petitioning, asked.rest.strip()
-        if consent is not None and consent.is_one(said):
-            return consent
+        confirmation, request_commands, said = (
+            self._confirmation,
+            self._request_commands,
+            asked.rest.strip(),
+        )
+        if confirmation is not None and confirmation.is_one(said):
+            return confirmation
         by = asked.caller.principal
-        if petitioning is None or self._admitting.questions(by, said):
+        if request_commands is None or self._admitting.questions(by, said):
             return self._admitting
-        return petitioning if petitioning.knows(by, said) else self._admitting
+        return request_commands if request_commands.knows(by, said) else self._admitting
 
 
-def hire(
-    office: CommandRegistry, clerks: AccessCommands, consent: Confirmation | None = None
+def register_access_commands(
+    commands: CommandRegistry, handlers: AccessCommands, confirmation: Confirmation | None = None
 ) -> None:
-    """Give each clerk their errands; yes and no are shared with whoever asks for consent."""
-    answers = Answers(clerks.admitting, consent, clerks.petitioning)
-    office.employ("me", clerks.about.me)
-    office.employ("people", clerks.about.people)
-    office.employ("security", clerks.about.security)
-    office.employ("approve", answers.approve)
-    office.employ("decline", answers.decline)
-    office.employ("revoke", clerks.custody.revoke)
-    office.employ("lock", clerks.custody.lock)
-    office.employ("unlock", clerks.custody.unlock)
-    office.employ("invite", clerks.inviting.invite)
-    office.employ("authenticator", clerks.proving.authenticator)
-    office.employ("code", clerks.proving.code)
-    if clerks.granting is not None:
-        office.employ("grant", clerks.granting.grant)
-    if clerks.petitioning is not None:
-        office.employ("ask", clerks.petitioning.ask)
-    if clerks.rolemaking is not None:
-        office.employ("role", clerks.rolemaking.role)
+    """Give each handler their commands; yes and no are shared with whoever asks for consent."""
+    answers = Answers(handlers.admitting, confirmation, handlers.request_commands)
+    commands.register("me", handlers.about.me)
+    commands.register("people", handlers.about.people)
+    commands.register("security", handlers.about.security)
+    commands.register("approve", answers.approve)
+    commands.register("decline", answers.decline)
+    commands.register("revoke", handlers.revocation.revoke)
+    commands.register("lock", handlers.revocation.lock)
+    commands.register("unlock", handlers.revocation.unlock)
+    commands.register("invite", handlers.inviting.invite)
+    commands.register("authenticator", handlers.proving.authenticator)
+    commands.register("code", handlers.proving.code)
+    if handlers.granting is not None:
+        commands.register("grant", handlers.granting.grant)
+    if handlers.request_commands is not None:
+        commands.register("ask", handlers.request_commands.ask)
+    if handlers.rolemaking is not None:
+        commands.register("role", handlers.rolemaking.role)

@@ -1,4 +1,4 @@
-"""What the clerks of people share, as the composition root made it."""
+"""What the handlers of people share, as the composition root made it."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ class AccessContext(msgspec.Struct, frozen=True, kw_only=True):
     enrolment: Enrolment
     keys: KeyRing
     locks: Locks
-    stepup: TwoFactor
+    two_factor: TwoFactor
     security: SecurityReports
-    roster: Grants
+    grants_book: Grants
     changes: Transactions
     reach: Notifier
     clock: Clock

@@ -21,7 +21,7 @@ from rosic.features.access.admin_policy import (
     sure,
 )
 from rosic.features.access.invite import read_grant
-from rosic.gateway.office import Reply, check_private
+from rosic.gateway.commands import Reply, check_private
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.calendar_messages import moment
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from rosic.core.records import Record
     from rosic.features.access.admin_policy import AdminPolicy
     from rosic.features.access.context import AccessContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
     from rosic.organiser.timezones import Zone
 
 BACK = "back"
@@ -91,7 +91,7 @@ class GrantCommands:
                 id=next(ids), scopes=given.scopes, limits=given.limits, expires_ns=until_ns
             )
             grants = (*grants, bare)
-        return grants, self._registry.roster.give(principal, grants, by)
+        return grants, self._registry.grants_book.give(principal, grants, by)
 
     # ---- giving ----
 
@@ -212,13 +212,13 @@ class GrantCommands:
 
     async def _take_back(self, by: PrincipalId, ids: list[str]) -> Reply:
         async with self._registry.changes.turn() as turn:
-            held = [one for one in map(self._registry.roster.holder, ids) if one is not None]
+            held = [one for one in map(self._registry.grants_book.holder, ids) if one is not None]
             if not held:
                 raise Expired(request_messages.gone())
             principal, grants = held[0][0], tuple(grant for _, grant in held)
             if by not in self._powers.givers_of(grants, besides=principal):
                 raise NotPermitted(request_messages.not_yours(self._powers.helpers(by)))
-            records = [self._registry.roster.take_one(principal, g.id, by) for g in grants]
+            records = [self._registry.grants_book.take_one(principal, g.id, by) for g in grants]
             await turn.act(record for some in records for record in some)
         name, who = self._registry.name(by), self._registry.name(principal)
         told = request_messages.was_taken(name, self.said(grants, principal))

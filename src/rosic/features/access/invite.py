@@ -28,7 +28,7 @@ from rosic.features.access import messages, request_messages, roles_messages
 from rosic.features.access.admin_policy import INVITE, PEOPLE
 from rosic.features.access.limit_line import limit_typed
 from rosic.features.access.roles import MAY, can_be_a_role
-from rosic.gateway.office import Reply, check_length, check_private
+from rosic.gateway.commands import Reply, check_length, check_private
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from rosic.core.secret import Secret
     from rosic.features.access.admin_policy import AdminPolicy
     from rosic.features.access.context import AccessContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 LONGEST_LINE = 300
 LENGTH_WORDS = 4

@@ -18,7 +18,7 @@ from rosic.features.access import messages as words
 from rosic.features.access.admin_policy import PEOPLE
 from rosic.features.access.invite import INVITATION
 from rosic.features.access.newcomer_chat import OfferedInvitation
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -52,7 +52,7 @@ class JoinHandler:
         registry: Who knows people.
         powers: Who is to be told.
         admitting: Who asks the admins.
-        doorstep: Whose buttons these are.
+        newcomer_chat: Whose buttons these are.
         shown_as: How the messenger shows the sender; empty if it does not say.
         names_robot: Whether a text alone means a robot here, however much it looks like a code.
     """
@@ -62,7 +62,7 @@ class JoinHandler:
         registry: AccessContext,
         powers: AdminPolicy,
         admitting: ApprovalCommands,
-        doorstep: NewcomerChat,
+        newcomer_chat: NewcomerChat,
         *,
         shown_as: Callable[[Inbound], str] = lambda _: "",
         names_robot: Callable[[str], bool] = lambda _: False,
@@ -71,7 +71,7 @@ class JoinHandler:
         self._enrolment: Enrolment = registry.enrolment
         self._powers = powers
         self._admitting = admitting
-        self._doorstep = doorstep
+        self._newcomer_chat = newcomer_chat
         self._shown_as = shown_as
         self._names_robot = names_robot
         self._answers = Bucket(ANSWERS, registry.clock.monotonic_ns())
@@ -88,7 +88,7 @@ class JoinHandler:
             Refusal: Why not; nothing has changed.
         """
         if inbound.nonce is not None:
-            known = self._doorstep.knows(inbound.nonce)
+            known = self._newcomer_chat.knows(inbound.nonce)
             return await self._tapped(messenger, inbound) if known else None
         private = inbound.chat.kind is ChatKind.PRIVATE
         if private and inbound.standing is not Standing.FRESH:
@@ -126,7 +126,7 @@ class JoinHandler:
                 inbound.message,
             )
         shown = words.invited(what, messenger.platform, messenger.assurance)
-        return Reply(shown, self._doorstep.offer(inbound, offered))
+        return Reply(shown, self._newcomer_chat.offer(inbound, offered))
 
     async def _in_group(self, messenger: Messenger, inbound: Inbound, text: str) -> Reply | None:
         """Burn every good code that a group was shown, and say the same about one that is none.
@@ -202,9 +202,9 @@ class JoinHandler:
 
     async def _tapped(self, messenger: Messenger, inbound: Inbound) -> Reply:
         nonce = inbound.nonce or ""
-        settled = self._doorstep.is_settled(nonce)
+        settled = self._newcomer_chat.is_settled(nonce)
         try:
-            tapped = self._doorstep.redeem(inbound)
+            tapped = self._newcomer_chat.redeem(inbound)
         except Refusal as refusal:
             await messenger.answer_tap(inbound, words.ANSWERED if settled else refusal.sentence)
             if settled or not isinstance(refusal, Expired):

@@ -69,14 +69,14 @@ class NewcomerChat:
 
     def __init__(
         self,
-        teller: ChatSender,
+        chat_sender: ChatSender,
         messengers: Iterable[Messenger],
         clock: Clock,
         entropy: Entropy,
         *,
         count: Callable[[str], None],
     ) -> None:
-        self._teller = teller
+        self._chat_sender = chat_sender
         self._messengers = tuple(messengers)
         self._buttons = ButtonTokens(clock, entropy, at_most=2 * OFFERED_AT_MOST, count=count)
         self._offered: OrderedDict[str, OfferedInvitation] = OrderedDict()
@@ -125,10 +125,10 @@ class NewcomerChat:
     def tell(self, address: Address, text: str) -> None:
         """Tell something in the private chat of an address, if its platform has one."""
         chat = Chat(address.platform, address.account)
-        plain = in_language(text, self._teller.languages.of_address(address))
+        plain = in_language(text, self._chat_sender.languages.of_address(address))
         for messenger in self._messengers:
             if messenger.platform == address.platform:
-                self._teller.say(OutgoingMessage(messenger, Outbound(chat=chat, text=plain)))
+                self._chat_sender.say(OutgoingMessage(messenger, Outbound(chat=chat, text=plain)))
 
 
 def stand_in(address: Address) -> PrincipalId:

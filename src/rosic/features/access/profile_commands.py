@@ -11,7 +11,7 @@ from rosic.core.policy.scope import FLEET, RESUME
 from rosic.features.access import access_messages, messages
 from rosic.features.access.admin_policy import PEOPLE
 from rosic.features.access.approve import buttons_for
-from rosic.gateway.office import Reply, check_private
+from rosic.gateway.commands import Reply, check_private
 from rosic.organiser.calendar_messages import moment
 from rosic.organiser.refusals import bound_of
 from rosic.organiser.timezones import UNIVERSAL, zone_named
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosic.features.access.admin_policy import AdminPolicy
     from rosic.features.access.approve import ApprovalCommands
     from rosic.features.access.context import AccessContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
     from rosic.organiser.timezones import Zone
 
 MOST_LINES = 30
@@ -49,7 +49,7 @@ class AccountCommands:
         shown: Returns how a robot is shown.
 
     Attributes:
-        petitioning: Knows who has asked for a right; None: nobody can here.
+        request_commands: Knows who has asked for a right; None: nobody can here.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class AccountCommands:
         self._slots = slots
         self._zone_of = zone_of
         self._shown = shown
-        self.petitioning: AccessRequestCommands | None = None
+        self.request_commands: AccessRequestCommands | None = None
 
     # ---- myself ----
 
@@ -86,7 +86,7 @@ class AccountCommands:
         lines += self._robots(principal)
         lines += self._key(principal)
         lines.append(self._phone(asked))
-        lines += () if self.petitioning is None else self.petitioning.own(principal)
+        lines += () if self.request_commands is None else self.request_commands.own(principal)
         slots = self._slots(principal)
         if slots is not None:
             lines += messages.next_times(slots)
@@ -146,10 +146,10 @@ class AccountCommands:
         return [messages.access_until(moment(ends_ns, now_ns, self._zone_of(principal)))]
 
     def _phone(self, asked: CommandContext) -> str:
-        principal, stepup = asked.caller.principal, self._registry.stepup
-        if not stepup.is_set_up(principal):
+        principal, two_factor = asked.caller.principal, self._registry.two_factor
+        if not two_factor.is_set_up(principal):
             return access_messages.NO_PHONE
-        fresh = stepup.fresh(principal, asked.inbound.chat)
+        fresh = two_factor.fresh(principal, asked.inbound.chat)
         return access_messages.PHONE_PROVEN if fresh else access_messages.PHONE_SET_UP
 
     # ---- everybody ----
@@ -176,7 +176,9 @@ class AccountCommands:
             messages.waits(a.name, a.pending.given.words, a.words) for a in waiting[:MOST_LINES]
         ]
         rows = [buttons_for(a, a.name) for a in waiting]
-        for _, line, row in () if self.petitioning is None else self.petitioning.questions(by):
+        for _, line, row in (
+            () if self.request_commands is None else self.request_commands.questions(by)
+        ):
             lines.append(line)
             rows.append(row)
         return Reply(_cut(lines), tuple(rows[:MOST_BUTTONS]))

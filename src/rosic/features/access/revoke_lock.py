@@ -16,7 +16,7 @@ from rosic.core.records import Fact
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access import access_messages, messages
 from rosic.features.access.admin_policy import BY_ID, LOCK, PEOPLE, PersonNames, asked_again, sure
-from rosic.gateway.office import Reply, check_private
+from rosic.gateway.commands import Reply, check_private
 from rosic.gateway.replies import LEAVE
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rosic.core.records import Record
     from rosic.features.access.admin_policy import AdminPolicy
     from rosic.features.access.context import AccessContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 
 # ---- ``/revoke``, ``/lock`` and ``/unlock`` ----
@@ -97,7 +97,7 @@ class RevokeLockCommands:
             *_all(enrolment.invitations.withdraw(i.id, by) for i in made),
             *_all(enrolment.decline(a.pending.id, by, may_admit=True).records for a in asked),
             *self._registry.ahead(person.id),
-            *self._registry.roster.take(person.id, by),
+            *self._registry.grants_book.take(person.id, by),
             *_all(keys.revoke(key.id, by).records for key in good),
         )
 

@@ -17,7 +17,7 @@ from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access import messages, request_messages, roles_messages
 from rosic.features.access.admin_policy import FOR_GOOD_NS, asked_again, sure
 from rosic.features.access.limit_line import limit_typed
-from rosic.gateway.office import Reply, check_length, check_private
+from rosic.gateway.commands import Reply, check_length, check_private
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.roles import MOST_ROLES
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rosic.core.policy.scope import Fleet
     from rosic.features.access.admin_policy import AdminPolicy
     from rosic.features.access.context import AccessContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
     from rosic.organiser.roles import CustomRoles
 
 

@@ -13,13 +13,13 @@ from rosic.errors import RecordUnavailable
 from rosic.features.access import access_messages
 from rosic.features.access.admin_policy import PEOPLE, PersonNames
 from rosic.features.access.invite import TERMINAL, qr_picture
-from rosic.gateway.office import Reply, check_private
+from rosic.gateway.commands import Reply, check_private
 
 if TYPE_CHECKING:
     from rosic.core.identity import Principal
     from rosic.features.access.admin_policy import AdminPolicy
     from rosic.features.access.context import AccessContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 RESET = "reset"
 AUTHENTICATOR = "authenticator"
@@ -32,7 +32,7 @@ class SecondFactorCommands:
     def __init__(self, registry: AccessContext, powers: AdminPolicy) -> None:
         self._registry = registry
         self._powers = powers
-        self._stepup = registry.stepup
+        self._two_factor = registry.two_factor
         self._names = PersonNames(registry)
 
     async def authenticator(self, asked: CommandContext) -> Reply:
@@ -46,7 +46,7 @@ class SecondFactorCommands:
             return await self._reset(asked, rest.strip())
         caller = asked.caller
         self._powers.check_not_locked(caller.principal)
-        setup = self._stepup.begin(caller.principal, caller.name, asked.inbound.chat)
+        setup = self._two_factor.begin(caller.principal, caller.name, asked.inbound.chat)
         uri = setup.uri.reveal()
         lines = [access_messages.set_up(uri, setup.key.reveal())]
         if asked.messenger.platform == TERMINAL:
@@ -71,18 +71,18 @@ class SecondFactorCommands:
             Refusal: Not six digits, wrong, used before, too many wrong ones, or no phone.
         """
         principal, chat, digits = asked.caller.principal, asked.inbound.chat, asked.rest
-        finishes = asked.private and self._stepup.is_setting_up(principal)
+        finishes = asked.private and self._two_factor.is_setting_up(principal)
         if asked.inbound.nonce is None:  # it was typed: right or wrong, it is not left lying about
             self._registry.retracting.now(asked.messenger, chat, asked.inbound.message)
         async with self._registry.changes.turn() as turn:
             self._powers.check_not_locked(principal)
-            take = self._stepup.finish if finishes else self._stepup.prove
+            take = self._two_factor.finish if finishes else self._two_factor.prove
             proof = take(principal, chat, digits)
             try:
                 await turn.write(proof.records)
             except RecordUnavailable as fault:
                 raise RecordUnavailable(keys_messages.CODE_NOT_WRITTEN) from fault
-            self._stepup.admit(proof)
+            self._two_factor.admit(proof)
         return Reply(proof.sentence)
 
     async def _reset(self, asked: CommandContext, said: str) -> Reply:
@@ -96,11 +96,11 @@ class SecondFactorCommands:
             return found
         async with self._registry.changes.turn() as turn:
             self._powers.check(by, PEOPLE)
-            await turn.write(self._stepup.reset(found.id, by))
+            await turn.write(self._two_factor.reset(found.id, by))
         self._registry.reach.tell(
             (found.id,), access_messages.your_phone_was_reset(self._registry.name(by))
         )
         return Reply(access_messages.phone_reset(found.name))
 
     def _has_phone(self, person: Principal) -> bool:
-        return self._stepup.is_set_up(person.id)
+        return self._two_factor.is_set_up(person.id)

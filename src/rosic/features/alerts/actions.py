@@ -156,7 +156,7 @@ class AlertActions:
         """Let a robot come to rest without latching anything; its task waits, if it has one."""
         why = words.paused(rule)
         if self.tasks is None or not await self.tasks.pause(rule.robot, author, why):
-            await self._hands.lives.cut(rule.robot, why)
+            await self._hands.executor.cut(rule.robot, why)
 
     async def _reallocate(self, rule: AlertRule, author: PrincipalId) -> None:
         if self.tasks is None:
@@ -223,9 +223,9 @@ class AlertActions:
         [order] = await self._rooms.container.prepare(permits, [request], origin)
         card = OrderMessage(messenger, chat, "", caller.principal, hands.face)
         card.buttons = words.stop_button(rule.robot)
-        catalogue = hands.teller.languages.of(caller.principal)
+        catalogue = hands.chat_sender.languages.of(caller.principal)
         card.after = hands.ends[rule.robot, request.text, catalogue]
         titled = str(words.order_title(f"{shown}: {order.words}", rule))
         life = card.add(order.cid, shown, titled, self._clock.wall_ns())
-        hands.lives.begin(order, AutomatedRequester(caller), card, life)
-        hands.teller.show(card)
+        hands.executor.begin(order, AutomatedRequester(caller), card, life)
+        hands.chat_sender.show(card)

@@ -15,12 +15,12 @@ from rosic.core.messages import no_robot
 from rosic.core.records import Decided
 from rosic.core.time_units import DAY_S, HOUR_S
 from rosic.errors import MessengerFault, NotPermitted, NotUnderstood, OutOfBounds
-from rosic.features.alerts import gathered_messages
+from rosic.features.alerts import grouped_messages
 from rosic.features.alerts import messages as words
 from rosic.features.alerts.active_alerts import Silence
 from rosic.features.alerts.evaluator import LISTED_AT_MOST
 from rosic.features.alerts.notifications import MANY
-from rosic.gateway.office import Reply, check_length
+from rosic.gateway.commands import Reply, check_length
 
 if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator, Sequence
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from rosic.core.message import Reaction
     from rosic.core.robot.profile import RobotId
     from rosic.features.alerts.evaluator import ActiveRule, AlertEvaluator
+    from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
-    from rosic.gateway.office import CommandContext, CommandRegistry
     from rosic.gateway.transactions import Transactions
 
 
@@ -62,12 +62,12 @@ class AlertCommands:
         self._rooms = rooms
         self._changes = changes
 
-    def employ(self, office: CommandRegistry) -> None:
-        """Take the errands."""
-        office.employ("alerts", self.list)
-        office.employ("seen", self.seen)
-        office.employ("mute", self.mute)
-        office.employ("unmute", self.unmute)
+    def register(self, commands: CommandRegistry) -> None:
+        """Take the commands."""
+        commands.register("alerts", self.list)
+        commands.register("seen", self.seen)
+        commands.register("mute", self.mute)
+        commands.register("unmute", self.unmute)
 
     async def list(self, asked: CommandContext) -> Reply:
         """Show what is open and what is muted, on every robot one may see, or on one.
@@ -102,12 +102,12 @@ class AlertCommands:
         """
         rules, shown = [following.rule for following in opened], self._alerting.shown
         if every:
-            lines = gathered_messages.lines(rules, shown, named=len(rules), most=len(rules))
+            lines = grouped_messages.lines(rules, shown, named=len(rules), most=len(rules))
             return Reply(joined("\n", [*lines, *muted]))
         unseen = any(f.unseen and self._answers(who, f.rule.robot) for f in opened)
-        see = (Button(gathered_messages.SEEN_ALL, "/seen"),) if unseen else ()
-        row = (*see, Button(gathered_messages.SHOW_ALL, f"/alerts {ALL}"))
-        return Reply(gathered_messages.alarms(rules, shown), (row,))
+        see = (Button(grouped_messages.SEEN_ALL, "/seen"),) if unseen else ()
+        row = (*see, Button(grouped_messages.SHOW_ALL, f"/alerts {ALL}"))
+        return Reply(grouped_messages.alarms(rules, shown), (row,))
 
     def _muted(self, who: PrincipalId, rules: Iterable[ActiveRule]) -> Iterator[str]:
         now_ns = self._rooms.organiser.wall_ns()
@@ -243,7 +243,7 @@ class AlertCommands:
         """Return which alarms of a message of many are theirs to answer."""
         told = self._alerting.telling.list_of(key)
         if not told:
-            raise NotUnderstood(gathered_messages.forgotten())
+            raise NotUnderstood(grouped_messages.forgotten())
         seen = self._visible(who)
         return [
             following

@@ -13,7 +13,7 @@ from rosic.core.alerts.state import AlertEvent, AlertWatch
 from rosic.core.records import Decided
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import Refusal, RosicError
-from rosic.features.alerts import gathered_messages
+from rosic.features.alerts import grouped_messages
 from rosic.features.alerts import messages as words
 from rosic.features.alerts.active_alerts import ActiveAlert, Alarm, unpacked
 from rosic.features.alerts.notifications import AlertNotifications
@@ -130,11 +130,11 @@ class AlertEvaluator:
             running: Gives their orders.
         """
         self._running = running
-        self.enlist(rules, lines)
+        self.add_robot(rules, lines)
         known = self._by_key
         self.write([self.book.cleared(key) for key in self.book.alarms if key not in known])
 
-    def enlist(self, rules: Iterable[AlertRule], lines: Mapping[str, Do | None]) -> None:
+    def add_robot(self, rules: Iterable[AlertRule], lines: Mapping[str, Do | None]) -> None:
         """Follow more rules, from the next round on; see `follow`."""
         self._lines.update(lines)
         now_ns = self._clock.monotonic_ns()
@@ -281,7 +281,7 @@ class AlertEvaluator:
         """Return what somebody reads who has seen these; at least one."""
         rules = [following.rule for following in fresh]
         if len(rules) > LISTED_AT_MOST:
-            return gathered_messages.you_saw(rules, self.shown)
+            return grouped_messages.you_saw(rules, self.shown)
         return words.you_saw([words.one(rule, self.shown(rule), "", "") for rule in rules])
 
     def seen_before(self, following: ActiveRule) -> str:

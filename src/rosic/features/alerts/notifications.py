@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.core.message import Button
 from rosic.core.robot.alert_config import Severity
 from rosic.core.time_units import DAY_S
-from rosic.features.alerts import gathered_messages
+from rosic.features.alerts import grouped_messages
 from rosic.features.alerts import messages as words
 from rosic.features.alerts.active_alerts import AlertMessages, packed
 from rosic.features.alerts.recipients import AlertGrouping, AlertNews, NewsKind
@@ -53,7 +53,7 @@ class AlertNotifications:
         self._reach = reach
         self._clock = clock
         self._circles = circles
-        self._gathering = AlertGrouping()
+        self._grouping = AlertGrouping()
         self._lists: OrderedDict[str, tuple[ActiveAlert, ...]] = OrderedDict()
         self._number = 0
 
@@ -61,7 +61,7 @@ class AlertNotifications:
         """Tell those of them who may see the robot: at once, or with what else there is."""
         now_ns = self._clock.monotonic_ns()
         hearing = [who for who in people if self._circles.may_hear(who, news.rule.robot)]
-        at_once = [who for who in hearing if self._gathering.alone(who, news, now_ns)]
+        at_once = [who for who in hearing if self._grouping.alone(who, news, now_ns)]
         if not at_once:
             return
         if news.occurrence is None:
@@ -71,12 +71,12 @@ class AlertNotifications:
 
     def look(self) -> None:
         """Tell what was gathered for everybody whose window has ended."""
-        for who, gathered in self._gathering.due(self._clock.monotonic_ns()):
+        for who, gathered in self._grouping.due(self._clock.monotonic_ns()):
             self._gathered(who, gathered)
 
     def close(self) -> None:
         """Tell what was gathered, now."""
-        for who, gathered in self._gathering.rest():
+        for who, gathered in self._grouping.rest():
             self._gathered(who, gathered)
 
     def list_of(self, key: str) -> tuple[ActiveAlert, ...]:
@@ -156,15 +156,15 @@ class AlertNotifications:
             return
         rules = [news.rule for news in some]
         told = tuple(news.occurrence for news in some if news.occurrence is not None)
-        text, row = gathered_messages.alarms(rules, self.shown), self._row_of_many(who, rules, told)
+        text, row = grouped_messages.alarms(rules, self.shown), self._row_of_many(who, rules, told)
         self._reach.give((who,), self._notice(text, rules, told, row))
 
     def _row_of_many(
         self, who: PrincipalId, rules: Sequence[AlertRule], told: tuple[ActiveAlert, ...]
     ) -> tuple[Button, ...]:
-        show = Button(gathered_messages.SHOW_ALL, "/alerts all")
+        show = Button(grouped_messages.SHOW_ALL, "/alerts all")
         if any(self._circles.may_acknowledge(who, rule.robot) for rule in rules):
-            return Button(gathered_messages.SEEN_ALL, f"/seen {self._listed(told)}"), show
+            return Button(grouped_messages.SEEN_ALL, f"/seen {self._listed(told)}"), show
         return (show,)
 
     def _landed(
@@ -178,14 +178,14 @@ class AlertNotifications:
         if len(some) > 1 and sort is NewsKind.SEEN:
             for name in dict.fromkeys(news.by for news in some):
                 theirs = [news.rule for news in some if news.by == name]
-                self._reach.tell((who,), gathered_messages.seen(name, theirs, self.shown))
+                self._reach.tell((who,), grouped_messages.seen(name, theirs, self.shown))
             return
         if len(some) > 1:
             over = sort is NewsKind.OVER
             text = (
-                gathered_messages.over(rules, self.shown)
+                grouped_messages.over(rules, self.shown)
                 if over
-                else gathered_messages.notes(some, self.shown)
+                else grouped_messages.notes(some, self.shown)
             )
         self._reach.tell((who,), text, urgent=any(map(is_urgent, rules)))
 

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import joined
 from rosic.features.benchmarks import messages as words
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 
 if TYPE_CHECKING:
     from rosic.core.order_status import Face
     from rosic.core.robot.profile import RobotId
     from rosic.features.benchmarks.evaluation import BenchmarkEvaluation
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.components import Components
-    from rosic.gateway.office import CommandContext
     from rosic.gateway.robot_argument import RobotArgument
 
 

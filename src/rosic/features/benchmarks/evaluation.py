@@ -73,7 +73,7 @@ class BenchmarkEvaluation:
         self._benched: set[RobotId] = set()
         self._show: Callable[[], None] = _nowhere
 
-    def enlist(self, profile: Profile) -> None:
+    def add_robot(self, profile: Profile) -> None:
         """Hold a robot against its benchmarks, if it has any."""
         if profile.benchmarked:
             self._benched.add(profile.id)
@@ -200,12 +200,12 @@ def _nowhere() -> None:
     return None
 
 
-def follow(lives: OrderExecutor, watcher: OrderWatcher) -> None:
+def follow(executor: OrderExecutor, watcher: OrderWatcher) -> None:
     """Let somebody follow what robots do; whoever does so already is not told twice."""
-    there = lives.watch
+    there = executor.watch
     if there is watcher or (isinstance(there, BothWatchers) and watcher in there.both):
         return
-    lives.watch = watcher if there is None else BothWatchers(there, watcher)
+    executor.watch = watcher if there is None else BothWatchers(there, watcher)
 
 
 def _number(presence: Presence, name: str) -> float | None:

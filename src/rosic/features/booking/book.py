@@ -17,7 +17,7 @@ from rosic.core.time_units import MINUTE_NS, SECOND_NS
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 from rosic.features.booking import messages as words
 from rosic.features.booking.context import decided
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_conflicts import SlotTaken
 from rosic.organiser.calendar_messages import moment
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rosic.core.records import Fact
     from rosic.core.robot.profile import RobotId
     from rosic.features.booking.context import BookingContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.transactions import UnitOfWork
     from rosic.organiser.timezones import Zone
 
@@ -39,7 +39,7 @@ WHERE_FREE = ("where", "free")
 
 
 class BookCommand:
-    """The clerk who books."""
+    """The handler who books."""
 
     def __init__(self, times: BookingContext) -> None:
         self._times = times

@@ -15,7 +15,7 @@ from rosic.errors import NotUnderstood
 from rosic.features.booking import messages as words
 from rosic.features.booking.context import decided
 from rosic.features.booking.messages import CANCEL
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_messages import no_such_time
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.core.slot import BookedSlot
     from rosic.features.booking.context import BookingContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 MOST_LISTED = 8
 
@@ -41,7 +41,7 @@ _ID = re.compile(r"[0-9a-f]{8,}\Z")
 
 
 class CancelBookingCommand:
-    """The clerk who takes times back."""
+    """The handler who takes times back."""
 
     def __init__(self, times: BookingContext) -> None:
         self._times = times

@@ -1,4 +1,4 @@
-"""Who does which errand about times."""
+"""Who does which command about times."""
 
 from __future__ import annotations
 
@@ -15,14 +15,16 @@ from rosic.gateway.cancel import BOOKING
 if TYPE_CHECKING:
     from rosic.features.booking.context import BookingContext
     from rosic.features.booking.scheduler import BookingScheduler
-    from rosic.gateway.office import CommandRegistry
+    from rosic.gateway.commands import CommandRegistry
 
 
-def employ_clerks(office: CommandRegistry, times: BookingContext, keeper: BookingScheduler) -> None:
+def register_commands(
+    commands: CommandRegistry, times: BookingContext, scheduler: BookingScheduler
+) -> None:
     """Let ``book``, ``slots``, ``cancel booking``, ``wait``, ``wish`` and ``plan`` be done."""
-    office.employ("book", BookCommand(times).book)
-    office.employ("slots", SlotListing(times).show)
-    office.employ(BOOKING, CancelBookingCommand(times).cancel)
-    office.employ("wait", QueueCommands(times, keeper).wait)
-    office.employ("wish", WishCommand(times).wish)
-    office.employ("plan", PlanCommand(times).plan)
+    commands.register("book", BookCommand(times).book)
+    commands.register("slots", SlotListing(times).show)
+    commands.register(BOOKING, CancelBookingCommand(times).cancel)
+    commands.register("wait", QueueCommands(times, scheduler).wait)
+    commands.register("wish", WishCommand(times).wish)
+    commands.register("plan", PlanCommand(times).plan)

@@ -1,4 +1,4 @@
-"""What the clerks and the keeper of times work with, as the composition root made it."""
+"""What the handlers and the keeper of times work with, as the composition root made it."""
 
 from __future__ import annotations
 

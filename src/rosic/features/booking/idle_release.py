@@ -11,8 +11,8 @@ from rosic.core.identity import OPERATOR
 from rosic.core.message import Button
 from rosic.core.slot import SlotId
 from rosic.core.time_units import SECOND_NS
-from rosic.features.booking import keeper_messages
 from rosic.features.booking import messages as words
+from rosic.features.booking import scheduler_messages
 from rosic.features.booking.context import decided
 from rosic.organiser.calendar_messages import moment
 
@@ -106,7 +106,7 @@ class IdleSlotRelease:
     def _ask(self, slot: BookedSlot, watch: WatchedSlot, now_ns: int) -> None:
         times = self._times
         idle_s, notice_s = (now_ns - watch.since_ns) / SECOND_NS, self._notice_ns / SECOND_NS
-        given = keeper_messages.unused(times.shown(slot.robot), idle_s, notice_s)
+        given = scheduler_messages.unused(times.shown(slot.robot), idle_s, notice_s)
         keep = Button(said("Keep it"), f"/wait keep {slot.robot}")
         give = Button(said("Give it back"), f"{words.CANCEL} only {slot.id}")
         times.reach.tell((slot.principal,), given, ((keep, give),), lifetime_s=notice_s)
@@ -123,7 +123,7 @@ class IdleSlotRelease:
             # As whatever takes rights away it waits for no disk.
             await turn.act(decided("release", OPERATOR, times.clock.wall_ns(), facts))
         self._watches.pop(slot.robot, None)
-        times.reach.tell((slot.principal,), keeper_messages.taken_back(times.shown(slot.robot)))
+        times.reach.tell((slot.principal,), scheduler_messages.taken_back(times.shown(slot.robot)))
         return True
 
     async def _release(self, slot: BookedSlot) -> None:
@@ -136,5 +136,5 @@ class IdleSlotRelease:
         self._watches.pop(slot.robot, None)
         zone = times.sides.zone_of(slot.principal)
         until = moment(slot.end_ns, times.clock.wall_ns(), zone)
-        said = keeper_messages.released(times.shown(slot.robot), until)
+        said = scheduler_messages.released(times.shown(slot.robot), until)
         times.reach.tell((slot.principal,), said)

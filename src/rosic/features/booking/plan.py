@@ -13,9 +13,9 @@ from rosic.core.i18n import joined, said
 from rosic.core.identity import RECORD_ID_BYTES
 from rosic.core.message import Button
 from rosic.errors import NotPermitted, Refusal, TooManyRequests
-from rosic.features.booking import scheduler_messages as words
+from rosic.features.booking import plan_messages as words
 from rosic.features.booking.context import decided
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.organiser.planning.figures import figures_of
 from rosic.organiser.planning.greedy import first_come_first_served
 from rosic.organiser.planning.problem import Booked, PlanCaveat, PlanningProblem
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rosic.core.records import Fact, Record
     from rosic.core.robot.profile import RobotId
     from rosic.features.booking.context import BookingContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
     from rosic.organiser.planning.problem import Allocation, Proposal
     from rosic.organiser.planning.wishes import Wished
 
@@ -45,7 +45,7 @@ class WeighedProposal(NamedTuple):
 
 
 class PlanCommand:
-    """The clerk who makes plans. What is proposed lives in memory: after a restart, anew."""
+    """The handler who makes plans. What is proposed lives in memory: after a restart, anew."""
 
     def __init__(self, times: BookingContext) -> None:
         self._times = times

@@ -12,7 +12,7 @@ from rosic.core.time_units import MINUTE_NS
 from rosic.errors import NotPermitted, NotUnderstood, RobotTaken
 from rosic.features.booking import messages as words
 from rosic.features.booking.context import decided
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_messages import moment
 from rosic.organiser.wait_queue import your_place
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.features.booking.context import BookingContext
     from rosic.features.booking.scheduler import BookingScheduler
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 # Said by buttons, with a robot after them.
 TAKE, KEEP = "take", "keep"
@@ -34,12 +34,12 @@ _SOON_NS = MINUTE_NS
 
 
 class QueueCommands:
-    """The clerk who keeps queues."""
+    """The handler who keeps queues."""
 
-    def __init__(self, times: BookingContext, keeper: BookingScheduler) -> None:
+    def __init__(self, times: BookingContext, scheduler: BookingScheduler) -> None:
         self._times = times
-        self._keeper = keeper
-        self._vacancy = keeper.vacancy
+        self._scheduler = scheduler
+        self._vacancy = scheduler.vacancy
         self._naming = RobotArgument(times)
 
     async def wait(self, asked: CommandContext) -> Reply:
@@ -172,6 +172,6 @@ class QueueCommands:
     async def _keep(self, asked: CommandContext, text: str) -> Reply:
         robot, _ = self._naming.robot(asked, "wait", text)
         shown = self._times.shown(robot)
-        if not self._keeper.keep(asked.caller.principal, robot):
+        if not self._scheduler.keep(asked.caller.principal, robot):
             raise NotPermitted(words.not_yours_now(shown), offers=(f"wait {robot}",))
         return Reply(words.kept(shown))

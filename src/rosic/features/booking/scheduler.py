@@ -10,8 +10,8 @@ from rosic.core.i18n import said
 from rosic.core.message import Button
 from rosic.core.time_units import MINUTE_NS, SECOND_NS
 from rosic.errors import Refusal
-from rosic.features.booking import keeper_messages
 from rosic.features.booking import messages as words
+from rosic.features.booking import scheduler_messages
 from rosic.features.booking.idle_release import IdleSlotRelease
 from rosic.features.booking.slots import Availability
 from rosic.features.booking.turn_offer import TurnOffers
@@ -118,7 +118,7 @@ class SlotEnd:
             except Exception:
                 log.exception("%s could not be handed over", robot)
             if not told:
-                said = keeper_messages.no_answer(self._times.shown(robot))
+                said = scheduler_messages.no_answer(self._times.shown(robot))
                 self._times.reach.tell((holder,), said, urgent=True)
                 told = True
             await self._times.clock.sleep(AGAIN_S)
@@ -129,10 +129,10 @@ class SlotEnd:
         times, shown = self._times, self._times.shown(robot)
         slot = self._vacancy.slot(robot)
         if reason == words.OVER or slot is None:
-            said = keeper_messages.ended(shown, at_rest=at_rest)
+            said = scheduler_messages.ended(shown, at_rest=at_rest)
         else:
             name = times.calendar.name_of(slot.principal)
-            said = keeper_messages.taken_over(shown, name, at_rest=at_rest)
+            said = scheduler_messages.taken_over(shown, name, at_rest=at_rest)
         times.reach.tell((holder,), said)
 
     def _tell_begins(self, robot: RobotId, before: PrincipalId) -> None:
@@ -143,7 +143,7 @@ class SlotEnd:
             zone = times.sides.zone_of(slot.principal)
             until = moment(slot.end_ns, times.clock.wall_ns(), zone)
             menu = Button(shown, f"/use {robot}")
-            times.reach.tell((slot.principal,), keeper_messages.begins(shown, until), ((menu,),))
+            times.reach.tell((slot.principal,), scheduler_messages.begins(shown, until), ((menu,),))
 
     def _tell_wait(self, robot: RobotId, before: PrincipalId) -> None:
         slot = self._vacancy.slot(robot)
@@ -154,13 +154,13 @@ class SlotEnd:
         """Tell an owner that their time has begun and the robot has not confirmed rest."""
         shown, barred = self._times.shown(slot.robot), self._times.sides.barred(slot.robot)
         if barred is not None:
-            said_so = keeper_messages.cannot_begin(shown, barred.sentence)
+            said_so = scheduler_messages.cannot_begin(shown, barred.sentence)
             self._times.reach.tell((slot.principal,), said_so)
             return
         resume = Button(said("Resume {shown}", shown=shown), f"/resume {slot.robot}")
         may = self._times.sides.may_resume(slot.principal, slot.robot)
         rows = ((resume,),) if may else ()
-        self._times.reach.tell((slot.principal,), keeper_messages.wait_for_rest(shown), rows)
+        self._times.reach.tell((slot.principal,), scheduler_messages.wait_for_rest(shown), rows)
 
     async def close(self) -> None:
         """Wait for what is under way, briefly, and let go of the rest."""
@@ -304,11 +304,11 @@ class BookingScheduler:
         shown, until = times.shown(slot.robot), self._moment(slot, slot.end_ns)
         holder = self.vacancy.holder(slot.robot)
         if holder not in {None, slot.principal}:
-            said = keeper_messages.begins_taken(shown, times.calendar.name_of(holder or ""))
+            said = scheduler_messages.begins_taken(shown, times.calendar.name_of(holder or ""))
             times.reach.tell((slot.principal,), said)
             return
         menu = Button(shown, f"/use {slot.robot}")
-        times.reach.tell((slot.principal,), keeper_messages.begins(shown, until), ((menu,),))
+        times.reach.tell((slot.principal,), scheduler_messages.begins(shown, until), ((menu,),))
 
     def _warn(self, slot: BookedSlot) -> None:
         """Say how long it goes on from now on, which after a pause is less than the bell says."""
@@ -317,7 +317,7 @@ class BookingScheduler:
         if following is not None and following.principal == slot.principal:
             return  # it goes on
         left_s = -(-(slot.end_ns - times.clock.wall_ns()) // SECOND_NS)
-        said = keeper_messages.ends_soon(
+        said = scheduler_messages.ends_soon(
             times.shown(slot.robot), left_s, self._moment(slot, slot.end_ns)
         )
         times.reach.tell((slot.principal,), said)

@@ -13,7 +13,7 @@ from rosic.core.robot.profile import RobotId, Slots
 from rosic.core.time_units import HOUR_S, MINUTES_A_DAY, SECOND_NS
 from rosic.errors import NotUnderstood
 from rosic.features.booking import messages as words
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_messages import bookable
 from rosic.organiser.ical import icalendar
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.slot import BookedSlot
     from rosic.features.booking.context import BookingContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
     from rosic.organiser.timezones import Zone
     from rosic.organiser.wait_queue import TurnOffer
 
@@ -37,7 +37,7 @@ _ENDS = ".,;:!?"
 
 
 class SlotListing:
-    """The clerk who shows times."""
+    """The handler who shows times."""
 
     def __init__(self, times: BookingContext) -> None:
         self._times = times

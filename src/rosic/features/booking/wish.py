@@ -15,8 +15,8 @@ from rosic.core.message import Button
 from rosic.core.robot.profile import Slots
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
-from rosic.features.booking import messages, scheduler_messages
-from rosic.gateway.office import Reply
+from rosic.features.booking import messages, plan_messages
+from rosic.gateway.commands import Reply
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_conflicts import SlotTaken
 from rosic.organiser.planning.problem import PRIORITIES
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rosic.core.language.time_parser import When
     from rosic.core.robot.profile import RobotId
     from rosic.features.booking.context import BookingContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 OFF = "off"
 _MOST_WORDS_OF_LENGTH = 4
@@ -38,7 +38,7 @@ _PRIORITY = re.compile(r"(?<![\s,])[\s,]+prio(?:rity|rität)?:? ?(\d{1,9})\Z", r
 
 
 class WishCommand:
-    """The clerk who puts wishes down."""
+    """The handler who puts wishes down."""
 
     def __init__(self, times: BookingContext) -> None:
         self._times = times
@@ -74,9 +74,9 @@ class WishCommand:
             await turn.write(facts)
         mine = times.wishes.of(principal)
         place = len(mine)
-        line = scheduler_messages.one(times, mine[-1], principal)
+        line = plan_messages.one(times, mine[-1], principal)
         button = Button(said("Take it back"), f"/wish {OFF} {place}")
-        return Reply(scheduler_messages.noted(line), ((button,),))
+        return Reply(plan_messages.noted(line), ((button,),))
 
     def _read(self, principal: PrincipalId, robot: RobotId, text: str) -> tuple[int, When]:
         """Return how long, and the window; the length is said before the window or after it."""
@@ -91,10 +91,10 @@ class WishCommand:
             when = read_when(" ".join(window), now_ns, zone.local)
             if not isinstance(when, Misunderstood):
                 if when.rrule:
-                    raise OutOfBounds(scheduler_messages.once_only())
+                    raise OutOfBounds(plan_messages.once_only())
                 return length_s, when
         offers = (f"wish {robot} 1h tomorrow 9:00 to 17:00", f"wish {robot} 30 min today 14-18")
-        raise NotUnderstood(scheduler_messages.how_to_wish(), offers=offers)
+        raise NotUnderstood(plan_messages.how_to_wish(), offers=offers)
 
     def _useful(self, principal: PrincipalId, robots: tuple[RobotId, ...]) -> tuple[RobotId, ...]:
         """Return those that can be booked by this person; refuse if there is none."""
@@ -116,20 +116,20 @@ class WishCommand:
     def _list(self, principal: PrincipalId) -> Reply:
         mine = self._times.wishes.of(principal)
         if not mine:
-            return Reply(scheduler_messages.no_wishes())
+            return Reply(plan_messages.no_wishes())
         lines = (
-            joined("", (f"{place}. ", scheduler_messages.one(self._times, wished, principal)))
+            joined("", (f"{place}. ", plan_messages.one(self._times, wished, principal)))
             for place, wished in enumerate(mine, 1)
         )
-        return Reply(joined("\n", (scheduler_messages.your_wishes(), *lines)))
+        return Reply(joined("\n", (plan_messages.your_wishes(), *lines)))
 
     async def _off(self, principal: PrincipalId, text: str) -> Reply:
         times = self._times
         async with times.changes.turn() as turn:
             wished, facts = times.wishes.off(principal, place_of(text))
-            line = scheduler_messages.one(times, wished, principal)
+            line = plan_messages.one(times, wished, principal)
             await turn.write(facts)
-        return Reply(scheduler_messages.taken_back(line))
+        return Reply(plan_messages.taken_back(line))
 
 
 def _priority(text: str) -> tuple[str, int]:

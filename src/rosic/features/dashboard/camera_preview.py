@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat
     from rosic.core.robot.profile import RobotId
     from rosic.features.dashboard.dashboard import Dashboard
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 Deliver: TypeAlias = Callable[[int, Outbound], Awaitable[None]]
 Issue: TypeAlias = "Callable[[Button, PrincipalId, str], Button]"

@@ -12,7 +12,7 @@ from rosic.core.message import Button
 from rosic.core.messages import NOTHING_VISIBLE
 from rosic.errors import NotUnderstood
 from rosic.features.dashboard import messages as words
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 
 if TYPE_CHECKING:
     from rosic.core.language import Vocabulary
@@ -20,18 +20,18 @@ if TYPE_CHECKING:
     from rosic.features.dashboard.dashboard import RobotSnapshots
     from rosic.features.dashboard.dashboards import Dashboards
     from rosic.features.dashboard.rendering import DashboardQueries
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 _ENDS = ".,;:!?"
 _BETWEEN = str.maketrans(",;", "  ")
 
 
 class DashboardCommands:
-    """The clerk of live cards.
+    """The handler of live cards.
 
     Args:
         live: The cards.
-        glimpses: Looks at what they show.
+        snapshots: Looks at what they show.
         vocabulary: Knows robots by name.
         sides: What the rooms know.
         verb: What asks for such a card.
@@ -40,13 +40,13 @@ class DashboardCommands:
     def __init__(
         self,
         live: Dashboards,
-        glimpses: RobotSnapshots,
+        snapshots: RobotSnapshots,
         vocabulary: Vocabulary,
         sides: DashboardQueries,
         verb: str = "card",
     ) -> None:
         self._live = live
-        self._glimpses = glimpses
+        self._snapshots = snapshots
         self._vocabulary = vocabulary
         self._sides = sides
         self._verb = verb
@@ -100,7 +100,7 @@ class DashboardCommands:
 
     def _once(self, asked: CommandContext, robots: tuple[RobotId, ...], named: str) -> Reply:
         """Show how it is now, where nothing that was shown can be changed: a terminal scrolls."""
-        self._glimpses.look(robots)
+        self._snapshots.look(robots)
         text = self._live.drawing.now(asked.inbound.chat, asked.caller.principal, robots)
         again = Button(words.LOOK_AGAIN, f"/{self._verb} {named}".rstrip())
         return Reply(text, ((again,),))

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from rosic.contracts.messenger import Messenger
     from rosic.core.order_status import Face
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.components import Components
-    from rosic.gateway.office import CommandContext
     from rosic.gateway.order_execution import OrderExecutor, RunningOrder
 
 
@@ -242,9 +242,9 @@ class RobotSnapshots:
         benchmark: Returns what is to be said of a robot against its benchmarks; None: nobody knows.
     """
 
-    def __init__(self, rooms: Components, lives: OrderExecutor, face: Face) -> None:
+    def __init__(self, rooms: Components, executor: OrderExecutor, face: Face) -> None:
         self._rooms = rooms
-        self._lives = lives
+        self._executor = executor
         self._face = face
         self.benchmark: Callable[[RobotId], str] | None = None
         self._seen: dict[RobotId, tuple[int, str]] = {}
@@ -252,11 +252,11 @@ class RobotSnapshots:
 
     def begin(self) -> None:
         """Follow orders from now on, those under way included."""
-        self._followed = self._lives.follow()
+        self._followed = self._executor.follow()
 
     def end(self) -> None:
         """Follow nothing any more."""
-        self._lives.leave_off()
+        self._executor.leave_off()
         self._followed = {}
 
     def look(self, robots: Iterable[RobotId]) -> None:

@@ -56,7 +56,7 @@ class Dashboards:
     """All of them; at most one a chat.
 
     Args:
-        glimpses: Looks at robots.
+        snapshots: Looks at robots.
         changes: Through which cards are written down.
         messengers: Through which chats are reached.
         clock: Of the gateway.
@@ -72,14 +72,14 @@ class Dashboards:
 
     def __init__(
         self,
-        glimpses: RobotSnapshots,
+        snapshots: RobotSnapshots,
         changes: Transactions,
         messengers: Iterable[Messenger],
         clock: Clock,
         sides: DashboardQueries,
     ) -> None:
-        self.drawing = DashboardRendering(glimpses, sides, clock)
-        self._glimpses = glimpses
+        self.drawing = DashboardRendering(snapshots, sides, clock)
+        self._snapshots = snapshots
         self._changes = changes
         self._messengers = {messenger.name: messenger for messenger in messengers}
         self._clock = clock
@@ -200,7 +200,7 @@ class Dashboards:
         if self.others is not None:
             self.others.run()
         if self._watching is None and self._all():
-            self._glimpses.begin()
+            self._snapshots.begin()
             self._watching = asyncio.create_task(self._watch())
         self.look()
 
@@ -208,7 +208,7 @@ class Dashboards:
         while self._all():
             await self._clock.sleep(LOOK_S)
             self.look()
-        self._glimpses.end()
+        self._snapshots.end()
         self._watching = None
 
     async def close(self) -> None:
@@ -231,7 +231,7 @@ class Dashboards:
         if not self._running or not self._all():
             return
         shown = {card: self._robots(card) for card in self._cards.values()}
-        self._glimpses.look({r for robots in shown.values() for r in robots[:ROBOTS_AT_MOST]})
+        self._snapshots.look({r for robots in shown.values() for r in robots[:ROBOTS_AT_MOST]})
         now_ns = self._clock.monotonic_ns()
         for card, robots in shown.items():
             if not robots:
@@ -307,7 +307,7 @@ class Dashboards:
         robots = self._robots(card)
         if not robots:
             return  # it is about to end
-        self._glimpses.look(robots[:ROBOTS_AT_MOST])
+        self._snapshots.look(robots[:ROBOTS_AT_MOST])
         began_ns = self._clock.monotonic_ns()
         outbound = self.drawing.outbound(card, robots, weight)
         # Until it is known to be there, what the chat shows may be either.

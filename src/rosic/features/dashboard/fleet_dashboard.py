@@ -37,7 +37,7 @@ class FleetStatus(Protocol):
         ...
 
 
-class FleetGlimpses(RobotSnapshots):
+class FleetSnapshots(RobotSnapshots):
     """Looks at robots and tasks together; its number grows when either is not as it was."""
 
     def __init__(self, overview: FleetStatus) -> None:
@@ -68,12 +68,12 @@ class FleetDrawing(DashboardRendering):
 
     def __init__(
         self,
-        glimpses: FleetGlimpses,
+        snapshots: FleetSnapshots,
         sides: DashboardQueries,
         clock: Clock,
         overview: FleetStatus,
     ) -> None:
-        super().__init__(glimpses, sides, clock)
+        super().__init__(snapshots, sides, clock)
         self._overview = overview
 
     def text(
@@ -106,6 +106,6 @@ class FleetCards(Dashboards):
         clock: Clock,
         sides: DashboardQueries,
     ) -> None:
-        self.glimpses = FleetGlimpses(overview)
-        super().__init__(self.glimpses, changes, messengers, clock, sides)
-        self.drawing = FleetDrawing(self.glimpses, sides, clock, overview)
+        self.snapshots = FleetSnapshots(overview)
+        super().__init__(self.snapshots, changes, messengers, clock, sides)
+        self.drawing = FleetDrawing(self.snapshots, sides, clock, overview)

@@ -78,15 +78,15 @@ class DashboardQueries(msgspec.Struct, frozen=True, kw_only=True):
 class DashboardRendering:
     """Makes the newest look at robots into a message."""
 
-    def __init__(self, glimpses: RobotSnapshots, sides: DashboardQueries, clock: Clock) -> None:
-        self._glimpses = glimpses
+    def __init__(self, snapshots: RobotSnapshots, sides: DashboardQueries, clock: Clock) -> None:
+        self._snapshots = snapshots
         self._sides = sides
         self._clock = clock
         self.picturing = CameraPreviews(sides.issue, clock.monotonic_ns)
 
     def shows(self, robots: Sequence[RobotId]) -> dict[RobotId, int]:
         """Return which look at which robots a card would show now."""
-        return {robot: self._glimpses.number(robot) for robot in robots[:ROBOTS_AT_MOST]}
+        return {robot: self._snapshots.number(robot) for robot in robots[:ROBOTS_AT_MOST]}
 
     def text(
         self,
@@ -102,7 +102,7 @@ class DashboardRendering:
         elif chat.kind is ChatKind.GROUP:
             lines.append(words.as_they_see(self._sides.name_of(owner)))
         named = chat.kind is not ChatKind.CHANNEL
-        lines += [self._glimpses.text(robot, named=named) for robot in robots[:most]]
+        lines += [self._snapshots.text(robot, named=named) for robot in robots[:most]]
         if len(robots) > most:
             lines.append(words.and_more(len(robots) - most))
         return joined("\n", lines)

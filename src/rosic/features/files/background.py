@@ -15,7 +15,7 @@ from msgspec.structs import replace
 from rosic.container import file_messages as words
 from rosic.core.message import Attachment, Outbound, Pieces
 from rosic.errors import ChatGone, MessengerFault, RosicError, TooManyRequests
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Awaitable, Callable
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.message import Inbound
     from rosic.features.files.upload import Plain, Tell
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 Work: TypeAlias = "Callable[[TransferProgress], Awaitable[Reply]]"
 Saying: TypeAlias = "Callable[[int], str]"

@@ -12,7 +12,7 @@ from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.features.files.background import send_file
 from rosic.features.files.content import attachment_of
 from rosic.gateway.button_rows import rows
-from rosic.gateway.office import Reply, check_private
+from rosic.gateway.commands import Reply, check_private
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from rosic.features.files.background import BackgroundTransfer
     from rosic.features.files.transfer import FileTransfer
     from rosic.features.files.upload import Plain
+    from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.container_context import ContainerContext
-    from rosic.gateway.office import CommandContext, CommandRegistry
 
 Part: TypeAlias = "Callable[[CommandContext, str], Awaitable[Reply]]"
 
@@ -31,14 +31,14 @@ MOST_BUTTONS: Final = 8
 
 
 class FileCommands:
-    """The clerk of everybody's own files; in private alone.
+    """The handler of everybody's own files; in private alone.
 
     Attributes:
         further: Who does what else may be said after ``/files``, by its first word.
     """
 
-    def __init__(self, holdings: ContainerContext) -> None:
-        self._holdings = holdings
+    def __init__(self, data_context: ContainerContext) -> None:
+        self._data_context = data_context
         self._aside: BackgroundTransfer | None = None
         self._plain: Plain = _as_it_is
         self.further: dict[str, Part] = {
@@ -48,9 +48,9 @@ class FileCommands:
             "löschen": self._delete,
         }
 
-    def employ(self, office: CommandRegistry) -> None:
-        """Take the errand."""
-        office.employ("files", self.files)
+    def register(self, commands: CommandRegistry) -> None:
+        """Take the command."""
+        commands.register("files", self.files)
 
     def take_time(self, aside: BackgroundTransfer, plain: Plain) -> None:
         """Let large files go beside the chat."""
@@ -77,7 +77,7 @@ class FileCommands:
         return await part(asked, rest.strip())
 
     def _list(self, asked: CommandContext) -> Reply:
-        files, owner = self._holdings.files, asked.caller.principal
+        files, owner = self._data_context.files, asked.caller.principal
         found = files.of(owner)
         limits = words.limits(asked.messenger.fetch_bytes, asked.messenger.file_bytes)
         if not found:
@@ -88,15 +88,15 @@ class FileCommands:
         return Reply(text, rows(buttons))
 
     def _line(self, one: StoredFile) -> str:
-        ago = age((self._holdings.clock.wall_ns() - one.at_ns) / 1e9)
+        ago = age((self._data_context.clock.wall_ns() - one.at_ns) / 1e9)
         return words.line(one.name, one.sort, one.size, ago, one.digest)
 
     async def _get(self, asked: CommandContext, name: str) -> Reply:
-        filed = self._holdings.files.find(asked.caller.principal, name)
+        filed = self._data_context.files.find(asked.caller.principal, name)
         most = asked.messenger.file_bytes
         if filed.size > most:
             raise OutOfBounds(words.too_large_to_send(filed.name, filed.size, most))
-        attachment = await attachment_of(self._holdings.vault, filed)
+        attachment = await attachment_of(self._data_context.vault, filed)
         text = words.handed(filed.name, filed.size, filed.digest)
         if attachment.pieces is None or self._aside is None:
             return Reply(text, attachment=attachment)
@@ -107,10 +107,10 @@ class FileCommands:
         )
 
     async def _delete(self, asked: CommandContext, name: str) -> Reply:
-        holdings = self._holdings
-        async with holdings.changes.turn() as turn:
-            filed = holdings.files.find(asked.caller.principal, name)
-            await turn.write(holdings.files.drop(filed.id))
+        data_context = self._data_context
+        async with data_context.changes.turn() as turn:
+            filed = data_context.files.find(asked.caller.principal, name)
+            await turn.write(data_context.files.drop(filed.id))
         return Reply(words.deleted(filed.name))
 
 

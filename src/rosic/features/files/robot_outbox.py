@@ -52,9 +52,9 @@ class SeenFile(NamedTuple):
 class RobotOutbox:
     """Every robot's."""
 
-    def __init__(self, folders: OutboxFolders, holdings: ContainerContext) -> None:
+    def __init__(self, folders: OutboxFolders, data_context: ContainerContext) -> None:
         self._folders = folders
-        self._holdings = holdings
+        self._data_context = data_context
 
     async def seen(self, by: PrincipalId, robot: RobotId, own: str, size: int) -> SeenFile:
         """Find out what a robot's file is, and write down that it is handed on.
@@ -80,10 +80,10 @@ class RobotOutbox:
             act="file-from-robot",
             by=by,
             about=robot,
-            at_ns=self._holdings.clock.wall_ns(),
+            at_ns=self._data_context.clock.wall_ns(),
             digest=digest.digest(),
         )
-        async with self._holdings.changes.turn() as turn:
+        async with self._data_context.changes.turn() as turn:
             await turn.write((decided,))
         return SeenFile(file_name(own, sort), sort.media_type, digest.digest())
 

@@ -31,7 +31,7 @@ from rosic.features.files.background import TransferProgress, send_file
 from rosic.features.files.content import IN_PIECES_FROM, content_of, pieces_of
 from rosic.features.files.robot_outbox import RobotOutbox
 from rosic.gateway.button_rows import rows
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.why_stopped import may_resume
 
@@ -46,8 +46,8 @@ if TYPE_CHECKING:
     from rosic.features.files.background import BackgroundTransfer, Saying, Work
     from rosic.features.files.robot_outbox import OutboxFolders
     from rosic.features.files.upload import Plain
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.container_context import ContainerContext
-    from rosic.gateway.office import CommandContext
     from rosic.organiser.organiser import Organiser
 
 MOST_SHOWN: Final = 10
@@ -68,22 +68,22 @@ class TransferWays(NamedTuple):
 
 
 class FileTransfer:
-    """The clerk of ``/files send`` and ``/files from``."""
+    """The handler of ``/files send`` and ``/files from``."""
 
     def __init__(
         self,
-        holdings: ContainerContext,
+        data_context: ContainerContext,
         organiser: Organiser,
         profiles: Mapping[RobotId, Profile],
         ways: TransferWays,
         plain: Plain,
         aside: BackgroundTransfer,
     ) -> None:
-        self._holdings = holdings
+        self._data_context = data_context
         self._organiser = organiser
         self._profiles = profiles
         self._folders = ways.folders
-        self._outboxes = RobotOutbox(ways.folders, holdings)
+        self._outboxes = RobotOutbox(ways.folders, data_context)
         self._deliver = ways.deliver
         self._board = ways.board
         self._plain = plain
@@ -93,7 +93,7 @@ class FileTransfer:
         """Return a button for each robot that takes such a file from this person."""
         able = [
             robot
-            for robot in sorted(self._holdings.visible(principal))
+            for robot in sorted(self._data_context.visible(principal))
             if self._fits(robot, filed) and self._organiser.allows(principal, robot, FILES)
         ]
         return [
@@ -122,7 +122,7 @@ class FileTransfer:
         if found is None:
             raise NotUnderstood(words.HOW, offers=("/files",))
         name, robot = found[1], self._robot(asked, found[2])
-        filed = self._holdings.files.find(asked.caller.principal, name)
+        filed = self._data_context.files.find(asked.caller.principal, name)
         self._check(asked.caller, robot, filed)
         shown = self._profiles[robot].shown
         ask = words.put_question if self._files_of(robot).inbox else words.deliver_question
@@ -137,8 +137,8 @@ class FileTransfer:
             Refusal: It was typed, or may not be done any more. Nothing was done.
         """
         file, _, robot = rest.partition(" ")
-        principal, holdings = asked.caller.principal, self._holdings
-        filed = next((one for one in holdings.files.of(principal) if one.id == file), None)
+        principal, data_context = asked.caller.principal, self._data_context
+        filed = next((one for one in data_context.files.of(principal) if one.id == file), None)
         if asked.inbound.nonce is None or filed is None or robot not in self._profiles:
             raise NotUnderstood(words.HOW, offers=("/files",))
         self._check(asked.caller, robot, filed)
@@ -153,22 +153,22 @@ class FileTransfer:
         self, asked: CommandContext, filed: StoredFile, robot: RobotId, progress: TransferProgress
     ) -> Reply:
         """Look once more, write down, put into the inbox, hand to the robot's side."""
-        holdings, takes = self._holdings, self._files_of(robot)
+        data_context, takes = self._data_context, self._files_of(robot)
         carried = takes.deliver is not None and takes.deliver.carries
-        content = await content_of(holdings.vault, filed) if carried else b""
-        async with holdings.changes.turn() as turn:
+        content = await content_of(data_context.vault, filed) if carried else b""
+        async with data_context.changes.turn() as turn:
             self._check(asked.caller, robot, filed)  # a right may have ended meanwhile
             decided = Decided(
                 act="file-to-robot",
                 by=asked.caller.principal,
                 about=robot,
-                at_ns=holdings.clock.wall_ns(),
+                at_ns=data_context.clock.wall_ns(),
                 digest=filed.digest,
             )
             await turn.write((decided,))
         shown = self._profiles[robot].shown
         if takes.inbox:
-            pieces = progress.counted(pieces_of(holdings.vault, filed))
+            pieces = progress.counted(pieces_of(data_context.vault, filed))
             try:
                 done = await self._folders.put(robot, filed.name, pieces, filed.digest)
             except RobotUnreachable as fault:
@@ -224,7 +224,7 @@ class FileTransfer:
             raise RobotStopped(words.is_stopped(profile.shown), offers=offers)
         holder = self._organiser.holder(robot)
         if holder not in {None, caller.principal}:
-            name = self._holdings.name(holder or "")
+            name = self._data_context.name(holder or "")
             raise RobotTaken(words.is_taken(profile.shown, name))
 
     # ---- and back ----
@@ -252,7 +252,7 @@ class FileTransfer:
         shown = self._profiles[robot].shown
         if not found:
             return Reply(words.gives_nothing_now(shown))
-        now_ns = self._holdings.clock.wall_ns()
+        now_ns = self._data_context.clock.wall_ns()
         lines = []
         for name, size, at_ns in found:
             line = words.given_line(_shown(name), size, age((now_ns - at_ns) / 1e9))
@@ -309,7 +309,7 @@ class FileTransfer:
 
     def _robot(self, asked: CommandContext, said: str) -> RobotId:
         wanted = " ".join(said.split()).casefold()
-        for robot in sorted(self._holdings.visible(asked.caller.principal)):
+        for robot in sorted(self._data_context.visible(asked.caller.principal)):
             if wanted in {robot, self._profiles[robot].shown.casefold()}:
                 return robot
         raise NotUnderstood(words.no_such_robot(said))

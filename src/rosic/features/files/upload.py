@@ -30,7 +30,7 @@ from rosic.errors import (
     TooManyRequests,
 )
 from rosic.gateway.button_rows import rows
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.gateway.requests import message_parts
 
 if TYPE_CHECKING:
@@ -69,8 +69,8 @@ class FileUpload:
         offer: Returns what may be done with a file that is here.
     """
 
-    def __init__(self, holdings: ContainerContext, tell: Tell, plain: Plain) -> None:
-        self._holdings = holdings
+    def __init__(self, data_context: ContainerContext, tell: Tell, plain: Plain) -> None:
+        self._data_context = data_context
         self._plain = plain
         self._tell = tell
         self.offer: Offer = nothing_to_offer
@@ -85,16 +85,16 @@ class FileUpload:
         """
         enclosure, principal = inbound.enclosed, caller.principal
         file = _file_id(inbound)
-        if enclosure is None or file in self._coming or self._holdings.files.knows(file):
+        if enclosure is None or file in self._coming or self._data_context.files.knows(file):
             return
         if not messenger.fetch_bytes:
             raise NotPermitted(words.NOT_HERE)
         if enclosure.size <= messenger.fetch_bytes:  # else the messenger says why not
-            self._holdings.files.check_room(principal, enclosure.size)
+            self._data_context.files.check_room(principal, enclosure.size)
         theirs = sum(who == principal for who, _ in self._coming.values())
         if theirs >= COMING_OF_ONE or len(self._coming) >= COMING_OF_ALL:
             raise TooManyRequests(words.TOO_MANY_COMING, retry_after_s=10.0)
-        arrival = _Arrival(self._holdings, messenger, inbound, principal, self._plain)
+        arrival = _Arrival(self._data_context, messenger, inbound, principal, self._plain)
         task = asyncio.create_task(self._take(arrival, caller, enclosure))
         self._coming[file] = (principal, task)
         task.add_done_callback(lambda _: self._coming.pop(file, None))
@@ -131,14 +131,14 @@ class FileUpload:
 
     async def finish(self) -> None:
         """Take away what the last run had not received to the end, and say so."""
-        holdings = self._holdings
-        for filed in holdings.files.unfinished():
+        data_context = self._data_context
+        for filed in data_context.files.unfinished():
             if filed.id in self._coming:
                 continue
             with suppress(RecordUnavailable):
-                async with holdings.changes.turn() as turn:
-                    await turn.write(holdings.files.drop(filed.id))
-                holdings.tell((filed.owner,), words.not_whole(filed.name))
+                async with data_context.changes.turn() as turn:
+                    await turn.write(data_context.files.drop(filed.id))
+                data_context.tell((filed.owner,), words.not_whole(filed.name))
 
     async def end(self, principal: PrincipalId) -> None:
         """Take in nothing more of somebody who is being erased."""
@@ -164,7 +164,7 @@ class _Arrival:
 
     def __init__(
         self,
-        holdings: ContainerContext,
+        data_context: ContainerContext,
         messenger: Messenger,
         inbound: Inbound,
         owner: PrincipalId,
@@ -174,7 +174,7 @@ class _Arrival:
         self.messenger = messenger
         self.inbound = inbound
         self.shown = ""
-        self._holdings = holdings
+        self._data_context = data_context
         self._owner = owner
         self._file = _file_id(inbound)
         self._shown_ns = 0
@@ -202,9 +202,9 @@ class _Arrival:
     async def _keep(
         self, enclosure: Enclosure, pieces: AsyncIterator[bytes], first: bytes, most: int
     ) -> StoredFile:
-        holdings, files = self._holdings, self._holdings.files
+        data_context, files = self._data_context, self._data_context.files
         called = file_name(enclosure.name, SORTS["text"])
-        async with holdings.changes.turn() as turn:
+        async with data_context.changes.turn() as turn:
             await turn.write(files.begin(self._owner, self._file, called, most))
         sniffer, digest, count, number, held = Sniffer(), hashlib.sha256(), 0, 0, bytearray()
         piece = first
@@ -227,27 +227,27 @@ class _Arrival:
         if sort is None:
             raise NotUnderstood(words.unknown(sorted(SORTS)))
         name = file_name(enclosure.name or sort.name, sort)
-        async with holdings.changes.turn() as turn:
+        async with data_context.changes.turn() as turn:
             if not files.knows(self._file):  # its owner was erased meanwhile
                 raise NotPermitted(words.BROKEN)
             await turn.write(files.finish(self._file, name, sort, count, digest.digest()))
         return next(one for one in files.of(self._owner) if one.id == self._file)
 
     async def _write(self, number: int, content: bytes) -> None:
-        files = self._holdings.files
-        async with self._holdings.changes.turn() as turn:
+        files = self._data_context.files
+        async with self._data_context.changes.turn() as turn:
             if not files.knows(self._file):
                 raise NotPermitted(words.BROKEN)
             await turn.write((files.part(self._owner, self._file, number, content),))
 
     async def _drop(self) -> None:
         with suppress(RecordUnavailable):
-            async with self._holdings.changes.turn() as turn:
-                await turn.write(self._holdings.files.drop(self._file))
+            async with self._data_context.changes.turn() as turn:
+                await turn.write(self._data_context.files.drop(self._file))
 
     async def _show(self, size: int, count: int) -> None:
         """Show how far a large file has come, by editing one message, now and then."""
-        now_ns = self._holdings.clock.monotonic_ns()
+        now_ns = self._data_context.clock.monotonic_ns()
         if max(size, count) < SHOWN_FROM_BYTES or not self.messenger.edits:
             return
         if self.shown and now_ns - self._shown_ns < PROGRESS_EVERY_NS:

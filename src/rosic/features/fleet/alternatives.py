@@ -134,7 +134,7 @@ def refused(lacking: MissingPart, sentence: str, typed: Callable[[Sequence[str]]
     found = [line for line in map(typed, lacking.instead) if len(line) <= LONGEST_OFFER]
     like = lacking.like or (() if found else next(iter(lacking.instead), ()))
     text = words.for_example(sentence, typed(like)) if like else sentence
-    return kind(text, offers=(*found, *lacking.other), petition=why.petition)
+    return kind(text, offers=(*found, *lacking.other), access_request=why.access_request)
 
 
 def _some_value(parameter: CompiledParameter) -> str:

@@ -34,7 +34,7 @@ from rosic.gateway.limit_clamping import LimitClamping
 from rosic.gateway.order_services import AutomatedRequester
 from rosic.gateway.order_status import OrderMessage, stop_button
 from rosic.gateway.requests import RequestFactory
-from rosic.gateway.resting import comes_to_rest
+from rosic.gateway.rest_wait import comes_to_rest
 from rosic.organiser.organiser import NOTHING
 
 if TYPE_CHECKING:
@@ -205,7 +205,7 @@ class TaskAttempts:
         self, caller: Caller, where: tuple[Messenger, Chat], request: Request
     ) -> OrderMessage:
         hands, robot = self._hands, request.robot
-        catalogue = hands.teller.languages.of(caller.principal)
+        catalogue = hands.chat_sender.languages.of(caller.principal)
         wording = ENGLISH if catalogue is None else wording_in(catalogue)
         card = OrderMessage(*where, "", caller.principal, hands.face, wording)
         card.about = robot
@@ -236,12 +236,12 @@ class TaskAttempts:
         wanted = asker.wanted()
         if wanted:
             life.over = partial(asker.over, order)
-            hands.lives.begin(order, AutomatedRequester(caller), card, life)
+            hands.executor.begin(order, AutomatedRequester(caller), card, life)
         else:
-            hands.lives.forgo(
+            hands.executor.forgo(
                 order, AutomatedRequester(caller), card, life, OrderVoid(words.NOT_WANTED)
             )
-        hands.teller.show(card)
+        hands.chat_sender.show(card)
         return wanted
 
 
@@ -324,7 +324,7 @@ class TaskRecall:
         if doing.why in CUT_OFF or linker.presence(robot).online is False:
             self._cut_off(robot, author)
             return False
-        await self._hands.lives.cut_order(robot, cid, words.reason(doing.task, doing.why))
+        await self._hands.executor.cut_order(robot, cid, words.reason(doing.task, doing.why))
         rested = await comes_to_rest(linker, self._clock, robot)
         if not rested:
             self._cut_off(robot, author)

@@ -19,7 +19,7 @@ from rosic.core.signal import Signal
 from rosic.errors import RecordUnavailable, Refusal, RosicError, Unrecognised
 from rosic.features.fleet.attempt import TaskRequester, attempt_id, end_after, end_of
 from rosic.features.fleet.dispatch_state import RetryBackoff, TaskTexts
-from rosic.features.fleet.origins import IdempotencyKeys
+from rosic.features.fleet.idempotency import IdempotencyKeys
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Coroutine, Iterable

@@ -35,8 +35,8 @@ from rosic.features.fleet.mission_schedule import KIND as TIMES
 from rosic.features.fleet.mission_schedule import PLANS_AT_MOST, MissionChat, MissionPlan
 from rosic.features.fleet.task_commands import ANY, ASSIGN, check_room
 from rosic.features.fleet.task_parser import able
-from rosic.gateway.office import Reply
-from rosic.gateway.requests import check_errand_fresh
+from rosic.gateway.commands import Reply
+from rosic.gateway.requests import check_command_fresh
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -48,8 +48,8 @@ if TYPE_CHECKING:
     from rosic.features.fleet.dispatcher import Given
     from rosic.features.fleet.mission_schedule import MissionSchedule
     from rosic.features.fleet.task_commands import TaskCommands
+    from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
-    from rosic.gateway.office import CommandContext, CommandRegistry
     from rosic.gateway.transactions import Transactions
     from rosic.organiser.timezones import Zone
 
@@ -77,7 +77,7 @@ class MeantMission(NamedTuple):
 
 
 class MissionCommands:
-    """The clerk of missions."""
+    """The handler of missions."""
 
     def __init__(
         self,
@@ -96,10 +96,10 @@ class MissionCommands:
         self._tasks = tasks
         self._missions = {mission.name: mission for mission in missions}
 
-    def employ(self, office: CommandRegistry) -> None:
-        """Take these errands."""
-        office.employ("mission", self.mission)
-        office.employ("missions", self.missions)
+    def register(self, commands: CommandRegistry) -> None:
+        """Take these commands."""
+        commands.register("mission", self.mission)
+        commands.register("missions", self.missions)
 
     async def missions(self, asked: CommandContext) -> Reply:
         """List what there is, and what runs."""
@@ -126,7 +126,7 @@ class MissionCommands:
             return await self.missions(asked)
         starts = verb == "start" or (verb in self._missions and verb not in ACTS and verb != "off")
         if name and (starts or ACTS.get(verb, TaskReason.NONE) is None):
-            check_errand_fresh(asked.inbound, f"/mission {asked.rest}")
+            check_command_fresh(asked.inbound, f"/mission {asked.rest}")
         if starts and name:
             return await self._start(asked, said if verb == "start" else f"{verb} {said}")
         if verb == "off" and name:

@@ -21,14 +21,14 @@ from rosic.core.order_status import ENGLISH, wording_in
 from rosic.core.policy.roles import StepRequired
 from rosic.core.synchronised_start import begin_together
 from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, RobotBusy
-from rosic.features.fleet import company_messages as words
+from rosic.features.fleet import multi_robot_messages as words
 from rosic.features.fleet.alternatives import TaskAlternatives, refused
 from rosic.features.fleet.attempt import AwaitedLife
 from rosic.features.fleet.messages import wants_a_person
 from rosic.features.fleet.readiness import why_not_ready
 from rosic.features.fleet.task_parser import step_for
+from rosic.gateway.commands import Reply
 from rosic.gateway.message_context import MessageContext
-from rosic.gateway.office import Reply
 from rosic.gateway.order_execution import SHUT_DOWN
 from rosic.gateway.order_status import OrderMessage, stop_button
 from rosic.gateway.replies import reply_id
@@ -42,11 +42,11 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.core.robot.skill import Argument
     from rosic.features.fleet.dispatcher import TaskDispatcher
+    from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
-    from rosic.gateway.office import CommandContext, CommandRegistry
+    from rosic.gateway.hooks import PipelineHooks
     from rosic.gateway.order_execution import OrderExecutor
     from rosic.gateway.order_services import OrderServices
-    from rosic.gateway.reception import PipelineHooks
 
 AT_THE_END: Final = frozenset({SHUT_DOWN, NEVER_BEGUN})
 ACTED: Final = frozenset({Ending.DONE, Ending.SENT})
@@ -61,10 +61,10 @@ class AllOrNothingStart:
     """
 
     def __init__(
-        self, rooms: Components, lives: OrderExecutor, clock: Clock, orders: Sequence[Order]
+        self, rooms: Components, executor: OrderExecutor, clock: Clock, orders: Sequence[Order]
     ) -> None:
         self._rooms = rooms
-        self._lives = lives
+        self._executor = executor
         self._clock = clock
         self._open: dict[RobotId, Order] = {order.robot: order for order in orders}
         self._cutting: list[asyncio.Task[None]] = []
@@ -75,7 +75,7 @@ class AllOrNothingStart:
         if not self._cutting and self._never_began(order, outcome):
             reason = words.did_not_begin(self._rooms.profiles[order.robot].shown)
             self._cutting = [
-                asyncio.create_task(self._lives.cut_order(robot, other.cid, reason))
+                asyncio.create_task(self._executor.cut_order(robot, other.cid, reason))
                 for robot, other in self._open.items()
                 if not self._rooms.board[robot].latched  # a stop sees to it, and says so better
             ]
@@ -112,7 +112,7 @@ class MeantRobots(NamedTuple):
 
 
 class MultiRobotCommands:
-    """The clerk of commands to many."""
+    """The handler of commands to many."""
 
     def __init__(
         self,
@@ -120,19 +120,19 @@ class MultiRobotCommands:
         dispatching: TaskDispatcher,
         hands: OrderServices,
         clock: Clock,
-        reception: PipelineHooks,
+        hooks: PipelineHooks,
     ) -> None:
         self._rooms = rooms
         self._dispatching = dispatching
         self._hands = hands
         self._clock = clock
-        self._reception = reception
+        self._hooks = hooks
         self._requesting = RequestFactory(rooms, clock)
 
-    def employ(self, office: CommandRegistry) -> None:
-        """Take these errands."""
-        office.employ("together", self.together)
-        office.employ("broadcast", self.broadcast)
+    def register(self, commands: CommandRegistry) -> None:
+        """Take these commands."""
+        commands.register("together", self.together)
+        commands.register("broadcast", self.broadcast)
 
     # ---- all or none ----
 
@@ -153,8 +153,8 @@ class MultiRobotCommands:
         permits = self._admitted(asked, said, requests)
         orders = await self._prepare(asked, meant, permits, requests)
         orders = begin_together(orders, self._clock.monotonic_ns())
-        pact = AllOrNothingStart(self._rooms, self._hands.lives, self._clock, orders)
-        self._begin(asked, said, meant, orders, pact)
+        start = AllOrNothingStart(self._rooms, self._hands.executor, self._clock, orders)
+        self._begin(asked, said, meant, orders, start)
         return Reply("")
 
     def _step(self, meant: MeantRobots, robot: RobotId) -> Do:
@@ -258,8 +258,8 @@ class MultiRobotCommands:
 
     def _said(self, asked: CommandContext) -> MessageContext:
         now_ns = self._clock.monotonic_ns()
-        stepup = self._reception.stepped_up
-        return MessageContext(asked.messenger, asked.inbound, asked.caller, now_ns, stepup)
+        two_factor = self._hooks.stepped_up
+        return MessageContext(asked.messenger, asked.inbound, asked.caller, now_ns, two_factor)
 
     def _requests(
         self, said: MessageContext, asked: CommandContext, meant: MeantRobots, steps: Sequence[Do]
@@ -329,10 +329,10 @@ class MultiRobotCommands:
         said: MessageContext,
         meant: MeantRobots,
         orders: tuple[Order, ...],
-        pact: AllOrNothingStart | None = None,
+        start: AllOrNothingStart | None = None,
     ) -> None:
         hands, chat = self._hands, asked.inbound.chat
-        catalogue = hands.teller.languages.of(asked.caller.principal)
+        catalogue = hands.chat_sender.languages.of(asked.caller.principal)
         wording = ENGLISH if catalogue is None else wording_in(catalogue)
         who = asked.caller.principal
         card = OrderMessage(
@@ -347,10 +347,10 @@ class MultiRobotCommands:
             at_ns = self._clock.wall_ns()
             life = AwaitedLife(shown, f"{shown}: {what}", hands.face, at_ns, wording)
             card.show(order.cid, life)
-            if pact is not None:
-                life.over = partial(pact.ended, order)
-            hands.lives.begin(order, said, card, life)
-        hands.teller.show(card)
+            if start is not None:
+                life.over = partial(start.ended, order)
+            hands.executor.begin(order, said, card, life)
+        hands.chat_sender.show(card)
 
     def _names(self, robots: Sequence[RobotId]) -> str:
         return listed(tuple(map(self._shown, robots)), AND)

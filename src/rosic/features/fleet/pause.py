@@ -19,9 +19,9 @@ from rosic.core.records import Decided
 from rosic.errors import NotUnderstood, Refusal
 from rosic.features.fleet import pause_messages as words
 from rosic.gateway import cancel_messages
+from rosic.gateway.commands import Reply
 from rosic.gateway.message_context import MessageContext
-from rosic.gateway.office import Reply
-from rosic.gateway.requests import check_errand_fresh
+from rosic.gateway.requests import check_command_fresh
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from rosic.core.order import Order
     from rosic.core.robot.profile import RobotId
     from rosic.features.fleet.dispatcher import TaskDispatcher
+    from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
-    from rosic.gateway.office import CommandContext, CommandRegistry
+    from rosic.gateway.hooks import PipelineHooks
     from rosic.gateway.order_execution import OrderExecutor
-    from rosic.gateway.reception import PipelineHooks
     from rosic.gateway.resume import ResumeHandler
 
 
@@ -45,20 +45,20 @@ class PauseCommands:
         self,
         rooms: Components,
         dispatching: TaskDispatcher,
-        lives: OrderExecutor,
+        executor: OrderExecutor,
         resuming: ResumeHandler,
-        reception: PipelineHooks,
+        hooks: PipelineHooks,
     ) -> None:
         self._rooms = rooms
         self._dispatching = dispatching
-        self._lives = lives
+        self._executor = executor
         self._resuming = resuming
-        self._reception = reception
+        self._hooks = hooks
 
-    def employ(self, office: CommandRegistry) -> None:
-        """Take these errands."""
-        office.employ("pause", self.pause)
-        office.employ("continue", self.go_on)
+    def register(self, commands: CommandRegistry) -> None:
+        """Take these commands."""
+        commands.register("pause", self.pause)
+        commands.register("continue", self.go_on)
 
     async def cancel(self, principal: PrincipalId, robots: Collection[RobotId]) -> str:
         """Cancel somebody's tasks, those that wait too; return what to say, "" if there is none."""
@@ -76,7 +76,7 @@ class PauseCommands:
         of_tasks = {task.robot for task in held if task.state in HELD}
         single = [
             order
-            for order in self._lives.of(who)
+            for order in self._executor.of(who)
             if order.robot not in of_tasks and (not robots or order.robot in robots)
         ]
         lines = [words.paused([task.id for task in held])] if held else []
@@ -137,7 +137,7 @@ class PauseCommands:
     async def _go_on(self, asked: CommandContext, paused: Sequence[Task]) -> Reply:
         """Let paused tasks go on. What it raises, `go_on` says."""
         who = asked.caller.principal
-        check_errand_fresh(asked.inbound, f"/continue {asked.rest}".strip())
+        check_command_fresh(asked.inbound, f"/continue {asked.rest}".strip())
         await self._dispatching.first_time(asked.cid)
         at_ns = self._rooms.organiser.wall_ns()
         went_on = []
@@ -174,7 +174,7 @@ class PauseCommands:
         elif begins := self._begin_by_themselves(who, stopped):
             return begins
         said = MessageContext(
-            asked.messenger, asked.inbound, asked.caller, 0, self._reception.stepped_up
+            asked.messenger, asked.inbound, asked.caller, 0, self._hooks.stepped_up
         )
         return Reply(await self._resuming.resume(said, Resume(stopped), asked.cid))
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet.task import FleetMembership
 from rosic.core.i18n import joined
-from rosic.features.fleet import company_messages as words
+from rosic.features.fleet import multi_robot_messages as words
 from rosic.features.fleet.messages import waits_for
 
 if TYPE_CHECKING:

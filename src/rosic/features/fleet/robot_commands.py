@@ -14,9 +14,9 @@ from rosic.core.records import Decided
 from rosic.errors import NotPermitted, NotUnderstood, RobotStopped
 from rosic.features.fleet import messages
 from rosic.features.fleet import robot_messages as words
-from rosic.features.fleet.newcomers_messages import SUFFIXES
+from rosic.features.fleet.added_robot_messages import SUFFIXES
 from rosic.features.fleet.task_commands import ASSIGN
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Collection
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.errors import Refusal
     from rosic.features.fleet.dispatcher import TaskDispatcher
+    from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
-    from rosic.gateway.office import CommandContext, CommandRegistry
     from rosic.gateway.stop import StopLane
 
 OUT: Final = {"disable": FleetMembership.DISABLED, "retire": FleetMembership.RETIRED}
@@ -34,7 +34,7 @@ IN: Final = frozenset({"enable", "add"})
 
 
 class RobotCommands:
-    """The clerk of who takes part. Whoever does not is stopped, and nobody can resume it.
+    """The handler of who takes part. Whoever does not is stopped, and nobody can resume it.
 
     Attributes:
         newcomer: Adds a robot that nobody knows yet, from a file; None: nobody does.
@@ -47,9 +47,9 @@ class RobotCommands:
         self._dispatching = dispatching
         self._stop_lane = stop_lane
 
-    def employ(self, office: CommandRegistry) -> None:
-        """Take these errands."""
-        office.employ("robot", self.robot)
+    def register(self, commands: CommandRegistry) -> None:
+        """Take these commands."""
+        commands.register("robot", self.robot)
 
     def barred(self, robot: RobotId) -> Refusal | None:
         """Return why a robot must stay stopped; None if it need not."""

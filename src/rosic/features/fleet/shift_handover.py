@@ -16,8 +16,8 @@ from rosic.core.message import ChatKind
 from rosic.core.records import Decided
 from rosic.core.time_units import MINUTE_NS
 from rosic.errors import NotPermitted, NotUnderstood
-from rosic.features.fleet import handing_messages as words
-from rosic.gateway.office import Reply
+from rosic.features.fleet import shift_handover_messages as words
+from rosic.gateway.commands import Reply
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.features.fleet.dispatch_state import TaskText
     from rosic.features.fleet.dispatcher import TaskDispatcher
+    from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
-    from rosic.gateway.office import CommandContext, CommandRegistry
 
 GOOD_FOR_NS: Final = 10 * MINUTE_NS
 OPEN_AT_MOST: Final = 100
@@ -44,7 +44,7 @@ class HandoverOffer(NamedTuple):
 
 
 class ShiftHandoverCommands:
-    """The clerk of shifts."""
+    """The handler of shifts."""
 
     def __init__(
         self, rooms: Components, dispatching: TaskDispatcher, reach: Notifier, clock: Clock
@@ -56,9 +56,9 @@ class ShiftHandoverCommands:
         self._offers: dict[str, HandoverOffer] = {}
         self._count = 0
 
-    def employ(self, office: CommandRegistry) -> None:
-        """Take these errands."""
-        office.employ("handover", self.handover)
+    def register(self, commands: CommandRegistry) -> None:
+        """Take these commands."""
+        commands.register("handover", self.handover)
 
     async def handover(self, asked: CommandContext) -> Reply:
         """Offer everything one looks after to somebody, or answer such an offer.

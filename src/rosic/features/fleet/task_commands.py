@@ -18,8 +18,8 @@ from rosic.features.fleet.alternatives import refused
 from rosic.features.fleet.dispatch_state import TaskText
 from rosic.features.fleet.readiness import why_waits
 from rosic.features.fleet.task_parser import ANYBODY, able, read_wish
-from rosic.gateway.office import Reply
-from rosic.gateway.requests import check_errand_fresh
+from rosic.gateway.commands import Reply
+from rosic.gateway.requests import check_command_fresh
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from rosic.features.fleet.dispatcher import Given, TaskDispatcher
     from rosic.features.fleet.integration import TaskNotifications
     from rosic.features.fleet.task_parser import TaskWish
+    from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
-    from rosic.gateway.office import CommandContext, CommandRegistry
 
 OPEN_AT_MOST: Final = 2_000
 OF_ONE_AT_MOST: Final = 500
@@ -44,7 +44,7 @@ ASSIGN: Final = "assign"
 
 
 class TaskCommands:
-    """The clerk of tasks.
+    """The handler of tasks.
 
     Attributes:
         dispatching: Where they change.
@@ -70,10 +70,10 @@ class TaskCommands:
             "erledigt": self._was_done,
         }
 
-    def employ(self, office: CommandRegistry) -> None:
-        """Take these errands."""
-        office.employ("task", self.task)
-        office.employ("tasks", self.tasks)
+    def register(self, commands: CommandRegistry) -> None:
+        """Take these commands."""
+        commands.register("task", self.task)
+        commands.register("tasks", self.tasks)
 
     # ---- looking ----
 
@@ -129,7 +129,7 @@ class TaskCommands:
         return await self._give(asked)
 
     async def _give(self, asked: CommandContext) -> Reply:
-        check_errand_fresh(asked.inbound, f"/task {asked.rest}")
+        check_command_fresh(asked.inbound, f"/task {asked.rest}")
         [(task, said)] = await self.dispatching.give(asked.cid, lambda: self._made(asked))
         names = [self._telling.shown(robot) for robot in task.among]
         until_ns, who = task.until_ns, asked.caller.principal
@@ -257,13 +257,13 @@ class TaskCommands:
             raise NotUnderstood(words.does_not_fit(task))
         if task.too_late(self._rooms.organiser.wall_ns()):
             raise NotUnderstood(words.begins_no_more(task))
-        check_errand_fresh(asked.inbound, f"/task go {task.id}")
+        check_command_fresh(asked.inbound, f"/task go {task.id}")
         return await self._act(asked, task, e.Released(task.id), "go")
 
     async def _was_done(self, asked: CommandContext, task: Task) -> Reply:
         if task.state is not TaskState.UNKNOWN:
             raise NotUnderstood(words.does_not_fit(task))
-        check_errand_fresh(asked.inbound, f"/task done {task.id}")
+        check_command_fresh(asked.inbound, f"/task done {task.id}")
         return await self._act(asked, task, e.Released(task.id, skip=True), "done")
 
 

@@ -21,8 +21,8 @@ from rosic.core.time_units import DAY_S
 from rosic.errors import NotPermitted, NotUnderstood, Refusal
 from rosic.gateway.button_rows import rows
 from rosic.gateway.chat_dashboards import key_of
+from rosic.gateway.commands import Reply, check_private
 from rosic.gateway.delivery.notifier import Notification
-from rosic.gateway.office import Reply, check_private
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat, Passing
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.chat_dashboards import ChatDashboards
+    from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
-    from rosic.gateway.office import CommandContext, CommandRegistry
     from rosic.gateway.transactions import Transactions
 
 VERB: Final = "channel"
@@ -61,9 +61,9 @@ class ChannelDisplays:
         self._left: set[str] = set()
         self._tasks: set[asyncio.Task[None]] = set()
 
-    def employ(self, office: CommandRegistry) -> None:
-        """Take the errand."""
-        office.employ(VERB, self.channel)
+    def register(self, commands: CommandRegistry) -> None:
+        """Take the command."""
+        commands.register(VERB, self.channel)
 
     # ---- we come and go ----
 

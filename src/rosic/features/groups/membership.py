@@ -53,8 +53,8 @@ class GroupQueries(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     rooms: Components
-    audience: RobotFollowers
-    teller: ChatSender
+    followers: RobotFollowers
+    chat_sender: ChatSender
     reach: Notifier
     changes: Transactions
     archive: Archive
@@ -91,7 +91,7 @@ class GroupMembership:
         if not passing.chat.id:
             self._spawn(self._account(messenger, deaf=passing.what is Passage.DEAF))
         elif passing.what is Passage.REMOVED:
-            self._around.audience.leave(messenger.name, passing.chat.id)
+            self._around.followers.leave(messenger.name, passing.chat.id)
             self._spawn(self._end_archive(passing.chat))
         elif passing.what is Passage.LEFT:
             self._left(messenger, passing)
@@ -112,10 +112,10 @@ class GroupMembership:
             return
         if passing.what is Passage.ADDED:
             text = joined(" ", (greeting(around.place), heard(deaf=passing.deaf)))
-            said_by = around.teller.languages
+            said_by = around.chat_sender.languages
             reader = said_by.of_address(passing.who) if passing.who is not None else None
             greeted = translated(Outbound(chat=passing.chat, text=text), reader)
-            around.teller.say(OutgoingMessage(messenger, greeted))
+            around.chat_sender.say(OutgoingMessage(messenger, greeted))
         group = clean_name(passing.title) or said("a group")
         if passing.what is Passage.ADDED:
             first = said("{who} put me into {group}.", who=self._who(passing), group=group)
@@ -160,14 +160,14 @@ class GroupMembership:
         if found is None:
             return
         principal = found.id
-        self._around.audience.leave(messenger.name, passing.chat.id, principal)
+        self._around.followers.leave(messenger.name, passing.chat.id, principal)
         rooms.container.part(principal, passing.chat)
 
     def _moved(self, messenger: Messenger, passing: Passing) -> None:
         old = passing.chat
         new = msgspec.structs.replace(old, id=passing.new_id)
         self._around.rooms.container.moved(old, new)
-        self._around.audience.leave(messenger.name, old.id)
+        self._around.followers.leave(messenger.name, old.id)
         self._spawn(self._move_archive(messenger, old, new))
         # Whoever shows it may find the old message lost before this comes to its turn.
         if (card := self._around.cards.of(messenger, old)) is not None:

@@ -11,14 +11,14 @@ from rosic.core.language.sanitise import echo
 from rosic.core.policy.scope import FLEET
 from rosic.core.records import Decided, Fact
 from rosic.errors import NotPermitted, NotUnderstood, TooManyRequests
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from rosic.core.message import Chat
     from rosic.core.robot.profile import RobotId
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.transactions import Transactions
     from rosic.organiser.organiser import Organiser
 

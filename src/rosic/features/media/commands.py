@@ -1,4 +1,4 @@
-"""Who does which errand of seeing, and which buttons a robot's menu has for it."""
+"""Who does which command of seeing, and which buttons a robot's menu has for it."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from rosic.features.media.snapshot import SnapshotCommands
 if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.features.media.context import MediaContext
-    from rosic.gateway.office import CommandRegistry
+    from rosic.gateway.commands import CommandRegistry
 
 
-def employ_clerks(office: CommandRegistry, seeing: MediaContext) -> None:
+def register_commands(commands: CommandRegistry, media: MediaContext) -> None:
     """Let ``picture``, ``clip``, ``map``, ``chart`` and ``trajectory`` (or ``path``) be done."""
-    looking, recalling = SnapshotCommands(seeing), HistoryCommands(seeing)
-    office.employ("picture", looking.picture)
-    office.employ("clip", looking.clip)
-    office.employ("map", looking.map)
-    office.employ("chart", recalling.chart)
-    office.employ("trajectory", recalling.trajectory)
-    office.employ("path", recalling.trajectory)
+    looking, recalling = SnapshotCommands(media), HistoryCommands(media)
+    commands.register("picture", looking.picture)
+    commands.register("clip", looking.clip)
+    commands.register("map", looking.map)
+    commands.register("chart", recalling.chart)
+    commands.register("trajectory", recalling.trajectory)
+    commands.register("path", recalling.trajectory)
 
 
-def sights(seeing: MediaContext, robot: RobotId) -> list[Button]:
+def sights(media: MediaContext, robot: RobotId) -> list[Button]:
     """Return buttons for everything that can be seen of a robot."""
-    profile = seeing.profiles[robot]
-    if not seeing.studio.works:
+    profile = media.profiles[robot]
+    if not media.render_queue.works:
         return []
     buttons: list[Button] = []
     if profile.offers(Sight.PICTURE):

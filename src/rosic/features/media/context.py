@@ -1,4 +1,4 @@
-"""What the clerks of seeing work with, as the composition root made it."""
+"""What the handlers of seeing work with, as the composition root made it."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class MediaContext(msgspec.Struct, frozen=True, kw_only=True):
     profiles: Mapping[RobotId, Profile]
     sides: MediaQueries
     linker: Linker
-    studio: RenderQueue
+    render_queue: RenderQueue
     sampler: TelemetrySampler
     clock: Clock
 

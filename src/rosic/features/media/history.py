@@ -14,25 +14,25 @@ from rosic.features.media import messages as words
 from rosic.features.media.render_queue import RenderJob
 from rosic.features.media.snapshot import ANSWERED_LATER, LOW, PICTURE_COST
 from rosic.gateway.button_rows import rows
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.gateway.robot_argument import RobotArgument
 
 if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.features.media.context import MediaContext
     from rosic.features.media.telemetry_buffer import Track
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 MOST_BUTTONS = 12
 _ENDS = ".,;:!?"
 
 
 class HistoryCommands:
-    """The clerk who draws what was kept."""
+    """The handler who draws what was kept."""
 
-    def __init__(self, seeing: MediaContext) -> None:
-        self._seeing = seeing
-        self._naming = RobotArgument(seeing)
+    def __init__(self, media: MediaContext) -> None:
+        self._media = media
+        self._naming = RobotArgument(media)
 
     # ---- charts ----
 
@@ -43,11 +43,11 @@ class HistoryCommands:
             Refusal: No such robot or value, or nothing was heard.
         """
         robot, said_after, low = self._asked(asked, "chart")
-        profile = self._seeing.profiles[robot]
+        profile = self._media.profiles[robot]
         known = tuple(profile.telemetry)
         if not known:
             raise NothingToSee(words.no_values(profile.shown))
-        numbers = self._seeing.sampler.samples.names(robot)
+        numbers = self._media.sampler.samples.names(robot)
         if not said_after and len(numbers) != 1:
             offered = [
                 Button(shown_name(n), f"/chart {robot} {n}")
@@ -55,7 +55,7 @@ class HistoryCommands:
             ]
             return Reply(words.which_value(profile.shown), rows(offered))
         name = self._value(robot, said_after, known) if said_after else numbers[0]
-        self._seeing.studio.begin(
+        self._media.render_queue.begin(
             asked, robot, PICTURE_COST, self._curve(robot, name, low=low), kept=name
         )
         return ANSWERED_LATER
@@ -64,7 +64,7 @@ class HistoryCommands:
         wanted = fold(text).replace(" ", "_")
         wanted = next((name for name in known if wanted in typed_names(name)), wanted)
         if wanted not in known:
-            shown = self._seeing.profiles[robot].shown
+            shown = self._media.profiles[robot].shown
             offers = tuple(f"chart {robot} {name}" for name in known[:3])
             raise NotUnderstood(words.no_such_value(shown, text, known), offers=offers)
         return wanted
@@ -75,9 +75,9 @@ class HistoryCommands:
         Raises:
             NothingToSee: There are none.
         """
-        seeing, profile = self._seeing, self._seeing.profiles[robot]
-        now_ns = seeing.clock.monotonic_ns()
-        points = seeing.sampler.samples.points(robot, name, now_ns / 1e9)
+        media, profile = self._media, self._media.profiles[robot]
+        now_ns = media.clock.monotonic_ns()
+        points = media.sampler.samples.points(robot, name, now_ns / 1e9)
         if not points:
             raise NothingToSee(words.no_samples(profile.shown, name))
         described = profile.telemetry[name]
@@ -92,7 +92,7 @@ class HistoryCommands:
             RenderJob(
                 Curve(title, described.unit, points, described.alert_below),
                 lambda: words.caption(
-                    profile.shown, what, seeing.age_s(newest_ns), foreign=False, low=low
+                    profile.shown, what, media.age_s(newest_ns), foreign=False, low=low
                 ),
                 f"{robot}-{name}",
                 low,
@@ -109,25 +109,25 @@ class HistoryCommands:
             Refusal: No such robot, or nothing is known.
         """
         robot, rest, low = self._asked(asked, "trajectory")
-        profile = self._seeing.profiles[robot]
+        profile = self._media.profiles[robot]
         if rest:
             raise NotUnderstood(words.too_much("trajectory"), offers=(f"trajectory {robot}",))
         if profile.pose is None:
             raise NothingToSee(words.no_pose(profile.shown))
-        track = self._seeing.sampler.tracks.get(robot)
+        track = self._media.sampler.tracks.get(robot)
         if track is None or not track.points:
             raise NothingToSee(words.no_way(profile.shown))
         if track.length_m < words.NOTHING_M:
             over = track.ended_ns is not None
             raise NothingToSee(words.stayed(profile.shown, track.words, over=over))
-        self._seeing.studio.begin(
+        self._media.render_queue.begin(
             asked, robot, PICTURE_COST, self._way(robot, track, low=low), kept="way"
         )
         return ANSWERED_LATER
 
     def _way(self, robot: RobotId, track: Track, *, low: bool) -> _Take:
-        seeing, profile = self._seeing, self._seeing.profiles[robot]
-        until_ns = track.ended_ns or seeing.clock.monotonic_ns()
+        media, profile = self._media, self._media.profiles[robot]
+        until_ns = track.ended_ns or media.clock.monotonic_ns()
         seconds = (until_ns - track.begun_ns) / 1e9
         what = words.way(track.words, track.length_m, seconds, over=track.ended_ns is not None)
         again = Button(said("Again"), f"/trajectory {robot}")
@@ -137,7 +137,7 @@ class HistoryCommands:
                     joined(": ", (profile.shown, track.words)), tuple(track.points), track.rises
                 ),
                 lambda: words.caption(
-                    profile.shown, what, seeing.age_s(until_ns), foreign=False, low=low
+                    profile.shown, what, media.age_s(until_ns), foreign=False, low=low
                 ),
                 f"{robot}-way",
                 low,
@@ -152,8 +152,8 @@ class HistoryCommands:
         low = bool(raw) and fold(raw[-1]) == LOW and not self._naming.calls(asked, text)
         if low:
             text = " ".join(raw[:-1])
-        chosen = self._seeing.sides.selected(asked.caller.principal, asked.inbound.chat)
-        profile = self._seeing.profiles.get(chosen)
+        chosen = self._media.sides.selected(asked.caller.principal, asked.inbound.chat)
+        profile = self._media.profiles.get(chosen)
         nameless = profile is not None and fold(text).replace(" ", "_") in profile.telemetry
         robot, rest = self._naming.robot(asked, verb, text, nameless=nameless)
         return robot, rest, low

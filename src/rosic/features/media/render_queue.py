@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import RobotId
     from rosic.core.robot.view import Drawing
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.delivery.sender import ChatSender
-    from rosic.gateway.office import CommandContext
 
 AT_ONCE = 4
 DRAWN_AT_ONCE = 2
@@ -65,7 +65,7 @@ class RenderQueue:
     def __init__(
         self,
         painter: Renderer | None,
-        teller: ChatSender,
+        chat_sender: ChatSender,
         clock: Clock,
         *,
         may_see: Callable[[PrincipalId, RobotId], bool],
@@ -73,7 +73,7 @@ class RenderQueue:
         shown: Callable[[RobotId], str],
     ) -> None:
         self._painter = painter
-        self._teller = teller
+        self._chat_sender = chat_sender
         self._clock = clock
         self._may_see = may_see
         self._issue = issue
@@ -154,7 +154,7 @@ class RenderQueue:
         try:
             shot = await take()
             async with self._drawing:
-                reader = self._teller.languages.of(asked.caller.principal)
+                reader = self._chat_sender.languages.of(asked.caller.principal)
                 say = partial(in_language, catalogue=reader)
                 drawing = await asyncio.to_thread(painter, shot.subject, low=shot.low, say=say)
             await self._send(asked, robot, shot, drawing)
@@ -186,15 +186,15 @@ class RenderQueue:
             attachment=Attachment(name, drawing.media_type, drawing.content),
         )
         async with asyncio.timeout(SEND_WITHIN_S):
-            readers = self._teller.languages
+            readers = self._chat_sender.languages
             plain = translated(outbound, readers.of(principal))
             await (shot.deliver or asked.messenger.send)(plain)
 
     def _say(self, asked: CommandContext, text: str) -> None:
         inbound = asked.inbound
         outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound))
-        reader = self._teller.languages.of(asked.caller.principal)
-        self._teller.say(OutgoingMessage(asked.messenger, translated(outbound, reader)))
+        reader = self._chat_sender.languages.of(asked.caller.principal)
+        self._chat_sender.say(OutgoingMessage(asked.messenger, translated(outbound, reader)))
 
     async def close(self) -> None:
         """Make no more; what is being looked at is let go."""

@@ -16,7 +16,7 @@ from rosic.core.robot.view import Clip, Encoded, Grid, Raster, Sight, View
 from rosic.errors import NothingToSee, NotUnderstood
 from rosic.features.media import messages as words
 from rosic.features.media.render_queue import RenderJob
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.gateway.robot_argument import RobotArgument
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Outbound
     from rosic.core.robot.profile import RobotId
     from rosic.features.media.context import MediaContext
-    from rosic.gateway.office import CommandContext
+    from rosic.gateway.commands import CommandContext
 
 LOW = "low"
 PICTURE_COST, CLIP_COST = 1.0, 4.0
@@ -40,11 +40,11 @@ _ENDS = ".,;:!?"
 
 
 class SnapshotCommands:
-    """The clerk who looks at robots."""
+    """The handler who looks at robots."""
 
-    def __init__(self, seeing: MediaContext) -> None:
-        self._seeing = seeing
-        self._naming = RobotArgument(seeing)
+    def __init__(self, media: MediaContext) -> None:
+        self._media = media
+        self._naming = RobotArgument(media)
 
     async def picture(self, asked: CommandContext) -> Reply:
         """Show a frame.
@@ -72,12 +72,12 @@ class SnapshotCommands:
 
         async def take() -> RenderJob:
             view = await self._first(robot, Sight.PICTURE)
-            past_ns = int(self._seeing.age_s(view.taken_ns) * 1e9)
+            past_ns = int(self._media.age_s(view.taken_ns) * 1e9)
             shot = self._shot(robot, view, words.camera(), (), low=True)
-            at_ns = self._seeing.clock.wall_ns() - past_ns
+            at_ns = self._media.clock.wall_ns() - past_ns
             return replace(shot, deliver=partial(deliver, at_ns))
 
-        self._seeing.studio.begin(asked, robot, PICTURE_COST, take, unasked=unasked)
+        self._media.render_queue.begin(asked, robot, PICTURE_COST, take, unasked=unasked)
 
     async def clip(self, asked: CommandContext) -> Reply:
         """Show some seconds. Raises as `picture` does."""
@@ -96,7 +96,7 @@ class SnapshotCommands:
         text = asked.rest.strip().rstrip(_ENDS)
         alone = fold(text) == LOW and not self._naming.calls(asked, text)
         robot, rest = self._naming.robot(asked, verb, text, nameless=alone)
-        profile = self._seeing.profiles[robot]
+        profile = self._media.profiles[robot]
         if not profile.offers(sight):
             why = words.no_camera if sight is Sight.PICTURE else words.no_map
             raise NothingToSee(why(profile.shown))
@@ -111,7 +111,7 @@ class SnapshotCommands:
         cost: float,
         take: Callable[[], Awaitable[RenderJob]],
     ) -> None:
-        self._seeing.studio.begin(asked, robot, cost, take)
+        self._media.render_queue.begin(asked, robot, cost, take)
 
     async def _picture(self, robot: RobotId, *, low: bool) -> RenderJob:
         view = await self._first(robot, Sight.PICTURE)
@@ -129,7 +129,7 @@ class SnapshotCommands:
     def _shot(
         self, robot: RobotId, view: View, what: str, buttons: tuple[Button, ...], *, low: bool
     ) -> RenderJob:
-        shown, age_s = self._seeing.profiles[robot].shown, self._seeing.age_s
+        shown, age_s = self._media.profiles[robot].shown, self._media.age_s
         grid = view.content if isinstance(view.content, Grid) else None
 
         def caption() -> str:
@@ -148,11 +148,11 @@ class SnapshotCommands:
         return RenderJob(view.content, caption, robot, low, (buttons,))
 
     async def _first(self, robot: RobotId, sight: Sight) -> View:
-        shown = self._seeing.profiles[robot].shown
+        shown = self._media.profiles[robot].shown
         try:
             async with (
                 asyncio.timeout(WITHIN_S),
-                aclosing(self._seeing.linker.look(robot, sight)) as views,
+                aclosing(self._media.linker.look(robot, sight)) as views,
             ):
                 async for view in views:
                     return view
@@ -161,7 +161,7 @@ class SnapshotCommands:
         raise NothingToSee(said("{robot} has shown nothing.", robot=shown))
 
     async def _clip(self, robot: RobotId, *, low: bool) -> RenderJob:
-        shown = self._seeing.profiles[robot].shown
+        shown = self._media.profiles[robot].shown
         views = await self._several(robot)
         if len(views) < SEVERAL:
             raise NothingToSee(said("{robot} shows pictures too seldom for a clip.", robot=shown))
@@ -175,7 +175,7 @@ class SnapshotCommands:
             lambda: words.caption(
                 shown,
                 words.clip(seconds),
-                self._seeing.age_s(last.taken_ns),
+                self._media.age_s(last.taken_ns),
                 foreign=last.foreign,
                 low=low,
             ),
@@ -186,12 +186,12 @@ class SnapshotCommands:
 
     async def _several(self, robot: RobotId) -> list[View]:
         """Return frames one after another, until there are enough or it has taken long enough."""
-        clock, views = self._seeing.clock, list[View]()
+        clock, views = self._media.clock, list[View]()
         begun_ns, size = clock.monotonic_ns(), 0
         try:
             async with (
                 asyncio.timeout(WITHIN_S),
-                aclosing(self._seeing.linker.look(robot, Sight.PICTURE)) as frames,
+                aclosing(self._media.linker.look(robot, Sight.PICTURE)) as frames,
             ):
                 async for view in frames:
                     views.append(view)
@@ -228,13 +228,13 @@ def _size(view: View) -> int:
 class DashboardCamera:
     """What live cards look through."""
 
-    def __init__(self, seeing: MediaContext) -> None:
-        self._seeing = seeing
-        self._looking = SnapshotCommands(seeing)
+    def __init__(self, media: MediaContext) -> None:
+        self._media = media
+        self._looking = SnapshotCommands(media)
 
     def offers(self, robot: RobotId) -> bool:
         """Whether anybody may look through its camera, and something can be drawn."""
-        return self._seeing.studio.works and self._seeing.profiles[robot].offers(Sight.PICTURE)
+        return self._media.render_queue.works and self._media.profiles[robot].offers(Sight.PICTURE)
 
     def look(
         self,

@@ -155,7 +155,7 @@ class TelemetrySampler:
         self._open: dict[RobotId, Track] = {}
         self._following: asyncio.Task[None] | None = None
 
-    def enlist(self, profile: Profile) -> None:
+    def add_robot(self, profile: Profile) -> None:
         """Sample what a robot reports, from the next round on."""
         if profile.telemetry:
             self._reporting[profile.id] = None

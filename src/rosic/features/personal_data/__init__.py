@@ -1,1 +1,1 @@
-"""Errands about what is kept: settings, my data, being forgotten, archives of chats."""
+"""Commands about what is kept: settings, my data, being forgotten, archives of chats."""

@@ -19,7 +19,7 @@ from rosic.errors import (
     StoreFault,
 )
 from rosic.features.personal_data import messages as words
-from rosic.gateway.office import Reply
+from rosic.gateway.commands import Reply
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.calendar_messages import moment
 
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from rosic.container.archive_records import ChatKey
     from rosic.contracts.store import ContainerStore
     from rosic.core.records import Fact
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.container_context import ContainerContext
-    from rosic.gateway.office import CommandContext
 
 
 # ---- sending an export ----
@@ -85,11 +85,11 @@ TEXT = "text"
 
 
 class ArchiveCommands:
-    """The clerk of archives. Whoever is in a chat may ask; admins decide."""
+    """The handler of archives. Whoever is in a chat may ask; admins decide."""
 
-    def __init__(self, holdings: ContainerContext) -> None:
-        self._holdings = holdings
-        self._archive = holdings.archive
+    def __init__(self, data_context: ContainerContext) -> None:
+        self._data_context = data_context
+        self._archive = data_context.archive
 
     async def archive(self, asked: CommandContext) -> Reply:
         """Say whether this chat is kept, or change it, or show what is kept.
@@ -100,7 +100,7 @@ class ArchiveCommands:
         said = asked.rest.casefold().split()
         if not said:
             return self._state(asked)
-        if not self._holdings.may_archive(asked.caller.principal):
+        if not self._data_context.may_archive(asked.caller.principal):
             raise NotPermitted(words.NOT_YOURS)
         if said[0] == "on":
             return await self._begin(asked, said[1:])
@@ -116,26 +116,26 @@ class ArchiveCommands:
         known = self._archive.state(asked.inbound.chat)
         if known is None or not known.switch.on:
             return Reply(words.archive_off(0 if known is None else len(known.entries)))
-        zone = self._holdings.zone_of(asked.caller.principal)
-        since = moment(known.switch.at_ns, self._holdings.clock.wall_ns(), zone)
-        name, count = self._holdings.name(known.switch.by), len(known.entries)
+        zone = self._data_context.zone_of(asked.caller.principal)
+        since = moment(known.switch.at_ns, self._data_context.clock.wall_ns(), zone)
+        name, count = self._data_context.name(known.switch.by), len(known.entries)
         return Reply(words.archive_on(name, since, known.switch.days, count, known.size))
 
     async def _begin(self, asked: CommandContext, said: Sequence[str]) -> Reply:
         days, by = _days(said), asked.caller.principal
-        async with self._holdings.changes.turn() as turn:
+        async with self._data_context.changes.turn() as turn:
             await turn.write(
                 self._archive.begin(asked.messenger.name, asked.inbound.chat, by, days=days)
             )
-        return Reply(words.begun(self._holdings.name(by), days))
+        return Reply(words.begun(self._data_context.name(by), days))
 
     async def _end(self, asked: CommandContext) -> Reply:
         by = asked.caller.principal
-        async with self._holdings.changes.turn() as turn:
+        async with self._data_context.changes.turn() as turn:
             await turn.write(self._archive.end(asked.inbound.chat, by))
         known = self._archive.state(asked.inbound.chat)
         days = DAYS if known is None else known.switch.days
-        return Reply(words.ended(self._holdings.name(by), days))
+        return Reply(words.ended(self._data_context.name(by), days))
 
     async def _erase(self, asked: CommandContext, *, sure: bool) -> Reply:
         key = archive_records.chat_key(asked.inbound.chat)
@@ -144,8 +144,8 @@ class ArchiveCommands:
         if not sure:
             yes = Button(words.YES_ERASE, "/archive erase", act=SURE)
             return Reply(words.ERASE_SURE, ((yes, Button(words.LEAVE_IT, LEAVE)),))
-        async with self._holdings.changes.turn() as turn:
-            now_ns, by = self._holdings.clock.wall_ns(), asked.caller.principal
+        async with self._data_context.changes.turn() as turn:
+            now_ns, by = self._data_context.clock.wall_ns(), asked.caller.principal
             decided = Decided(act="erase-archive", by=by, about=key, at_ns=now_ns)
             await turn.write((decided, *self._archive.drop(key)))
         return Reply(words.ARCHIVE_ERASED)
@@ -160,7 +160,7 @@ class ArchiveCommands:
         if form == "xlsx" and not asked.messenger.file_bytes:
             return Reply(words.spreadsheet_later(command))
         try:
-            found = await rows_of(self._holdings.vault, archive_records.chat_key(chat))
+            found = await rows_of(self._data_context.vault, archive_records.chat_key(chat))
         except StoreFault as fault:
             raise RecordUnavailable(words.NOT_READABLE) from fault
         if not found:

@@ -1,4 +1,4 @@
-"""Who does which errand about what is kept; who keeps which facts; what the other rooms end."""
+"""Who does which command about what is kept; who keeps which facts; what the other rooms end."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rosic.features.personal_data.archive_commands import ArchiveCommands, hande
 from rosic.features.personal_data.order_history import OrderHistory
 from rosic.features.personal_data.settings import SettingsCommands
 from rosic.features.personal_data.shared_data import ShareCommands
-from rosic.gateway.office import Reply, check_private
+from rosic.gateway.commands import Reply, check_private
 from rosic.gateway.replies import LEAVE
 
 if TYPE_CHECKING:
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Fact
     from rosic.features.personal_data.erasure import ErasureCommands
+    from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.container_context import ContainerContext
-    from rosic.gateway.office import CommandContext, CommandRegistry
 
 
 # ---- ``/data`` (storeData, getSharedData) ----
@@ -45,11 +45,11 @@ MOST_LINES = 40
 
 
 class SharedDataCommands:
-    """The clerk of shared data. Of one's own container is spoken in private alone."""
+    """The handler of shared data. Of one's own container is spoken in private alone."""
 
-    def __init__(self, holdings: ContainerContext) -> None:
-        self._holdings = holdings
-        self._shelf = holdings.shelf
+    def __init__(self, data_context: ContainerContext) -> None:
+        self._data_context = data_context
+        self._shelf = data_context.shelf
 
     async def data(self, asked: CommandContext) -> Reply:
         """Show what a container keeps, store a value, or remove one.
@@ -64,7 +64,7 @@ class SharedDataCommands:
         if "=" not in rest:
             return Reply(self._show(principal, owner, rest))
         name, _, value = (part.strip() for part in rest.partition("="))
-        async with self._holdings.changes.turn() as turn:
+        async with self._data_context.changes.turn() as turn:
             if value:
                 await turn.write(self._shelf.store(principal, owner, name, value))
                 return Reply(words.DATA_STORED)
@@ -74,7 +74,7 @@ class SharedDataCommands:
     def _owner(self, principal: PrincipalId, said: str) -> tuple[str, str]:
         """Return whose container is meant, and what else was said."""
         first, _, rest = said.partition(" ")
-        if first in self._holdings.visible(principal):
+        if first in self._data_context.visible(principal):
             return first, rest.strip()
         if said and "=" not in said and not self._mine(principal, said):
             raise NotUnderstood(words.HOW_TO_KEEP, offers=("/data",))
@@ -84,7 +84,7 @@ class SharedDataCommands:
         return bool(self._shelf.history(principal, principal, name))
 
     def _show(self, principal: PrincipalId, owner: str, name: str) -> str:
-        shown = words.YOU if owner == principal else self._holdings.shown(owner)
+        shown = words.YOU if owner == principal else self._data_context.shown(owner)
         found = (
             self._shelf.history(principal, owner, name)
             if name
@@ -95,8 +95,8 @@ class SharedDataCommands:
         return messages.kept_lines(shown, [*map(self._line, found[-MOST_LINES:])])
 
     def _line(self, kept: SharedValue) -> str:
-        age_s = (self._holdings.clock.wall_ns() - kept.at_ns) / 1e9
-        sender, ago = self._holdings.name(kept.sender), messages.age(age_s)
+        age_s = (self._data_context.clock.wall_ns() - kept.at_ns) / 1e9
+        sender, ago = self._data_context.name(kept.sender), messages.age(age_s)
         return messages.kept_line(kept.name, kept.value, sender, ago)
 
 
@@ -109,10 +109,10 @@ FILE = "my-data"
 
 
 class MyDataCommands:
-    """The clerk of everybody's own container; answers nobody about another's (I11)."""
+    """The handler of everybody's own container; answers nobody about another's (I11)."""
 
-    def __init__(self, holdings: ContainerContext, erasing: ErasureCommands) -> None:
-        self._holdings = holdings
+    def __init__(self, data_context: ContainerContext, erasing: ErasureCommands) -> None:
+        self._data_context = data_context
         self._erasing = erasing
 
     async def my_data(self, asked: CommandContext) -> Reply:
@@ -130,7 +130,7 @@ class MyDataCommands:
             return await self._export(asked, form)
         found = await self._belongings(asked.caller.principal)
         row = (Button(words.EXPORT, f"/mydata {EXPORT}"), Button(words.FORGET, "/forget me"))
-        count, size = self._holdings.files.used(asked.caller.principal)
+        count, size = self._data_context.files.used(asked.caller.principal)
         inside = (export.ContainerSummary(PART, count, size),) if count else ()
         return Reply(words.my_data((*export.summary(found), *inside)), (row,))
 
@@ -148,7 +148,7 @@ class MyDataCommands:
 
     async def _belongings(self, principal: PrincipalId) -> tuple[Fact, ...]:
         try:
-            return await self._holdings.vault.belongings(principal)
+            return await self._data_context.vault.belongings(principal)
         except StoreFault as fault:
             raise RecordUnavailable(words.NOT_READABLE) from fault
 
@@ -171,53 +171,53 @@ class MyDataCommands:
         return Reply(words.SURE, ((yes,), (Button(words.LEAVE_IT, LEAVE),)))
 
 
-def employ_clerks(
-    office: CommandRegistry, holdings: ContainerContext, erasing: ErasureCommands
+def register_commands(
+    commands: CommandRegistry, data_context: ContainerContext, erasing: ErasureCommands
 ) -> None:
     """Let what people ask about what is kept be done: settings, mydata, history, archive, ..."""
-    settings, mine = SettingsCommands(holdings), MyDataCommands(holdings, erasing)
-    office.employ("settings", settings.settings)
-    office.employ("language", settings.language)
-    office.employ("mydata", mine.my_data)
-    office.employ("forget", mine.forget)
-    office.employ("history", OrderHistory(holdings).history)
-    office.employ("archive", ArchiveCommands(holdings).archive)
-    office.employ("data", SharedDataCommands(holdings).data)
-    sharing = ShareCommands(holdings)
-    office.employ("share", sharing.share)
-    office.employ("shelf", sharing.shelf)
+    settings, mine = SettingsCommands(data_context), MyDataCommands(data_context, erasing)
+    commands.register("settings", settings.settings)
+    commands.register("language", settings.language)
+    commands.register("mydata", mine.my_data)
+    commands.register("forget", mine.forget)
+    commands.register("history", OrderHistory(data_context).history)
+    commands.register("archive", ArchiveCommands(data_context).archive)
+    commands.register("data", SharedDataCommands(data_context).data)
+    sharing = ShareCommands(data_context)
+    commands.register("share", sharing.share)
+    commands.register("shelf", sharing.shelf)
 
 
 def keepers(
-    holdings: ContainerContext, erasing: ErasureCommands
+    data_context: ContainerContext, erasing: ErasureCommands
 ) -> Mapping[str, Callable[[Fact], object]]:
     """Return who keeps which kind of fact."""
-    return {**books_kept(holdings), erasing_of.KIND: erasing.apply}
+    return {**books_kept(data_context), erasing_of.KIND: erasing.apply}
 
 
-def books_kept(holdings: ContainerContext) -> Mapping[str, Callable[[Fact], object]]:
+def books_kept(data_context: ContainerContext) -> Mapping[str, Callable[[Fact], object]]:
     """Return which book keeps which kind. A switch comes before the entries of its chat."""
     return {
-        preferences.KIND: holdings.preferences.apply,
-        history.KIND: holdings.habits.apply,
-        shared_data.KIND: holdings.shelf.apply,
-        shared_data_access.LOAN: holdings.shelf.apply,
-        shared_data.QUOTA: holdings.shelf.apply,
-        files.KIND: holdings.files.apply,
+        preferences.KIND: data_context.preferences.apply,
+        history.KIND: data_context.habits.apply,
+        shared_data.KIND: data_context.shelf.apply,
+        shared_data_access.LOAN: data_context.shelf.apply,
+        shared_data.QUOTA: data_context.shelf.apply,
+        files.KIND: data_context.files.apply,
         files.PART: lambda _: None,  # content stays on the disk
-        archive_records.SWITCH: holdings.archive.apply,
-        archive_records.ENTRY: holdings.archive.apply,
+        archive_records.SWITCH: data_context.archive.apply,
+        archive_records.ENTRY: data_context.archive.apply,
     }
 
 
 def take_over(
-    facts: Mapping[str, tuple[Fact, ...]], holdings: ContainerContext, erasing: ErasureCommands
+    facts: Mapping[str, tuple[Fact, ...]], data_context: ContainerContext, erasing: ErasureCommands
 ) -> None:
     """Take over what earlier runs wrote, and say who keeps it from now on."""
-    for kind, apply in keepers(holdings, erasing).items():
+    for kind, apply in keepers(data_context, erasing).items():
         for fact in facts.get(kind, ()):
             apply(fact)
-        holdings.changes.keep(kind, apply)
+        data_context.changes.keep(kind, apply)
 
 
 # ---- once a day ----
@@ -225,7 +225,7 @@ def take_over(
 log = logging.getLogger("rosic.containers")
 
 
-async def tidy(holdings: ContainerContext, erasing: ErasureCommands) -> int:
+async def tidy(data_context: ContainerContext, erasing: ErasureCommands) -> int:
     """Forget entries of archives that are too old, and finish erasing. Return how many entries.
 
     Goes in small steps, so that other changes pass between them.
@@ -240,8 +240,8 @@ async def tidy(holdings: ContainerContext, erasing: ErasureCommands) -> int:
         log.exception("not everything of people who were not let in could be erased")
     total = 0
     while True:
-        async with holdings.changes.turn() as turn:
-            facts = holdings.archive.outdated()
+        async with data_context.changes.turn() as turn:
+            facts = data_context.archive.outdated()
             await turn.write(facts)
         if not facts:
             return total

@@ -86,8 +86,8 @@ _decode = msgspec.msgpack.Decoder(_Body).decode
 class ErasureCommands:
     """Erases people; goes on after a restart where it was interrupted."""
 
-    def __init__(self, holdings: ContainerContext, sides: ErasureQueries) -> None:
-        self._holdings = holdings
+    def __init__(self, data_context: ContainerContext, sides: ErasureQueries) -> None:
+        self._data_context = data_context
         self._sides = sides
         self._bodies: dict[PrincipalId, _Body] = {}
 
@@ -118,7 +118,7 @@ class ErasureCommands:
             raise NotUnderstood(words.NOBODY)
         if self._sides.is_last_admin(principal):
             own = principal == by
-            name = self._holdings.name(principal)
+            name = self._data_context.name(principal)
             raise NotPermitted(words.LAST_ADMIN if own else words.last_admin(name))
 
     async def erase(self, principal: PrincipalId, by: PrincipalId) -> Erased:
@@ -134,10 +134,10 @@ class ErasureCommands:
                 rights have ended and the rest is tried again, now and after every start; the
                 sentence says which.
         """
-        holdings = self._holdings
-        async with holdings.changes.turn() as turn:
+        data_context = self._data_context
+        async with data_context.changes.turn() as turn:
             self.check(principal, by)
-            name = holdings.name(principal)
+            name = data_context.name(principal)
             await turn.write(self._records(principal, by))
         await self._sides.ended(principal)
         at_rest = await self._rested(principal)
@@ -151,21 +151,21 @@ class ErasureCommands:
 
     def _records(self, principal: PrincipalId, by: PrincipalId) -> tuple[Record, ...]:
         """Return everything that ends at once, in one write."""
-        holdings, now_ns = self._holdings, self._holdings.clock.wall_ns()
+        data_context, now_ns = self._data_context, self._data_context.clock.wall_ns()
         return (
             Decided(act="erase", by=by, about=principal, at_ns=now_ns),
             Fact(kind=KIND, key=principal, body=_encode(_Body(now_ns, done=False))),
             *self._sides.ends(principal, by),
-            *holdings.preferences.unset(principal),
-            *holdings.shelf.end_all(principal),
-            *holdings.habits.end_all(principal),
-            *holdings.files.end_all(principal),
-            *holdings.archive.end_private(lambda chat: self._sides.theirs(principal, chat)),
+            *data_context.preferences.unset(principal),
+            *data_context.shelf.end_all(principal),
+            *data_context.habits.end_all(principal),
+            *data_context.files.end_all(principal),
+            *data_context.archive.end_private(lambda chat: self._sides.theirs(principal, chat)),
         )
 
     async def _rested(self, principal: PrincipalId) -> bool:
         """Wait until nothing of theirs is under way: what is told later is sealed, too."""
-        clock = self._holdings.clock
+        clock = self._data_context.clock
         until_ns = clock.monotonic_ns() + int(REST_WITHIN_S * 1e9)
         while self._sides.busy(principal):
             if clock.monotonic_ns() >= until_ns:
@@ -175,10 +175,10 @@ class ErasureCommands:
         return True
 
     async def _shred(self, principal: PrincipalId, *, done: bool) -> None:
-        await self._holdings.vault.shred(principal)
+        await self._data_context.vault.shred(principal)
         if done:
             body = _encode(_Body(self._bodies[principal].at_ns, done=True))
-            async with self._holdings.changes.turn() as turn:
+            async with self._data_context.changes.turn() as turn:
                 await turn.write((Fact(kind=KIND, key=principal, body=body),))
 
     @property
@@ -192,7 +192,7 @@ class ErasureCommands:
         What fails is logged; `strays` finds it again.
         """
         try:
-            await self._holdings.vault.shred(principal)
+            await self._data_context.vault.shred(principal)
         except StoreFault:
             log.exception("what was kept of somebody not let in could not be erased yet")
 
@@ -203,8 +203,8 @@ class ErasureCommands:
             StoreFault: Not all could be; the rest is tried the next time.
         """
         # Nobody comes in meanwhile: their container would be there before they are known.
-        async with self._holdings.changes.turn():
-            vault = self._holdings.vault
+        async with self._data_context.changes.turn():
+            vault = self._data_context.vault
             found = [name for name in await vault.containers() if self._sides.stray(name)]
             for name in found:
                 await vault.shred(name)
@@ -238,23 +238,23 @@ class ErasureCommands:
             RobotBusy: Somebody has the robot now. Nothing was erased.
             RecordUnavailable: Not erased, or not wholly; doing it again is safe.
         """
-        holdings = self._holdings
+        data_context = self._data_context
         chat = container.removeprefix("chat-")
-        if container not in holdings.robots and chat not in holdings.archive.all():
+        if container not in data_context.robots and chat not in data_context.archive.all():
             raise NotUnderstood(words.NO_SUCH_CONTAINER)
-        used = self._sides.in_use(container) if container in holdings.robots else ""
+        used = self._sides.in_use(container) if container in data_context.robots else ""
         if used:
-            raise RobotBusy(words.in_use(holdings.shown(container), used))
-        now_ns = holdings.clock.wall_ns()
+            raise RobotBusy(words.in_use(data_context.shown(container), used))
+        now_ns = data_context.clock.wall_ns()
         ends = (
-            holdings.shelf.end_all(container)
-            if container in holdings.robots
-            else holdings.archive.drop(chat)
+            data_context.shelf.end_all(container)
+            if container in data_context.robots
+            else data_context.archive.drop(chat)
         )
-        async with holdings.changes.turn() as turn:
+        async with data_context.changes.turn() as turn:
             decided = Decided(act="erase", by=by, about=container, at_ns=now_ns)
             await turn.write((decided, *ends))
         try:
-            await holdings.vault.shred(container)
+            await data_context.vault.shred(container)
         except StoreFault as fault:
             raise RecordUnavailable(words.NOT_READABLE) from fault

@@ -128,29 +128,29 @@ class ShownContainer(msgspec.Struct, frozen=True, kw_only=True):
     kept_most: int
 
 
-async def list_containers(holdings: ContainerContext) -> list[ListedContainer]:
+async def list_containers(data_context: ContainerContext) -> list[ListedContainer]:
     """Return every container, robots' first.
 
     Raises:
         StoreFault: They cannot be read now.
     """
-    kept = await holdings.vault.containers()
-    others = [_listed(holdings, name) for name in kept if name not in holdings.robots]
-    robots = [_listed(holdings, robot) for robot in sorted(holdings.robots)]
+    kept = await data_context.vault.containers()
+    others = [_listed(data_context, name) for name in kept if name not in data_context.robots]
+    robots = [_listed(data_context, robot) for robot in sorted(data_context.robots)]
     order = [ROBOT, PERSON, CHAT]
     return sorted([*robots, *others], key=lambda one: (order.index(one.kind), one.name.casefold()))
 
 
-async def show_container(holdings: ContainerContext, container: str) -> ShownContainer:
+async def show_container(data_context: ContainerContext, container: str) -> ShownContainer:
     """Return how much of what a container holds.
 
     Raises:
         NotUnderstood: There is none.
         StoreFault: It cannot be read now.
     """
-    found = await _found(holdings, container)
-    quota, (names, kept) = holdings.shelf.quota(container), holdings.shelf.used(container)
-    listed = _listed(holdings, container)
+    found = await _found(data_context, container)
+    quota, (names, kept) = data_context.shelf.quota(container), data_context.shelf.used(container)
+    listed = _listed(data_context, container)
     return ShownContainer(
         kind=listed.kind,
         container=container,
@@ -163,7 +163,7 @@ async def show_container(holdings: ContainerContext, container: str) -> ShownCon
     )
 
 
-async def export_container(holdings: ContainerContext, container: str) -> Iterator[str]:
+async def export_container(data_context: ContainerContext, container: str) -> Iterator[str]:
     """Return JSON lines, many at a time: a chat's messages, or everything else's content.
 
     Secrets are not among it. They are made as they are asked for: no long export holds up a stop.
@@ -173,10 +173,10 @@ async def export_container(holdings: ContainerContext, container: str) -> Iterat
         StoreFault: It cannot be read now.
     """
     if container.startswith(_CHAT):
-        await _found(holdings, container)
-        rows = await rows_of(holdings.vault, container.removeprefix(_CHAT))
+        await _found(data_context, container)
+        rows = await rows_of(data_context.vault, container.removeprefix(_CHAT))
         return together(map(export.row_as_json, rows))
-    found = await _found(holdings, container)
+    found = await _found(data_context, container)
     return together(map(export.thing_as_json, map(export.thing_of, found)))
 
 
@@ -193,7 +193,7 @@ def together(lines: Iterable[str]) -> Iterator[str]:
 
 
 async def limit_container(
-    holdings: ContainerContext,
+    data_context: ContainerContext,
     container: str,
     by: PrincipalId,
     *,
@@ -203,7 +203,7 @@ async def limit_container(
     """Say what one container may keep, from now on; the others are not touched.
 
     Args:
-        holdings: The books.
+        data_context: The books.
         container: Whose.
         by: Who decides.
         names: At most so many; None leaves it.
@@ -218,56 +218,59 @@ async def limit_container(
         raise OutOfBounds(NEGATIVE)
     if container.startswith(_CHAT):
         raise NotUnderstood(NO_SHELF)
-    await _known(holdings, container)
-    before = holdings.shelf.quota(container)
+    await _known(data_context, container)
+    before = data_context.shelf.quota(container)
     quota = Quota(
         names=before.names if names is None else names,
         history=before.history,
         most_bytes=before.most_bytes if most_bytes is None else most_bytes,
     )
-    now_ns = holdings.clock.wall_ns()
-    async with holdings.changes.turn() as turn:
+    now_ns = data_context.clock.wall_ns()
+    async with data_context.changes.turn() as turn:
         decided = Decided(act="limit", by=by, about=container, at_ns=now_ns)
-        await turn.write((decided, *holdings.shelf.limit(container, quota)))
-    name = _listed(holdings, container).name
+        await turn.write((decided, *data_context.shelf.limit(container, quota)))
+    name = _listed(data_context, container).name
     return limit_set(name, quota.names, quota.most_bytes)
 
 
 async def erase_container(
-    holdings: ContainerContext, erasing: ErasureCommands, container: str, by: PrincipalId
+    data_context: ContainerContext, erasing: ErasureCommands, container: str, by: PrincipalId
 ) -> str:
     """Erase a container for good: a person's with all their rights, a robot's or a chat's data.
 
     Raises:
         NotUnderstood, NotPermitted, RobotBusy, RecordUnavailable: As `ErasureCommands.erase`.
     """
-    if container in holdings.robots or container.startswith(_CHAT):
-        name = _listed(holdings, container).name
+    if container in data_context.robots or container.startswith(_CHAT):
+        name = _listed(data_context, container).name
         await erasing.erase_other(container, by)
         return emptied(name)
     erased = await erasing.erase(container, by)
     return words.erased(erased.name, at_rest=erased.at_rest)
 
 
-async def _known(holdings: ContainerContext, container: str) -> None:
+async def _known(data_context: ContainerContext, container: str) -> None:
     """See that there is such a container, without looking into it.
 
     Raises:
         NotUnderstood: There is none.
     """
-    if container not in holdings.robots and container not in await holdings.vault.containers():
+    if (
+        container not in data_context.robots
+        and container not in await data_context.vault.containers()
+    ):
         raise NotUnderstood(words.NO_SUCH_CONTAINER)
 
 
-async def _found(holdings: ContainerContext, container: str) -> tuple[Fact, ...]:
+async def _found(data_context: ContainerContext, container: str) -> tuple[Fact, ...]:
     """Return what a container holds; of a chat, all its entries, whoever sealed them."""
-    found = await holdings.vault.belongings(container)
+    found = await data_context.vault.belongings(container)
     if container.startswith(_CHAT):
         key = container.removeprefix(_CHAT)
         known = {(fact.kind, fact.key) for fact in found}
-        entries = await all_facts(holdings.vault, archive_records.ENTRY, f"{key}.")
+        entries = await all_facts(data_context.vault, archive_records.ENTRY, f"{key}.")
         found = (*found, *(_open(f) for f in entries if (f.kind, f.key) not in known))
-    if not found and container not in holdings.robots:
+    if not found and container not in data_context.robots:
         raise NotUnderstood(words.NO_SUCH_CONTAINER)
     return found
 
@@ -277,12 +280,12 @@ def _open(fact: Fact) -> Fact:
     return msgspec.structs.replace(fact, letter=None)
 
 
-def _listed(holdings: ContainerContext, container: str) -> ListedContainer:
-    if container in holdings.robots:
-        return ListedContainer(ROBOT, container, holdings.shown(container))
+def _listed(data_context: ContainerContext, container: str) -> ListedContainer:
+    if container in data_context.robots:
+        return ListedContainer(ROBOT, container, data_context.shown(container))
     if not container.startswith(_CHAT):
-        return ListedContainer(PERSON, container, holdings.name(container))
-    kept = holdings.archive.all().get(container.removeprefix(_CHAT))
+        return ListedContainer(PERSON, container, data_context.name(container))
+    kept = data_context.archive.all().get(container.removeprefix(_CHAT))
     venue = None if kept is None else kept.venue
     if venue is None:
         return ListedContainer(CHAT, container, container)

@@ -22,7 +22,7 @@ from rosic.core.order_status import BETWEEN, ended_as
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotPermitted, NotUnderstood, RecordUnavailable, StoreFault
 from rosic.features.personal_data import messages as words
-from rosic.gateway.office import Reply, check_private
+from rosic.gateway.commands import Reply, check_private
 from rosic.organiser.calendar_messages import moment
 
 if TYPE_CHECKING:
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from rosic.core.language.compiled import CompiledSkill
     from rosic.core.robot.profile import RobotId
     from rosic.core.robot.skill import Argument
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.container_context import ContainerContext
-    from rosic.gateway.office import CommandContext
 
 L = TypeVar("L")
 
@@ -72,10 +72,10 @@ class ReadEntry(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class OrderHistory:
-    """The clerk of what was asked for."""
+    """The handler of what was asked for."""
 
-    def __init__(self, holdings: ContainerContext) -> None:
-        self._holdings = holdings
+    def __init__(self, data_context: ContainerContext) -> None:
+        self._data_context = data_context
 
     async def history(self, asked: CommandContext) -> Reply:
         """Show one's own, or a robot's.
@@ -92,12 +92,12 @@ class OrderHistory:
         robot = self._robot(who, named)
         query = HistoryQuery(principal="" if robot else who, robot=robot, limit=limit + 1)
         try:
-            found = await self._holdings.vault.history(query)
+            found = await self._data_context.vault.history(query)
         except StoreFault as fault:
             raise RecordUnavailable(words.NOT_READABLE) from fault
         if not found:
             return Reply(NOTHING_YET)
-        vocabulary = self._holdings.vocabulary
+        vocabulary = self._data_context.vocabulary
         lines = [
             self._line(entry, robots, vocabulary, who)
             for entry, robots in at_once(found[:limit][::-1])
@@ -109,10 +109,10 @@ class OrderHistory:
         if not named:
             return ""
         [robot, *rest] = named
-        if rest or robot not in self._holdings.visible(who):
+        if rest or robot not in self._data_context.visible(who):
             raise NotUnderstood(HOW, offers=("/history",))
-        if not self._holdings.may_oversee(who, robot):
-            shown = self._holdings.shown(robot)
+        if not self._data_context.may_oversee(who, robot):
+            shown = self._data_context.shown(robot)
             raise NotPermitted(
                 said(
                     "What was asked of {robot} is read by admins and by whoever gives rights on "
@@ -133,9 +133,9 @@ class OrderHistory:
         asked = stopped(robots, vocabulary) if entry.kind == STOPPED else read.asked
         if entry.kind == REFUSED and asked:
             asked = quote(asked)  # as they wrote it
-        zone, now_ns = self._holdings.zone_of(who), self._holdings.clock.wall_ns()
+        zone, now_ns = self._data_context.zone_of(who), self._data_context.clock.wall_ns()
         when = moment(read.at_ns, now_ns, zone)
-        name = "" if read.who == who else self._holdings.name(read.who)
+        name = "" if read.who == who else self._data_context.name(read.who)
         parts = [when, *filter(None, (name, asked)), read.came]
         return joined(BETWEEN, parts)
 

@@ -9,7 +9,7 @@ from rosic.core.i18n import capital, said
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood
 from rosic.features.personal_data import messages as words
-from rosic.gateway.office import Reply, check_private
+from rosic.gateway.commands import Reply, check_private
 from rosic.organiser.timezones import known_zones, zone_named
 
 if TYPE_CHECKING:
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Fact
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.container_context import ContainerContext
-    from rosic.gateway.office import CommandContext
 
 LANGUAGE, UNITS, ROBOT, SPEED, ZONE = "language", "units", "robot", "speed", "zone"
 NAMES: Mapping[str, str] = {
@@ -46,11 +46,11 @@ NAMES: Mapping[str, str] = {
 
 
 class SettingsCommands:
-    """The clerk of settings."""
+    """The handler of settings."""
 
-    def __init__(self, holdings: ContainerContext) -> None:
-        self._holdings = holdings
-        self._book = holdings.preferences
+    def __init__(self, data_context: ContainerContext) -> None:
+        self._data_context = data_context
+        self._book = data_context.preferences
 
     async def settings(self, asked: CommandContext) -> Reply:
         """Show everything, or set one thing.
@@ -95,15 +95,15 @@ class SettingsCommands:
         return words.THIS_LANGUAGE if names is None else names[0]
 
     async def _set(self, principal: PrincipalId, what: str, value: str) -> Reply:
-        async with self._holdings.changes.turn() as turn:
+        async with self._data_context.changes.turn() as turn:
             facts = self._decide(principal, what, value)
             await turn.write(facts)
         kept = self._book.of(principal)
         if what == SPEED and kept.speed:
             limits = self._book.limits(principal)
             robots = dict.fromkeys(limit.partition(":")[0] for limit in limits)
-            seen = self._holdings.visible(principal)
-            shown = [self._holdings.shown(robot) for robot in robots if robot in seen]
+            seen = self._data_context.visible(principal)
+            shown = [self._data_context.shown(robot) for robot in robots if robot in seen]
             return Reply(words.speed_set(kept.speed, shown or [said("robots you get later")]))
         return Reply(words.SAVED)
 
@@ -114,15 +114,15 @@ class SettingsCommands:
         if what == UNITS:
             return book.set_units(principal, value)
         if what == ROBOT:
-            return book.set_robot(principal, value, self._holdings.choices(principal))
+            return book.set_robot(principal, value, self._data_context.choices(principal))
         if what == SPEED:
             return book.set_speed(principal, value)
         return book.set_zone(principal, value, _zone)
 
     def _show(self, principal: PrincipalId) -> Reply:
         kept, languages = self._book.of(principal), self._book.languages
-        robot = self._holdings.shown(kept.robot) if kept.robot else ""
-        zone = self._holdings.zone_of(principal).name
+        robot = self._data_context.shown(kept.robot) if kept.robot else ""
+        zone = self._data_context.zone_of(principal).name
         text = words.settings(kept, self._language(principal), robot, zone)
         other = METRIC if kept.units == IMPERIAL else IMPERIAL
         row = [Button(capital(words.UNITS_SAID[other]), f"/settings {UNITS} {other}")]

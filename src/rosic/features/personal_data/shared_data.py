@@ -15,7 +15,7 @@ from rosic.core.time_units import DAY_S
 from rosic.errors import NotUnderstood
 from rosic.features.personal_data import messages as words
 from rosic.gateway.button_rows import rows
-from rosic.gateway.office import Reply, check_length, check_private
+from rosic.gateway.commands import Reply, check_length, check_private
 from rosic.organiser.calendar_messages import moment
 
 if TYPE_CHECKING:
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from rosic.container.shared_data import SharedValue
     from rosic.container.shared_data_access import SharedDataGrant
     from rosic.core.identity import PrincipalId
+    from rosic.gateway.commands import CommandContext
     from rosic.gateway.container_context import ContainerContext
-    from rosic.gateway.office import CommandContext
 
 BACK: Final = "back"
 LONGEST_LINE: Final = 300
@@ -38,12 +38,12 @@ _FOR = re.compile(r"\s+(?:for|für)\s+", re.IGNORECASE)
 
 
 class ShareCommands:
-    """The clerk who lends. Speaks of one's own container in private alone."""
+    """The handler who lends. Speaks of one's own container in private alone."""
 
-    def __init__(self, holdings: ContainerContext) -> None:
-        self._holdings = holdings
-        self._shelf = holdings.shelf
-        self._lending = holdings.shelf.lending
+    def __init__(self, data_context: ContainerContext) -> None:
+        self._data_context = data_context
+        self._shelf = data_context.shelf
+        self._lending = data_context.shelf.lending
 
     # ---- /shelf ----
 
@@ -81,25 +81,29 @@ class ShareCommands:
         return [words.LENT, *lines]
 
     def _to_me(self, principal: PrincipalId) -> list[str]:
-        readers = (principal, *sorted(self._holdings.visible(principal)))
+        readers = (principal, *sorted(self._data_context.visible(principal)))
         loans = [loan for loan in self._lending.to(readers) if loan.owner != principal]
         found = [self._shelf.latest(principal, loan.owner, loan.name) for loan in loans]
         lines = [f"  {self._line(kept)}" for kept in dict.fromkeys(found) if kept is not None]
         return [words.TO_ME, *lines[:MOST_LINES]] if lines else []
 
     def _line(self, kept: SharedValue) -> str:
-        ago = messages.age((self._holdings.clock.wall_ns() - kept.at_ns) / 1e9)
-        return messages.kept_line(kept.name, kept.value, self._holdings.name(kept.sender), ago)
+        ago = messages.age((self._data_context.clock.wall_ns() - kept.at_ns) / 1e9)
+        return messages.kept_line(kept.name, kept.value, self._data_context.name(kept.sender), ago)
 
     def _until(self, principal: PrincipalId, loan: SharedDataGrant) -> str:
         if not loan.until_ns:
             return ""
-        zone = self._holdings.zone_of(principal)
-        return moment(loan.until_ns, self._holdings.clock.wall_ns(), zone)
+        zone = self._data_context.zone_of(principal)
+        return moment(loan.until_ns, self._data_context.clock.wall_ns(), zone)
 
     def _name(self, reader: str) -> str:
-        holdings = self._holdings
-        return holdings.shown(reader) if reader in holdings.robots else holdings.name(reader)
+        data_context = self._data_context
+        return (
+            data_context.shown(reader)
+            if reader in data_context.robots
+            else data_context.name(reader)
+        )
 
     @staticmethod
     def _back(loan: SharedDataGrant) -> str:
@@ -125,27 +129,27 @@ class ShareCommands:
         return await self._lend(principal, clean_name(name), others[0])
 
     async def _lend(self, principal: PrincipalId, name: str, rest: str) -> Reply:
-        holdings = self._holdings
+        data_context = self._data_context
         who, *said = _FOR.split(rest, maxsplit=1)
         # Somebody may be called "Bo for 2h", and another Bo.
         found: list[tuple[str, tuple[str, ...]]] = []
         if said:
-            found += [(one, ()) for one in holdings.find(rest)]
-        if not found or holdings.find(who):
+            found += [(one, ()) for one in data_context.find(rest)]
+        if not found or data_context.find(who):
             found += [(one, tuple(said)) for one in self._found(principal, who)]
         if len(found) > 1:
             return self._which(name, found)
         [(reader, lasts)] = found
         if reader == principal:
             raise NotUnderstood(words.YOURSELF)
-        until_ns = holdings.clock.wall_ns() + _length_ns(lasts[0]) if lasts else 0
-        async with holdings.changes.turn() as turn:
+        until_ns = data_context.clock.wall_ns() + _length_ns(lasts[0]) if lasts else 0
+        async with data_context.changes.turn() as turn:
             if self._shelf.latest(principal, principal, name) is None:
                 raise NotUnderstood(words.nothing_to_share(name), offers=("/shelf",))
             await turn.write(self._lending.lend(principal, reader, name, until_ns=until_ns))
-        if reader not in holdings.robots:
-            by = holdings.name(principal)
-            holdings.tell((reader,), words.somebody_shares(by, name))
+        if reader not in data_context.robots:
+            by = data_context.name(principal)
+            data_context.tell((reader,), words.somebody_shares(by, name))
         (loan,) = (
             one for one in self._lending.by(principal) if (one.reader, one.name) == (reader, name)
         )
@@ -155,7 +159,7 @@ class ShareCommands:
     async def _take_back(self, principal: PrincipalId, rest: str) -> Reply:
         name, *others = _FROM.split(rest, maxsplit=1)
         reader = self._one(principal, others[0]) if others else ""
-        async with self._holdings.changes.turn() as turn:
+        async with self._data_context.changes.turn() as turn:
             await turn.write(self._lending.take_back(principal, clean_name(name), reader))
         return Reply(words.taken_back(clean_name(name)))
 
@@ -167,11 +171,11 @@ class ShareCommands:
         Raises:
             NotUnderstood: There is none.
         """
-        said, holdings = said.strip(), self._holdings
-        for robot in sorted(holdings.visible(principal)):
-            if said.casefold() in {robot.casefold(), holdings.shown(robot).casefold()}:
+        said, data_context = said.strip(), self._data_context
+        for robot in sorted(data_context.visible(principal)):
+            if said.casefold() in {robot.casefold(), data_context.shown(robot).casefold()}:
                 return (robot,)
-        found = holdings.find(said)
+        found = data_context.find(said)
         if not found:
             raise NotUnderstood(words.nobody_called(said), offers=("/shelf",))
         return found

@@ -14,8 +14,8 @@ from rosic.core.time_units import DAY_S
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 from rosic.features.robot_to_robot import messages as words
 from rosic.features.robot_to_robot.subscriptions import Subscriber, SubscriberChat
-from rosic.gateway.office import Reply, check_length
-from rosic.gateway.requests import check_errand_fresh
+from rosic.gateway.commands import Reply, check_length
+from rosic.gateway.requests import check_command_fresh
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from rosic.core.records import Fact
     from rosic.core.robot.profile import RobotId
     from rosic.features.robot_to_robot.service import RobotMessaging
+    from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
-    from rosic.gateway.office import CommandContext, CommandRegistry
 
 LONGEST_LINE = 300
 LINES_AT_MOST = 24
@@ -41,18 +41,18 @@ OFF = frozenset({"off", "no", "end", "aus"})
 class RobotToRobotCommands:
     """Answers about robots among themselves; reads only what its asker may see (I11)."""
 
-    def __init__(self, fellowship: RobotMessaging, rooms: Components) -> None:
-        self._fellowship = fellowship
-        self._circle = fellowship.circle
-        self._around = fellowship.circle.around
+    def __init__(self, messaging: RobotMessaging, rooms: Components) -> None:
+        self._messaging = messaging
+        self._circle = messaging.circle
+        self._around = messaging.circle.around
         self._rooms = rooms
 
-    def employ(self, office: CommandRegistry) -> None:
-        """Take the errands."""
-        office.employ("shared", self.shared)
-        office.employ("assist", self.assist)
-        office.employ("strategy", self.strategy)
-        office.employ("quiet", self.quiet)
+    def register(self, commands: CommandRegistry) -> None:
+        """Take the commands."""
+        commands.register("shared", self.shared)
+        commands.register("assist", self.assist)
+        commands.register("strategy", self.strategy)
+        commands.register("quiet", self.quiet)
 
     # ---- shared data ----
 
@@ -93,7 +93,7 @@ class RobotToRobotCommands:
     async def _follow(self, asked: CommandContext, robot: RobotId, rest: list[str]) -> Reply:
         *named, verb = rest
         topic, who = "_".join(named), asked.caller.principal
-        ear, where = (
+        subscriber, where = (
             Subscriber(robot, topic, "", who),
             SubscriberChat(asked.messenger.name, asked.inbound.chat),
         )
@@ -101,9 +101,9 @@ class RobotToRobotCommands:
         async with self._around.changes.turn() as turn:
             facts: tuple[Fact | None, ...]
             if verb == FOLLOW:
-                facts = (post.follow(ear, where),)
+                facts = (post.follow(subscriber, where),)
             elif topic:
-                facts = (post.unfollow(ear, where),)
+                facts = (post.unfollow(subscriber, where),)
             else:
                 facts = post.unfollow_here(robot, who, where)
             await turn.write([fact for fact in facts if fact is not None])
@@ -122,21 +122,21 @@ class RobotToRobotCommands:
             NotPermitted: Not theirs.
             RecordUnavailable: Not written; nobody has accepted it.
         """
-        said, desk = _words(asked), self._circle.desk
+        said, helping = _words(asked), self._circle.helping
         if not said:
             return self._open(asked.caller.principal)
         ident, *rest = said
-        self._seen(asked.caller.principal, desk.book.find(ident).robot)
+        self._seen(asked.caller.principal, helping.book.find(ident).robot)
         if rest and rest[0] in DONE:
-            return Reply(await desk.end(asked.caller, ident))
+            return Reply(await helping.end(asked.caller, ident))
         helper = ""
         if rest:
             helper, _, _ = self._whom(asked.caller.principal, rest)
-        check_errand_fresh(asked.inbound, f"/assist {asked.rest}")
-        return Reply(await desk.accept(asked.caller, ident, helper))
+        check_command_fresh(asked.inbound, f"/assist {asked.rest}")
+        return Reply(await helping.accept(asked.caller, ident, helper))
 
     def _open(self, who: PrincipalId) -> Reply:
-        visible, book = self._rooms.organiser.visible(who), self._circle.desk.book
+        visible, book = self._rooms.organiser.visible(who), self._circle.helping.book
         shown, name_of = self._around.rights.shown, self._rooms.organiser.name_of
         open_ = [h for h in book.open() if h.robot in visible]
         lines = [words.open_help(h.id, shown(h.robot), inert_text(h.what)) for h in open_]
@@ -153,7 +153,7 @@ class RobotToRobotCommands:
             row
             for h in open_[:4]
             if self._around.rights.may(who, h.robot, "help")
-            for row in self._circle.desk.buttons(h, who)
+            for row in self._circle.helping.buttons(h, who)
         ]
         if not lines:
             return Reply(words.no_help_open())
@@ -176,7 +176,7 @@ class RobotToRobotCommands:
         strategies = self._circle.strategies
         if not rest:
             return Reply(strategies.now(robot), about=robot)
-        check_errand_fresh(asked.inbound, f"/strategy {asked.rest}")
+        check_command_fresh(asked.inbound, f"/strategy {asked.rest}")
         name, *values = map(option_typed, rest)
         now = bool(values) and values[-1] == "now"
         if values and values[-1] in {"now", "idle"}:
@@ -201,12 +201,12 @@ class RobotToRobotCommands:
         if not self._around.rights.operates(who, robot):
             raise NotPermitted(words.may_not_quiet(shown))
         if rest and rest[0] in OFF:
-            await self._fellowship.silence(robot, who, 0)
+            await self._messaging.silence(robot, who, 0)
             self._tell_others(robot, who, lambda _: words.heard_again(shown))
             return Reply(words.heard_again(shown), about=robot)
         lasts_s = _length(rest)
         until_ns = self._around.clock.wall_ns() + int(lasts_s * 1e9)
-        await self._fellowship.silence(robot, who, until_ns)
+        await self._messaging.silence(robot, who, until_ns)
         name = clean(self._rooms.organiser.name_of(who))
         moment = self._rooms.organiser.moment
         self._tell_others(robot, who, lambda o: words.quieted(shown, name, moment(o, until_ns)))

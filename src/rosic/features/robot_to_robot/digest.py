@@ -48,13 +48,13 @@ class ConversationDigests:
         post: Subscriptions,
         rights: PeerPermissions,
         authoriser: Authoriser,
-        teller: ChatSender,
+        chat_sender: ChatSender,
         messengers: Iterable[Messenger],
     ) -> None:
         self._post = post
         self._rights = rights
         self._authoriser = authoriser
-        self._teller = teller
+        self._chat_sender = chat_sender
         self._messengers = {messenger.name: messenger for messenger in messengers}
         self._pages: dict[str, _Page] = {}
 
@@ -101,5 +101,5 @@ class ConversationDigests:
         outbound = Outbound(
             chat=page.where.chat, text=text, buttons=(row,) if row else (), weight=Weight.IDLE
         )
-        plain = translated(outbound, self._teller.languages.of(page.who))
-        self._teller.say(OutgoingMessage(messenger, plain))
+        plain = translated(outbound, self._chat_sender.languages.of(page.who))
+        self._chat_sender.say(OutgoingMessage(messenger, plain))

@@ -74,7 +74,7 @@ class PeerGroup(NamedTuple):
     around: RobotToRobotContext
     board: SharedState
     guard: LoopGuard
-    desk: HelpService
+    helping: HelpService
     strategies: Strategies
     digests: ConversationDigests
 
@@ -115,7 +115,7 @@ class RobotMessaging:
         circle.board.restore(facts.get(SHARED, ()))
         for kind, apply in (
             (EARS, around.post.apply),
-            (HELPS, circle.desk.book.apply),
+            (HELPS, circle.helping.book.apply),
             (STRATEGIES, circle.strategies.apply),
             (QUIET, self._apply_quiet),
         ):
@@ -128,24 +128,24 @@ class RobotMessaging:
         """Forget what was in a container that is erased."""
         if decided.act == "erase" and decided.about in self.inboxes:
             self.circle.board.forget(decided.about)
-            self.circle.desk.book.forget(decided.about)
+            self.circle.helping.book.forget(decided.about)
 
-    def stand_by(self, robot: RobotId, fellow: PeerRobot) -> None:
+    def stand_by(self, robot: RobotId, peer: PeerRobot) -> None:
         """Let one that is opened before it takes part say nothing until it does: `join`."""
 
         def speak(words: bytes, left_out: int) -> None:
             if (inbox := self.inboxes.get(robot)) is not None:
                 inbox.put(words, left_out)
 
-        fellow.meet(speak)
+        peer.meet(speak)
 
-    def join(self, robot: RobotId, fellow: PeerRobot) -> None:
+    def join(self, robot: RobotId, peer: PeerRobot) -> None:
         """Let a robot take part; before it is opened."""
-        self.around.post.fellows[robot] = fellow
+        self.around.post.peers[robot] = peer
         self.inboxes[robot] = Inbox(
             self.around.clock, partial(self._take, robot), partial(self._flooded, robot)
         )
-        fellow.meet(self.inboxes[robot].put)
+        peer.meet(self.inboxes[robot].put)
         if self.around.rights.principal(robot):
             self._peopled.set()
 
@@ -179,7 +179,7 @@ class RobotMessaging:
         if looks % round(SAVE_EVERY_S / LOOK_EVERY_S) == 0:
             self._save()
         try:
-            await circle.desk.look(around.clock.wall_ns())
+            await circle.helping.look(around.clock.wall_ns())
         except Refusal as unwritten:
             log.warning("a request for help could not be ended: %s", unwritten)
 
@@ -325,17 +325,17 @@ class RobotMessaging:
     # ---- help ----
 
     async def _ask(self, caller: Caller, robot: RobotId, said: said_by.AskForHelp) -> Answer:
-        made = await self.circle.desk.ask(caller, robot, said.what, said.for_s)
+        made = await self.circle.helping.ask(caller, robot, said.what, said.for_s)
         shown = self.around.rights.shown(robot)
         self.circle.digests.note(robot, "", words.open_help(made.id, shown, made.what))
         return {"id": made.id}
 
     async def _accept(self, caller: Caller, robot: RobotId, said: said_by.Accept) -> Answer:
-        text = await self.circle.desk.accept(caller, said.id, robot)
+        text = await self.circle.helping.accept(caller, said.id, robot)
         return {"id": said.id, "text": text}
 
     async def _over(self, caller: Caller, _robot: RobotId, said: said_by.Over) -> Answer:
-        return {"id": said.id, "text": await self.circle.desk.end(caller, said.id)}
+        return {"id": said.id, "text": await self.circle.helping.end(caller, said.id)}
 
     # ---- adjustStrategy ----
 

@@ -44,13 +44,13 @@ class Subscriber(msgspec.Struct, frozen=True, array_like=True):
 
     Attributes:
         robot, topic: Which; an empty topic: everything it shares, and what it says to others.
-        fellow: The robot that follows; empty for a chat.
+        peer: The robot that follows; empty for a chat.
         who: The person who follows in a chat; empty for a robot.
     """
 
     robot: RobotId
     topic: str
-    fellow: RobotId = ""
+    peer: RobotId = ""
     who: PrincipalId = ""
 
 
@@ -73,13 +73,13 @@ class Subscriptions:
     there is room again, and then only the newest of each topic.
 
     Attributes:
-        fellows: The robots that can be told something.
+        peers: The robots that can be told something.
     """
 
     def __init__(
         self, rights: PeerPermissions, board: SharedState, guard: LoopGuard, clock: Clock
     ) -> None:
-        self.fellows: dict[RobotId, PeerRobot] = {}
+        self.peers: dict[RobotId, PeerRobot] = {}
         self._rights = rights
         self._board = board
         self._guard = guard
@@ -92,30 +92,32 @@ class Subscriptions:
 
     # ---- following ----
 
-    def follow(self, ear: Subscriber, where: SubscriberChat | None = None) -> Fact | None:
+    def follow(self, subscriber: Subscriber, where: SubscriberChat | None = None) -> Fact | None:
         """Return what is to be written so that somebody follows; None if they do already.
 
         Raises:
             TooManyRequests: They follow, or the robot is followed by, as many as can be.
         """
-        key = key_of(ear, where)
+        key = key_of(subscriber, where)
         if key in self._ears:
             return None
-        mine = sum(e.fellow == ear.fellow and e.who == ear.who for e in self._ears.values())
-        if mine >= EARS_OF_ONE or len(self._by_robot.get(ear.robot, ())) >= FOLLOWED_BY_ONE:
+        mine = sum(
+            e.peer == subscriber.peer and e.who == subscriber.who for e in self._ears.values()
+        )
+        if mine >= EARS_OF_ONE or len(self._by_robot.get(subscriber.robot, ())) >= FOLLOWED_BY_ONE:
             raise TooManyRequests(
                 said(
                     "Too many follow {robot} already, or you follow too much.",
-                    robot=self._rights.shown(ear.robot),
+                    robot=self._rights.shown(subscriber.robot),
                 ),
                 retry_after_s=0.0,
             )
-        letter = Letter(ear.who, _encode(where)) if where is not None else None
-        return Fact(kind=KIND, key=key, body=_encode(ear), letter=letter)
+        letter = Letter(subscriber.who, _encode(where)) if where is not None else None
+        return Fact(kind=KIND, key=key, body=_encode(subscriber), letter=letter)
 
-    def unfollow(self, ear: Subscriber, where: SubscriberChat | None = None) -> Fact | None:
+    def unfollow(self, subscriber: Subscriber, where: SubscriberChat | None = None) -> Fact | None:
         """Return what is to be written so that somebody does not; None if they do not."""
-        key = key_of(ear, where)
+        key = key_of(subscriber, where)
         return Fact(kind=KIND, key=key, body=b"") if key in self._ears else None
 
     def unfollow_here(
@@ -151,15 +153,15 @@ class Subscriptions:
         if not fact.body:
             return
         try:
-            ear = _read_ear(fact.body)
+            subscriber = _read_ear(fact.body)
             where = None if fact.letter is None else _read_where(fact.letter.content)
         except msgspec.MsgspecError:
             log.warning("who follows a robot cannot be read")
             return
-        if where is None and ear.who:
+        if where is None and subscriber.who:
             return  # it was erased
-        self._ears[fact.key] = ear
-        self._by_robot.setdefault(ear.robot, {})[fact.key] = ear
+        self._ears[fact.key] = subscriber
+        self._by_robot.setdefault(subscriber.robot, {})[fact.key] = subscriber
         if where is not None:
             self._chats[fact.key] = where
 
@@ -167,19 +169,19 @@ class Subscriptions:
         self, robot: RobotId, topic: str
     ) -> Iterator[tuple[str, PrincipalId, SubscriberChat]]:
         """Yield the chats that follow a topic, and whose they are who may read it now."""
-        for key, ear in self._by_robot.get(robot, {}).items():
+        for key, subscriber in self._by_robot.get(robot, {}).items():
             where = self._chats.get(key)
-            meant = ear.topic in {"", topic}
-            if where is not None and meant and self._rights.may(ear.who, robot, READ):
-                yield key, ear.who, where
+            meant = subscriber.topic in {"", topic}
+            if where is not None and meant and self._rights.may(subscriber.who, robot, READ):
+                yield key, subscriber.who, where
 
     # ---- bringing ----
 
     def bring(self, shared: Shared) -> None:
         """Bring something new to the robots that follow it."""
-        for ear in tuple(self._by_robot.get(shared.robot, {}).values()):
-            if ear.fellow and ear.topic in {"", shared.topic}:
-                self._bring(shared, ear.fellow)
+        for subscriber in tuple(self._by_robot.get(shared.robot, {}).values()):
+            if subscriber.peer and subscriber.topic in {"", shared.topic}:
+                self._bring(shared, subscriber.peer)
 
     def _bring(self, shared: Shared, to: RobotId) -> None:
         now_ns, pair = self._clock.monotonic_ns(), (shared.robot, to)
@@ -205,11 +207,11 @@ class Subscriptions:
 
     def send(self, to: RobotId, words: Mapping[str, object]) -> bool:
         """Say something to a robot. Return whether its nodes listen."""
-        fellow = self.fellows.get(to)
-        if fellow is None:
+        peer = self.peers.get(to)
+        if peer is None:
             return False
         try:
-            return fellow.hear(_json(words))
+            return peer.hear(_json(words))
         except Exception:
             log.exception("%s could not be told something", to)
             return False
@@ -228,8 +230,8 @@ def described(shared: Shared, now_ns: int) -> dict[str, object]:
     }
 
 
-def key_of(ear: Subscriber, where: SubscriberChat | None) -> str:
+def key_of(subscriber: Subscriber, where: SubscriberChat | None) -> str:
     """Return the key of an ear's fact, which names nobody."""
     at = (where.messenger, where.chat.id, where.chat.topic) if where is not None else ()
-    said_of = "\0".join((ear.robot, ear.topic, ear.fellow, ear.who, *at))
+    said_of = "\0".join((subscriber.robot, subscriber.topic, subscriber.peer, subscriber.who, *at))
     return blake2b(said_of.encode(), digest_size=16).hexdigest()

@@ -63,8 +63,8 @@ class _Heap:
 class BacklogReplies:
     """Keeps answers back while a backlog is drained."""
 
-    def __init__(self, teller: ChatSender, clock: Clock) -> None:
-        self._teller = teller
+    def __init__(self, chat_sender: ChatSender, clock: Clock) -> None:
+        self._chat_sender = chat_sender
         self._clock = clock
         self._heaps: dict[tuple[str, str], _Heap] = {}
         self._writing: set[asyncio.Task[None]] = set()
@@ -165,9 +165,9 @@ class BacklogReplies:
     def _say(self, heap: _Heap) -> None:
         if len(heap.cids) <= SINGLY:
             for note in heap.refused:
-                self._teller.say(note)
+                self._chat_sender.say(note)
         else:
-            self._teller.say(
+            self._chat_sender.say(
                 together(
                     heap.messenger,
                     heap.chat,
@@ -177,7 +177,7 @@ class BacklogReplies:
                 )
             )
         for note in heap.answers:
-            self._teller.say(note)
+            self._chat_sender.say(note)
 
 
 def together(

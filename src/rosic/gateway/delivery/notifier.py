@@ -73,12 +73,12 @@ class Notifier:
     def __init__(
         self,
         authoriser: Authoriser,
-        teller: ChatSender,
+        chat_sender: ChatSender,
         messengers: Iterable[Messenger],
         outbox: Outbox,
     ) -> None:
         self._authoriser = authoriser
-        self._teller = teller
+        self._chat_sender = chat_sender
         self.messengers = tuple(messengers)
         self._outbox = outbox
         self.again: Deferred[[PrincipalId, bytes], Notification | None] = Deferred(_nothing)
@@ -125,7 +125,7 @@ class Notifier:
                 if lasts:
                     self._outbox.say(principal, note, notice.matter)
                 else:
-                    self._teller.say(note)
+                    self._chat_sender.say(note)
                 places += 1
         return places
 
@@ -137,7 +137,7 @@ class Notifier:
 
     def read_by(self, who: PrincipalId) -> Catalogue | None:
         """Return what somebody reads; None: English."""
-        return self._teller.languages.of(who)
+        return self._chat_sender.languages.of(who)
 
     def _offer(self, who: PrincipalId, note: OutgoingMessage, notice: Notification) -> None:
         """Put the buttons of a notice under a note, bound to its reader and chat."""
@@ -149,7 +149,7 @@ class Notifier:
             for row in notice.buttons
         )
         offering = msgspec.structs.replace(note.outbound, buttons=bound)
-        note.outbound = translated(offering, self._teller.languages.of(who))
+        note.outbound = translated(offering, self._chat_sender.languages.of(who))
         if notice.landed is not None:
             note.landed = partial(notice.landed, messenger, chat)
 
@@ -166,7 +166,7 @@ class Notifier:
         """
         places = 0
         for principal in dict.fromkeys(people):
-            catalogue = self._teller.languages.of(principal)
+            catalogue = self._chat_sender.languages.of(principal)
             for messenger, chat in self._chats(principal):
                 if (messenger.name, chat.id) == besides:
                     continue

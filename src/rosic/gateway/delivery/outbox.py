@@ -65,11 +65,13 @@ _read_words = msgspec.msgpack.Decoder(_Words).decode
 class Outbox:
     """Remembers what is still to be said, over a crash."""
 
-    def __init__(self, store: Store, clock: Clock, entropy: Entropy, teller: ChatSender) -> None:
+    def __init__(
+        self, store: Store, clock: Clock, entropy: Entropy, chat_sender: ChatSender
+    ) -> None:
         self._store = store
         self._clock = clock
         self._entropy = entropy
-        self._teller = teller
+        self._chat_sender = chat_sender
         self._owed: dict[str, PrincipalId] = {}
 
     def say(self, to: PrincipalId, note: OutgoingMessage, matter: bytes = b"") -> None:
@@ -80,9 +82,9 @@ class Outbox:
         if len(self._owed) < OWED_AT_MOST:
             key, fact = self._fact(to, note.messenger, note.outbound, matter)
             note.then, note.to = partial(self.said, key), to
-            self._store.keep(fact, partial(self._teller.say, note))
+            self._store.keep(fact, partial(self._chat_sender.say, note))
         else:
-            self._teller.say(note)
+            self._chat_sender.say(note)
 
     def owe(self, to: PrincipalId, messenger: Messenger, outbound: Outbound) -> str:
         """Write down, without waiting, what a later run is to say unless ``said`` comes first."""
@@ -100,7 +102,7 @@ class Outbox:
 
     def insist(self, key: str, messenger: Messenger, outbound: Outbound) -> None:
         """Say what could not be said at once, for as long as it takes."""
-        self._teller.say(self._note(key, messenger, outbound))
+        self._chat_sender.say(self._note(key, messenger, outbound))
 
     def _note(self, key: str, messenger: Messenger, outbound: Outbound) -> OutgoingMessage:
         to = self._owed.get(key, "")
@@ -149,11 +151,11 @@ class Outbox:
             reply_to=found.reply_to,
             weight=Weight(owed.weight),
         )
-        catalogue = self._teller.languages.of(self._owed[fact.key])
+        catalogue = self._chat_sender.languages.of(self._owed[fact.key])
         note = self._note(fact.key, messenger, translated(outbound, catalogue))
         if found.matter:
             dress(note, found.matter)
-        self._teller.say(note)
+        self._chat_sender.say(note)
         return True
 
     def _fact(

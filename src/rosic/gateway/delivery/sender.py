@@ -52,7 +52,7 @@ ASIDE_AT_MOST = 10_000
 PROGRESS_EVERY_S = 2.0
 FIRST_WAIT_S = 0.5
 UNSAID_AT_MOST = 512
-VOICES_AT_MOST = 10_000
+QUEUES_AT_MOST = 10_000
 
 log = logging.getLogger("rosic.telling")
 
@@ -79,7 +79,7 @@ class ChatSender:
         self.languages = ChatLanguages() if languages is None else languages
         self._containers = containers
         self._clock = clock
-        self._voices: dict[tuple[str, str], ChatQueue] = {}
+        self._queues: dict[tuple[str, str], ChatQueue] = {}
         self._urgent: set[asyncio.Task[None]] = set()
         self._aside: set[asyncio.Task[None]] = set()
         self._due: dict[OrderMessage, None] = {}
@@ -123,48 +123,48 @@ class ChatSender:
         self._ticking = None
 
     def _enqueue(self, where: tuple[str, str], item: Item) -> None:
-        voice = self._voices.get(where)
-        if voice is None:
+        queue = self._queues.get(where)
+        if queue is None:
             self._retire()
-            voice = self._voices[where] = ChatQueue(turn_of(place_of(item)[0]))
-        items = voice.items
+            queue = self._queues[where] = ChatQueue(turn_of(place_of(item)[0]))
+        items = queue.items
         if items:
             if items[-1] is item:
-                voice.hasten(item)
+                queue.hasten(item)
                 return  # it will be read when it is its turn, as it is then
             if len(items) >= UNSAID_AT_MOST and not matters(item):
                 return
         items.append(item)
-        if voice.task is None:
-            voice.task = asyncio.create_task(self._run(voice))
-        elif voice.wake is not None and not voice.wake.done():
-            voice.wake.set_result(None)
-        elif voice.asking is not None:
-            voice.hasten(item)
+        if queue.task is None:
+            queue.task = asyncio.create_task(self._run(queue))
+        elif queue.wake is not None and not queue.wake.done():
+            queue.wake.set_result(None)
+        elif queue.asking is not None:
+            queue.hasten(item)
 
     def _retire(self) -> None:
         """Keep the number of voices bounded: the oldest ones that have nothing to say go."""
-        if len(self._voices) < VOICES_AT_MOST:
+        if len(self._queues) < QUEUES_AT_MOST:
             return
-        for where, voice in list(self._voices.items())[: VOICES_AT_MOST // 2]:
-            if voice.task is not None and voice.wake is not None and not voice.wake.done():
-                voice.task.cancel()
-                del self._voices[where]
+        for where, queue in list(self._queues.items())[: QUEUES_AT_MOST // 2]:
+            if queue.task is not None and queue.wake is not None and not queue.wake.done():
+                queue.task.cancel()
+                del self._queues[where]
 
-    async def _run(self, voice: ChatQueue) -> None:
-        loop, turn = asyncio.get_running_loop(), voice.turn
+    async def _run(self, queue: ChatQueue) -> None:
+        loop, turn = asyncio.get_running_loop(), queue.turn
         while True:
-            while voice.items:
+            while queue.items:
                 if turn is None:
-                    item = voice.items.popleft()
+                    item = queue.items.popleft()
                 else:
-                    await self._wait_for_turn(voice, turn)
-                    item = voice.take()
+                    await self._wait_for_turn(queue, turn)
+                    item = queue.take()
                 try:
                     if turn is None and isinstance(item, OrderMessage) and item.in_place:
                         await self._show_in_place(item, None)
                     else:
-                        await self._speak_once(item, voice if turn is not None else None)
+                        await self._speak_once(item, queue if turn is not None else None)
                 except ChatGone as why:
                     self._let_go(item, why)
                 except MessengerFault as fault:
@@ -174,18 +174,18 @@ class ChatSender:
                     log.exception("not told: a fault of the messenger")
                     await self._speak_again(item)
                 del item  # or it would lie about until something else is said here
-            voice.wake = loop.create_future()
-            await voice.wake
-            voice.wake = None
+            queue.wake = loop.create_future()
+            await queue.wake
+            queue.wake = None
 
-    async def _wait_for_turn(self, voice: ChatQueue, turn: Turn) -> None:
+    async def _wait_for_turn(self, queue: ChatQueue, turn: Turn) -> None:
         """Wait until the most important thing in a chat may be said, for as long as it takes."""
-        _, chat = place_of(voice.items[0])
+        _, chat = place_of(queue.items[0])
         while True:
-            voice.weight = min(map(weight_of, voice.items))
-            voice.asking = asyncio.ensure_future(turn(chat, voice.weight))
+            queue.weight = min(map(weight_of, queue.items))
+            queue.asking = asyncio.ensure_future(turn(chat, queue.weight))
             try:
-                await voice.asking
+                await queue.asking
             except asyncio.CancelledError:
                 me = asyncio.current_task()
                 if me is None or me.cancelling():
@@ -196,7 +196,7 @@ class ChatSender:
             else:
                 return
             finally:
-                voice.asking = None
+                queue.asking = None
 
     async def _speak(self, item: Item, *, tries: int = TRIES) -> None:
         """Say one thing, or lay it aside: one message that is not taken silences no chat."""
@@ -246,21 +246,21 @@ class ChatSender:
         else:
             self._enqueue((item.messenger.name, item.outbound.chat.id), item)
 
-    async def _speak_once(self, item: Item, voice: ChatQueue | None = None) -> None:
+    async def _speak_once(self, item: Item, queue: ChatQueue | None = None) -> None:
         """Say one thing, with whatever may be said in one turn.
 
         Args:
             item: What to say.
-            voice: If it has waited for a turn; what is left is given back to it.
+            queue: If it has waited for a turn; what is left is given back to it.
         """
         if not isinstance(item, OrderMessage):
             await self._say(item)
         elif not item.in_place:
             await self._show_line_by_line(item)
-        elif voice is not None and voice.items and item.is_over_unseen:
+        elif queue is not None and queue.items and item.is_over_unseen:
             await self._show_at_once(item)
         else:
-            await self._show_in_place(item, voice)
+            await self._show_in_place(item, queue)
 
     async def _say(self, note: OutgoingMessage) -> None:
         try:
@@ -309,7 +309,7 @@ class ChatSender:
         self._containers.told(*card.untold)
         card.untold = ()
 
-    async def _show_in_place(self, card: OrderMessage, voice: ChatQueue | None) -> None:
+    async def _show_in_place(self, card: OrderMessage, queue: ChatQueue | None) -> None:
         """Send once, write down which message it is, and say an ending only by editing it.
 
         So an ending is said exactly once, whenever this process may die: what was not noted as
@@ -317,8 +317,8 @@ class ChatSender:
         """
         if not card.message or card.adopted:
             await self._place(card)
-            if voice is not None and card.dirty:
-                voice.items.appendleft(card)  # an edit is another turn
+            if queue is not None and card.dirty:
+                queue.items.appendleft(card)  # an edit is another turn
                 return
         if not card.dirty:
             return
@@ -375,7 +375,7 @@ class ChatSender:
 
     async def flush(self, seconds: float) -> None:
         """Wait until everything is said, or the time is over; then fall silent."""
-        tasks = [voice.task for voice in self._voices.values() if voice.task is not None]
+        tasks = [queue.task for queue in self._queues.values() if queue.task is not None]
         deadline_ns = self._clock.monotonic_ns() + int(seconds * 1e9)
         while not self.quiet and self._clock.monotonic_ns() < deadline_ns:
             await self._clock.sleep(0.01)
@@ -389,9 +389,9 @@ class ChatSender:
     def quiet(self) -> bool:
         """Whether everything has been said."""
         speaking = any(
-            voice.items or voice.wake is None or voice.wake.done()
-            for voice in self._voices.values()
-            if voice.task is not None
+            queue.items or queue.wake is None or queue.wake.done()
+            for queue in self._queues.values()
+            if queue.task is not None
         )
         return not speaking and not self._urgent
 

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 
 from rosic.core.i18n import said
 from rosic.core.identity import Address
-from rosic.core.language.cancelling import is_urgent
+from rosic.core.language.cancel_detection import is_urgent
 from rosic.core.message import Chat, Enclosure, Inbound, Outbound
 from rosic.core.time_units import MINUTE_NS, SECOND_NS
 from rosic.errors import ConfigurationError, MessengerFault

@@ -14,7 +14,7 @@ from rosic.errors import RobotUnreachable, RosicError
 from rosic.robots.ros2.bindings.answers import note
 from rosic.robots.ros2.feedback_pulse import FeedbackPulse
 from rosic.robots.ros2.messages.decode import compile_path
-from rosic.robots.ros2.way import MeasuredWay
+from rosic.robots.ros2.odometry_distance import MeasuredWay
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -61,41 +61,41 @@ class GoalWatch:
         way: How far it went.
     """
 
-    def __init__(self, errand: BindingCall, fraction: Fraction, missed: Missed) -> None:
+    def __init__(self, call: BindingCall, fraction: Fraction, missed: Missed) -> None:
         """Begin.
 
         Args:
-            errand: The order.
+            call: The order.
             fraction: Returns how far a feedback message says that it is.
             missed: Whether those who are there now still offer the action.
         """
         self.broken: Break | None = None
         self.resting: Resting | None = None
-        self.way = MeasuredWay(errand.side.measured, 0.0)  # as fast as its odometry says
-        self._errand = errand
+        self.way = MeasuredWay(call.side.measured, 0.0)  # as fast as its odometry says
+        self._call = call
         self._pulse = FeedbackPulse(self.now_ns())
         self._unserved_ns: int | None = None
-        self._births = errand.side.measured.births
+        self._births = call.side.measured.births
         self._fraction = fraction
         self._missed = missed
         self._looked_ns = self.now_ns()
-        binding = errand.order.skill.action
+        binding = call.order.skill.action
         self._stage = binding.stage if binding is not None else ""
 
     def now_ns(self) -> int:
         """Return the monotonic clock."""
-        return self._errand.side.clock.monotonic_ns()
+        return self._call.side.clock.monotonic_ns()
 
     def feedback(self, message: RosObject) -> None:
         """Pass on how far the robot says it is."""
         self._pulse.beat(self.now_ns())
         stage = _field(message, self._stage)
         words = note(stage) if isinstance(stage, str) else ""
-        self._errand.running(self._fraction(message), words)
+        self._call.running(self._fraction(message), words)
 
     def silent_s(self) -> float:
         """Return for how long neither feedback nor telemetry came; 0 without any telemetry."""
-        age_s = self._errand.side.measured.age_s()
+        age_s = self._call.side.measured.age_s()
         if age_s is None:
             return 0.0
         return min(age_s, self._pulse.silent_s(self.now_ns()))
@@ -149,8 +149,8 @@ class GoalWatch:
 
     async def _break_off(self, goal: Goal, end: asyncio.Future[Any], broken: Break) -> None:
         """Bring the robot to rest: whatever half of it is gone, the other may drive on."""
-        side = self._errand.side
-        self._errand.interrupted(broken)
+        side = self._call.side
+        self._call.interrupted(broken)
         if side.measured.measures_rest:
             self.resting = await side.brakes.apply()
         else:
@@ -163,13 +163,13 @@ class GoalWatch:
         now_ns, before_ns = self.now_ns(), self._looked_ns
         self._looked_ns = now_ns
         late_s = (now_ns - before_ns) / SECOND_NS - LOOK_EVERY_S
-        return Break(Cause.LATE, late_s) if late_s > self._errand.side.watchdog_s else None
+        return Break(Cause.LATE, late_s) if late_s > self._call.side.watchdog_s else None
 
     def _look(self) -> Break | None:
         """Return why it must not go on: one half of the robot is gone, whatever the other says."""
-        now_ns, measured = self.now_ns(), self._errand.side.measured
+        now_ns, measured = self.now_ns(), self._call.side.measured
         broken = self._left(self._missed(quiet=self._pulse.quiet(now_ns)))
-        if broken is not None or not self._errand.order.skill.actuates:
+        if broken is not None or not self._call.order.skill.actuates:
             return broken
         age_s = measured.judged_age_s() if measured.measures_rest else None
         if age_s is not None and age_s > measured.within_s:
@@ -182,7 +182,7 @@ class GoalWatch:
 
     def _left(self, why: Cause | None) -> Break | None:
         """Return that nobody carries out the goal any more; one look alone may be wrong."""
-        if why is Cause.REBORN or self._errand.side.measured.births != self._births:
+        if why is Cause.REBORN or self._call.side.measured.births != self._births:
             return Break(Cause.REBORN, 0.0)
         if why is None:
             self._unserved_ns = None
@@ -198,9 +198,9 @@ class GoalWatch:
         Raises:
             RobotUnreachable: It was called off.
         """
-        errand, shown, silent_s = self._errand, self._errand.side.shown, self.silent_s()
-        if silent_s > errand.side.measured.silence_s:
-            errand.unsettled = True
+        call, shown, silent_s = self._call, self._call.side.shown, self.silent_s()
+        if silent_s > call.side.measured.silence_s:
+            call.unsettled = True
             await call_off(goal, CANCEL_UNHEARD_WITHIN_S)
             raise RobotUnreachable(
                 said(

@@ -13,6 +13,7 @@ from rosic.core.order import Ending, Order, Outcome, Rest, Stop
 from rosic.core.robot.profile import Presence, Profile
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, RosicError
+from rosic.robots.ros2.abandoned_goals import LooseGoals
 from rosic.robots.ros2.bindings.action import ActionSkill
 from rosic.robots.ros2.bindings.binding_call import Binding, BindingCall, RobotSide
 from rosic.robots.ros2.bindings.dialogue import DialogueBinding
@@ -27,7 +28,6 @@ from rosic.robots.ros2.client.qos_mismatch import QosMismatch
 from rosic.robots.ros2.client.rate_limited_topic import WAITING_AT_MOST, RateLimitedTopic
 from rosic.robots.ros2.client.topics import TopicQos
 from rosic.robots.ros2.errors import BadValue
-from rosic.robots.ros2.loose_goals import LooseGoals
 from rosic.robots.ros2.messages.names import check_graph_name
 from rosic.robots.ros2.settling import Settling
 from rosic.robots.ros2.stopping import Resting, StopController
@@ -154,13 +154,13 @@ class Ros2Robot:
         self._meetings = QosMismatch(profile.id)
         self._delivery = FileBinding(profile, gate)
         self._dialogue = self._text_link()
-        self._among = self._fellow_link()
+        self._among = self._peer_link()
         self._carriers = {name: self._carrier(name, s) for name, s in profile.skills.items()}
         self._opened_ns: int | None = None
         self._appeared_ns = 0
         self._was_online = False
         self._seen: bool | None = None
-        self._errand: BindingCall | None = None
+        self._call: BindingCall | None = None
         self._settling = Settling(profile, self._measured, clock, self._online, self._to_rest)
         self._loose = LooseGoals(clock, self._settling.begin)
 
@@ -173,7 +173,7 @@ class Ros2Robot:
             )
         return DialogueBinding(self.profile.shown, self._namespace, self._clock)
 
-    def _fellow_link(self) -> PeerLink | None:
+    def _peer_link(self) -> PeerLink | None:
         if not self.profile.link.among:
             return None
         if not self._namespace:
@@ -224,9 +224,9 @@ class Ros2Robot:
 
     async def close(self) -> None:
         """Bring what is under way to rest, then leave the graph."""
-        if self._errand is not None:
-            self._errand.cut_off = True
-            if self._errand.left:
+        if self._call is not None:
+            self._call.cut_off = True
+            if self._call.left:
                 self._halted(await self._to_rest(limit_s=CLOSING_REST_S))
         self._opened_ns = None
         self._loose.close()
@@ -268,13 +268,13 @@ class Ros2Robot:
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Carry out one order."""
-        errand = self._errand = BindingCall(order, tell, self._side(), self._patience_s(order))
+        call = self._call = BindingCall(order, tell, self._side(), self._patience_s(order))
         try:
             carrier = self._carriers[order.skill.id]
             if order.skill.actuates and carrier is not self._dialogue:
                 self._loose.check(self.profile.shown)
-                await self._settling.check(errand)
-            return await carrier.carry(errand)
+                await self._settling.check(call)
+            return await carrier.carry(call)
         except BadValue as fault:
             _log.warning("an order for %s was not sent: %s", self.profile.id, fault)
             sentence = said(
@@ -282,14 +282,14 @@ class Ros2Robot:
             )
             return Outcome(Ending.REFUSED, sentence, code=UNFIT)
         except asyncio.CancelledError:
-            if errand.left:
+            if call.left:
                 await _to_the_end(asyncio.create_task(self._to_rest()))
             raise
         finally:
-            self._errand = None
-            if errand.loose is not None and self._opened_ns is not None:
-                self._loose.add(errand.loose)
-            if errand.unsettled:
+            self._call = None
+            if call.loose is not None and self._opened_ns is not None:
+                self._loose.add(call.loose)
+            if call.unsettled:
                 self._settling.begin()
 
     async def fall_silent(self, order: Order, tell: Tell) -> Rest:
@@ -305,16 +305,16 @@ class Ros2Robot:
         carrier = self._carriers[order.skill.id]
         if not isinstance(carrier, TopicSkill):
             raise ConfigurationError(f"{order.skill.id} of {self.profile.id} streams nothing.")
-        errand = self._errand = BindingCall(order, tell, self._side(), self._patience_s(order))
+        call = self._call = BindingCall(order, tell, self._side(), self._patience_s(order))
         resting = Resting(confirmed=False, seconds=0.0)
         try:
-            resting = await carrier.fall_silent(errand)
+            resting = await carrier.fall_silent(call)
         finally:
             # Called off early, its last word may be of before it began to move: that is no rest.
             since_ns = self._measured.stale_ns()
-            if errand.left and not (resting.confirmed and self._measured.at_rest(since_ns)):
+            if call.left and not (resting.confirmed and self._measured.at_rest(since_ns)):
                 await _to_the_end(asyncio.create_task(self._to_rest()))
-            self._errand = None
+            self._call = None
         return Rest(self.profile.id, resting.confirmed, resting.seconds)
 
     async def rest_every_s(self, within_s: float) -> float | None:
@@ -332,7 +332,7 @@ class Ros2Robot:
             self._dialogue.tell_stop()
         if self._opened_ns is None:
             return Rest(stop.robot, confirmed=False, seconds=0.0)
-        resting = await self._to_rest(lambda: self._errand is None)
+        resting = await self._to_rest(lambda: self._call is None)
         self._halted(resting)
         if not resting.confirmed and self._online() is False:
             self._settling.begin()
@@ -357,9 +357,9 @@ class Ros2Robot:
             return Resting(confirmed=False, seconds=seconds)
 
     def _halted(self, resting: Resting) -> None:
-        if self._errand is not None:
-            self._errand.rest = resting
-            self._errand.halted.set()
+        if self._call is not None:
+            self._call.rest = resting
+            self._call.halted.set()
 
     async def resume(self, generation: int) -> None:
         """Undo the latch. It is kept here, so the robot's side has nothing to answer."""
@@ -369,11 +369,11 @@ class Ros2Robot:
 
     def presence(self) -> Presence:
         """Return what was last heard."""
-        errand, online = self._errand, self._online()
+        call, online = self._call, self._online()
         return Presence(
             online=online,
             age_s=self._age_s(),
-            doing=errand.order.skill.id if errand is not None else "",
+            doing=call.order.skill.id if call is not None else "",
             at_rest=self._measured.at_rest(self._measured.stale_ns()),
             holds=self._measured.holds(self._measured.stale_ns()),
             doubt=self._measured.doubt(),

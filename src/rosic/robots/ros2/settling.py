@@ -70,7 +70,7 @@ class Settling:
         finally:
             self._task = None
 
-    async def check(self, errand: BindingCall) -> None:
+    async def check(self, call: BindingCall) -> None:
         """See that the robot is there, that its rest can be measured, and that it has rested.
 
         Raises:
@@ -78,7 +78,7 @@ class Settling:
         """
         shown = self._profile.shown
         try:
-            await errand.there(self._measured.fresh, self._profile.id)
+            await call.there(self._measured.fresh, self._profile.id)
         except RobotOffline:
             if self._online() is not True:
                 raise

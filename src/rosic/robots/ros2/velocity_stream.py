@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.deadman import Break, Cause, DeadMan
 from rosic.core.time_units import SECOND_NS
+from rosic.robots.ros2.endpoint_identity import Newcomers, born_anew
 from rosic.robots.ros2.errors import NotSent
-from rosic.robots.ros2.rebirths import Newcomers, born_anew
-from rosic.robots.ros2.way import MeasuredWay, told_m_s
+from rosic.robots.ros2.odometry_distance import MeasuredWay, told_m_s
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.bindings.binding_call import BindingCall
@@ -39,18 +39,18 @@ class VelocityStream:
     """
 
     def __init__(
-        self, errand: BindingCall, publisher: Publisher, values: Values, pace: StreamPace
+        self, call: BindingCall, publisher: Publisher, values: Values, pace: StreamPace
     ) -> None:
         self.moved = False
         self.seconds = self.sent_s = 0.0
-        self.way = MeasuredWay(errand.side.measured, told_m_s(values))
-        self._errand = errand
+        self.way = MeasuredWay(call.side.measured, told_m_s(values))
+        self._call = call
         self._publisher = publisher
         self._message = publisher.made(values)
         self._pace = pace
         self._begun_ns = self._sent_ns = 0
-        self._newcomers = Newcomers(publisher.takers(), errand.side.watchdog_s / 2)
-        self._births = errand.side.measured.births
+        self._newcomers = Newcomers(publisher.takers(), call.side.watchdog_s / 2)
+        self._births = call.side.measured.births
 
     async def run(self) -> Break | None:
         """Pass the gate and send, until the time is over, a stop comes, or it is broken off.
@@ -61,10 +61,10 @@ class VelocityStream:
         Raises:
             OrderVoid, RobotOffline: The robot has not moved.
         """
-        errand, clock = self._errand, self._errand.side.clock
-        errand.leave()
+        call, clock = self._call, self._call.side.clock
+        call.leave()
         self._begun_ns = clock.monotonic_ns()
-        side = errand.side
+        side = call.side
         dead_man = DeadMan(
             self._begun_ns, watchdog_s=side.watchdog_s, heard_within_s=side.measured.within_s
         )
@@ -72,7 +72,7 @@ class VelocityStream:
         while True:
             now_ns = clock.monotonic_ns()
             broken, past_s = self._look(dead_man, now_ns), (now_ns - self._begun_ns) / SECOND_NS
-            if broken is not None or past_s >= self._pace.duration_s or not errand.allowed():
+            if broken is not None or past_s >= self._pace.duration_s or not call.allowed():
                 self._ended(broken, dead_man.last_ns)
                 return broken
             # Whoever had no name for so long may have one now; the robot has come to rest by then.
@@ -89,7 +89,7 @@ class VelocityStream:
                 sent = self._send() or sent
             except NotSent as fault:
                 if not sent:
-                    raise errand.offline() from fault
+                    raise call.offline() from fault
                 self._ended(None, now_ns)
                 return Break(Cause.GONE, 0.0)
             await clock.sleep(min(self._pace.period_s, self._pace.duration_s - past_s))
@@ -100,11 +100,11 @@ class VelocityStream:
         if self._newcomers.waits:
             return False
         self._publisher.send(self._message)
-        self._sent_ns = self._errand.side.clock.monotonic_ns()
+        self._sent_ns = self._call.side.clock.monotonic_ns()
         return True
 
     def _look(self, dead_man: DeadMan, now_ns: int) -> Break | None:
-        measured = self._errand.side.measured
+        measured = self._call.side.measured
         age_s, judged_s = measured.age_s() or 0.0, measured.judged_age_s()
         rests = self.moved and measured.at_rest(self._begun_ns) is True
         # Where nobody was seen at first, whoever is there now may be the robot, reborn.
@@ -125,7 +125,7 @@ class VelocityStream:
         """Tell whether who takes the velocities, or shows whether it rests, is another now."""
         takers = self._publisher.takers()
         nameless = self._newcomers.nameless(takers, now_ns)
-        anew = self._errand.side.measured.births != self._births
+        anew = self._call.side.measured.births != self._births
         if anew or born_anew(self._newcomers.first, takers):
             return Cause.REBORN
         return Cause.NAMELESS if nameless else None
@@ -133,11 +133,11 @@ class VelocityStream:
     def _tell(self, share: float) -> None:
         """Say that it moves, once that is measured, and how much of its time is over."""
         self.way.look()
-        errand = self._errand
-        if not self.moved and errand.side.measured.at_rest(self._begun_ns) is False:
+        call = self._call
+        if not self.moved and call.side.measured.at_rest(self._begun_ns) is False:
             self.moved = True
-            errand.received()
-        errand.running(min(1.0, share))
+            call.received()
+        call.running(min(1.0, share))
 
     def _ended(self, broken: Break | None, last_ns: int) -> None:
         unknown = {Cause.SILENT, Cause.UNMEASURED}

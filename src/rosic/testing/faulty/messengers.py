@@ -1,6 +1,7 @@
 """Messengers that each break one rule, to show that the rule catches them.
 
-Each wraps an honest one. `catches` runs a rule over a sinner; `SINNERS` names one for every rule.
+Each wraps an honest one. `catches` runs a rule over a faulty one; `FAULTS_BY_RULE` names one for
+every rule.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class FaultyMessenger:
-    """Honest so far: passes everything on. A sinner changes one thing."""
+    """Honest so far: passes everything on. A faulty one changes one thing."""
 
     def __init__(self, honest: Messenger) -> None:
         self.honest = honest
@@ -357,7 +358,7 @@ async def _awaited(receive: Receive, inbound: Inbound) -> None:
     await receive(inbound)
 
 
-SINNERS: dict[str, tuple[type[FaultyMessenger], ...]] = {
+FAULTS_BY_RULE: dict[str, tuple[type[FaultyMessenger], ...]] = {
     "test_messages_of_a_chat_come_in_order": (SwallowsOne, Reorders),
     "test_a_message_says_who_where_and_when": (TakesEverybodyForOne, DatesTheFuture),
     "test_nothing_is_confirmed_before_it_was_received": (ConfirmsAtOnce,),
@@ -392,9 +393,9 @@ def rules() -> set[str]:
     return {name for name in dir(MessengerConformance) if name.startswith("test_")}
 
 
-async def catches(rule: str, sinner: type[FaultyMessenger], stage: MessengerHarness) -> bool:
-    """Whether a rule catches a sinner on this stage."""
-    stage.messenger = sinner(stage.messenger)
+async def catches(rule: str, faulty: type[FaultyMessenger], stage: MessengerHarness) -> bool:
+    """Whether a rule catches a faulty one on this stage."""
+    stage.messenger = faulty(stage.messenger)
     try:
         await getattr(MessengerConformance(), rule)(stage)
     except AssertionError:
@@ -470,7 +471,7 @@ class FetchRaisesWhatItGets(FaultyMessenger):
             raise ConnectionResetError(str(fault)) from None
 
 
-FETCHING_SINNERS: dict[str, tuple[type[FaultyMessenger], ...]] = {
+FETCHING_FAULTS_BY_RULE: dict[str, tuple[type[FaultyMessenger], ...]] = {
     "test_a_file_of_a_person_comes_as_it_was_sent": (RenamesFiles, LiesAboutSize, LosesTheEnd),
     "test_a_file_that_is_not_as_long_as_was_said_is_a_messenger_fault": (FetchesWhateverComes,),
     "test_a_file_that_cannot_be_fetched_is_a_messenger_fault": (

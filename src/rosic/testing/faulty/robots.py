@@ -24,7 +24,7 @@ FAR_NS = 2**63 - 1
 
 
 class FaultyRobot:
-    """An honest robot inside; each sinner overrides one thing."""
+    """An honest robot inside; each faulty one overrides one thing."""
 
     def __init__(self, honest: Robot) -> None:
         self.honest = honest
@@ -189,7 +189,7 @@ class ShowsEverything(FaultyRobot):
         yield View(Encoded(sight.value.encode()), 0)
 
 
-SINNERS: dict[str, type[FaultyRobot]] = {
+FAULTS_BY_RULE: dict[str, type[FaultyRobot]] = {
     "test_an_order_acts_once_and_ends_done": ActsTwice,
     "test_received_is_said_after_sent_and_before_running": SaysReceivedTooEarly,
     "test_progress_never_falls": FallsBack,

@@ -1,9 +1,9 @@
 """Stores that break one rule each. A rule that none of them breaks proves nothing.
 
-``SINNERS`` names for every rule of ``StoreConformance`` the store that it catches.
+``FAULTS_BY_RULE`` names for every rule of ``StoreConformance`` the store that it catches.
 """
 
-# ruff: noqa: D102 - the name of a rule is its sentence, and a sinner's sin is its own
+# ruff: noqa: D102 - the name of a rule is its sentence, and a faulty one's fault is its own
 from __future__ import annotations
 
 import asyncio
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.contracts.store import Store
-    from rosic.testing.premises import Premises
+    from rosic.testing.store_fixtures import StoreFixture
 
 
 # ---- an honest store inside ----
@@ -43,7 +43,7 @@ class FaultyStore:
 
     Args:
         inner: The honest store.
-        diary: What the sinner keeps over restarts.
+        diary: What the faulty one keeps over restarts.
     """
 
     def __init__(self, inner: Store, diary: dict[Any, Any]) -> None:
@@ -80,22 +80,22 @@ class FaultyStore:
         return (record,)
 
 
-class WickedPremises:
+class FaultyStoreFixture:
     """Premises on which every store sins in the same way."""
 
-    def __init__(self, honest: Premises, sinner: type[FaultyStore]) -> None:
+    def __init__(self, honest: StoreFixture, faulty: type[FaultyStore]) -> None:
         self._honest = honest
-        self._sinner = sinner
+        self._faulty = faulty
         self._diary: dict[Any, Any] = {}
 
     def make(self) -> FaultyStore:
         """Return a wicked store without data."""
-        return self._sinner(self._honest.make(), self._diary)
+        return self._faulty(self._honest.make(), self._diary)
 
     def survivor(self, store: Store) -> FaultyStore:
         """Return the wicked store that the next process would find."""
         assert isinstance(store, FaultyStore)
-        return self._sinner(self._honest.survivor(store.inner), self._diary)
+        return self._faulty(self._honest.survivor(store.inner), self._diary)
 
 
 # ---- each breaks one rule of facts ----
@@ -332,24 +332,24 @@ class ForgetsLives(FaultyStore):
     def tell(self, memory: Memory) -> Memory:
         return replace(memory, unfinished=tuple(filter(self.keeps, memory.unfinished)))
 
-    def keeps(self, life: Unfinished) -> bool:
+    def keeps(self, open_order: Unfinished) -> bool:
         """Whether a life is remembered."""
-        return life.ending is not None
+        return open_order.ending is not None
 
 
 class ForgetsRefusals(ForgetsLives):
     """Refuses, and does not say so."""
 
-    def keeps(self, life: Unfinished) -> bool:
+    def keeps(self, open_order: Unfinished) -> bool:
         """Whether a life is remembered."""
-        return life.ending != "refused"
+        return open_order.ending != "refused"
 
 
 class ForgetsWords(FaultyStore):
     """Knows that it ended, not how to say it."""
 
     def tell(self, memory: Memory) -> Memory:
-        unfinished = tuple(replace(life, words=None) for life in memory.unfinished)
+        unfinished = tuple(replace(open_order, words=None) for open_order in memory.unfinished)
         return replace(memory, unfinished=unfinished)
 
 
@@ -378,8 +378,11 @@ class RewritesHistory(FaultyStore):
         return (record,)
 
     def tell(self, memory: Memory) -> Memory:
-        lives = [replace(life, ending=self.diary[life.cid]) for life in memory.unfinished]
-        return replace(memory, unfinished=tuple(lives))
+        open_orders = [
+            replace(open_order, ending=self.diary[open_order.cid])
+            for open_order in memory.unfinished
+        ]
+        return replace(memory, unfinished=tuple(open_orders))
 
 
 class KeepsTheFirst(FaultyStore):
@@ -436,7 +439,7 @@ class TidiesLetters(FaultyStore):
         return (replace(record, letter=Letter(letter.container, letter.content.strip())),)
 
 
-SINNERS: dict[str, type[FaultyStore]] = {
+FAULTS_BY_RULE: dict[str, type[FaultyStore]] = {
     "test_a_new_record_remembers_nothing": Invents,
     "test_what_was_written_survives": AcknowledgesEarly,
     "test_writes_keep_their_order": LosesOrder,

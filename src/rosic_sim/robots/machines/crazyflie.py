@@ -10,10 +10,10 @@ from rosic.core.time_units import HOUR_S
 from rosic.core.units import measured, number_in_units
 from rosic_sim.robots.machines.activity import ActivityFailed, ActivityState, CannotDo
 from rosic_sim.robots.machines.battery import Battery
-from rosic_sim.robots.machines.clockwork import Plan, Recipe, SteppedMachine
 from rosic_sim.robots.machines.flight import NEAR_M, Flight, flight_time_s
 from rosic_sim.robots.machines.following import NEAREST_M, Chase, why_not
 from rosic_sim.robots.machines.separation import APART_M, KEEP_M, SeparationBound, bound
+from rosic_sim.robots.machines.stepped_machine import Plan, Recipe, SteppedMachine
 from rosic_sim.robots.machines.swarm import Place, Sighting, Swarm, slots
 
 if TYPE_CHECKING:

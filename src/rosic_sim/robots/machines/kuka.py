@@ -9,10 +9,10 @@ from rosic.core.i18n import said
 from rosic.core.language.formatting import show_choice
 from rosic.core.units import measured
 from rosic_sim.robots.machines.activity import ActivityFailed, CannotDo
-from rosic_sim.robots.machines.clockwork import Plan, Recipe, SteppedMachine
 from rosic_sim.robots.machines.joints import JointGroup, MachineJointLimit
 from rosic_sim.robots.machines.kinematics import iiwa_points, iiwa_tool_down
-from rosic_sim.robots.machines.things import Gripper, Position, SimulatedObjects
+from rosic_sim.robots.machines.objects import Gripper, Position, SimulatedObjects
+from rosic_sim.robots.machines.stepped_machine import Plan, Recipe, SteppedMachine
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

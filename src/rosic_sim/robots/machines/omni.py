@@ -12,7 +12,6 @@ from rosic.core.time_units import HOUR_S
 from rosic.core.units import measured
 from rosic_sim.robots.machines.activity import ActivityState, CannotDo
 from rosic_sim.robots.machines.battery import Battery
-from rosic_sim.robots.machines.clockwork import Plan, Recipe, SteppedMachine
 from rosic_sim.robots.machines.joints import JointGroup, MachineJointLimit
 from rosic_sim.robots.machines.mecanum import (
     ACCELERATION_M_S2,
@@ -24,6 +23,7 @@ from rosic_sim.robots.machines.mecanum import (
     Velocity,
 )
 from rosic_sim.robots.machines.motion import braking_speed
+from rosic_sim.robots.machines.stepped_machine import Plan, Recipe, SteppedMachine
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rosic_sim.robots.machines.clockwork import SUBSTEP_S, SteppedMachine
 from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.machines.kuka import STATION_M, Kuka
+from rosic_sim.robots.machines.objects import SimulatedObject, SimulatedObjects
 from rosic_sim.robots.machines.omni import Omni
+from rosic_sim.robots.machines.stepped_machine import SUBSTEP_S, SteppedMachine
 from rosic_sim.robots.machines.swarm import Place, Swarm
-from rosic_sim.robots.machines.things import SimulatedObject, SimulatedObjects
 from rosic_sim.robots.machines.yumi import FORCE_N, Side, Yumi
 
 CUBE, PART = "cube", "part"

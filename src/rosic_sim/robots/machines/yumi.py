@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 from rosic.core.i18n import joined, said
 from rosic.core.language.formatting import show_choice
 from rosic_sim.robots.machines.activity import ActivityFailed, ActivityState, CannotDo
-from rosic_sim.robots.machines.clockwork import Plan, Recipe, SteppedMachine
 from rosic_sim.robots.machines.joints import JointGroup, MachineJointLimit
 from rosic_sim.robots.machines.kinematics import yumi_points
-from rosic_sim.robots.machines.things import Gripper, Position, SimulatedObject, SimulatedObjects
+from rosic_sim.robots.machines.objects import Gripper, Position, SimulatedObject, SimulatedObjects
+from rosic_sim.robots.machines.stepped_machine import Plan, Recipe, SteppedMachine
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

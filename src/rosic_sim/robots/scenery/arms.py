@@ -20,7 +20,7 @@ from rosic_sim.robots.machines.yumi import JOINTS
 if TYPE_CHECKING:
     from rosic.core.robot.view import Solid
     from rosic_sim.robots.machines.kuka import Kuka
-    from rosic_sim.robots.machines.things import SimulatedObject
+    from rosic_sim.robots.machines.objects import SimulatedObject
     from rosic_sim.robots.machines.yumi import Yumi
     from rosic_sim.robots.scenery.places import ScenePlace
 

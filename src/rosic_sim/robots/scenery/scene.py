@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.robot.view import Ball, Label, Point, Scene
-from rosic_sim.robots.machines.afield import FireWatcher
 from rosic_sim.robots.machines.crazyflie import Crazyflie
+from rosic_sim.robots.machines.field_robots import FireWatcher
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.machines.world import CUBE, PART
 from rosic_sim.robots.scenery.arms import iiwa, yumi_body

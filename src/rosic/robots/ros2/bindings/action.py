@@ -11,17 +11,17 @@ from rosic.core.order import Ending, Outcome
 from rosic.core.synchronised_start import begins_ns
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RobotUnreachable
+from rosic.robots.ros2.abandoned_goals import Loose
 from rosic.robots.ros2.bindings.answers import BindingAnswer
 from rosic.robots.ros2.bindings.binding_call import DECLINED, over
 from rosic.robots.ros2.bindings.goal_fields import GoalFields
 from rosic.robots.ros2.client.executor_thread import ahead_ns
+from rosic.robots.ros2.endpoint_identity import born_anew, named_since
 from rosic.robots.ros2.errors import NoAnswer, NotSent
 from rosic.robots.ros2.goal_watch import GoalWatch, call_off, until_start_s
-from rosic.robots.ros2.interrupting import NotAtRest, after_the_end, in_doubt, moved
-from rosic.robots.ros2.loose_goals import Loose
 from rosic.robots.ros2.messages.decode import compile_path
 from rosic.robots.ros2.messages.encode import to_message
-from rosic.robots.ros2.rebirths import born_anew, named_since
+from rosic.robots.ros2.motion_endings import NotAtRest, after_the_end, in_doubt, moved
 from rosic.robots.ros2.rosout_reasons import RosoutReasons
 
 if TYPE_CHECKING:
@@ -75,52 +75,52 @@ class ActionSkill:
         if link is not None:
             await link.close()
 
-    async def carry(self, errand: BindingCall) -> Outcome:
+    async def carry(self, call: BindingCall) -> Outcome:
         """Send the goal and follow it to its end."""
-        link, order = self._link, errand.order
+        link, order = self._link, call.order
         if link is None:
-            raise errand.offline()
+            raise call.offline()
         together = bool(self._binding.start)
-        await errand.there(link.ready, link.name, together=together)
-        made = self._maker.make(errand)
+        await call.there(link.ready, link.name, together=together)
+        made = self._maker.make(call)
         if isinstance(made, Outcome):
             return made
-        values = self._started(made.values, errand)
+        values = self._started(made.values, call)
         to_message(self._cls.Goal, values)
-        sent_ns = errand.side.clock.wall_ns()
-        watch = GoalWatch(errand, made.fraction, _served_by(link))
-        errand.leave(together=together)
+        sent_ns = call.side.clock.wall_ns()
+        watch = GoalWatch(call, made.fraction, _served_by(link))
+        call.leave(together=together)
         try:
             with watch.looking():
                 goal = await link.send(
                     values, timeout_s=ACCEPT_WITHIN_S, goal_id=order.cid, on_feedback=watch.feedback
                 )
         except NotSent as fault:
-            raise errand.offline() from fault
+            raise call.offline() from fault
         except NoAnswer as fault:
             raise RobotUnreachable(
                 said(
                     "{shown} has not answered for {accept_within_s:g} s.",
-                    shown=errand.side.shown,
+                    shown=call.side.shown,
                     accept_within_s=ACCEPT_WITHIN_S,
                 )
             ) from fault
         if goal is None:
-            reason = await self._reasons.why(errand.side.namespace, sent_ns)
-            return Outcome(Ending.REFUSED, _declined(errand, reason), code=DECLINED)
-        errand.received()
-        if not errand.allowed():
+            reason = await self._reasons.why(call.side.namespace, sent_ns)
+            return Outcome(Ending.REFUSED, _declined(call, reason), code=DECLINED)
+        call.received()
+        if not call.allowed():
             await call_off(goal)
-        end = await self._end(goal, errand, watch, link)
+        end = await self._end(goal, call, watch, link)
         done = end is not None and end.status == "succeeded"
-        if watch.broken is not None and errand.allowed() and not done:
-            return await self._broken_off(errand, watch, watch.broken, end)
-        return await self._outcome(errand, end)
+        if watch.broken is not None and call.allowed() and not done:
+            return await self._broken_off(call, watch, watch.broken, end)
+        return await self._outcome(call, end)
 
-    def _started(self, values: dict[str, object], errand: BindingCall) -> dict[str, object]:
+    def _started(self, values: dict[str, object], call: BindingCall) -> dict[str, object]:
         """Add the common start, if there is one and the action takes it."""
-        clock = errand.side.clock
-        start_ns = begins_ns(errand.order, clock.monotonic_ns())
+        clock = call.side.clock
+        start_ns = begins_ns(call.order, clock.monotonic_ns())
         if self._binding.start and start_ns is not None:
             at_ns = start_ns + ahead_ns(clock.wall_ns, clock.monotonic_ns)
             values[f"{self._binding.start}.sec"] = at_ns // SECOND_NS
@@ -128,7 +128,7 @@ class ActionSkill:
         return values
 
     async def _end(
-        self, goal: Goal, errand: BindingCall, watch: GoalWatch, link: ActionLink
+        self, goal: Goal, call: BindingCall, watch: GoalWatch, link: ActionLink
     ) -> GoalEnd | None:
         """Wait for the end; None when a stop, or a break, brought no more words.
 
@@ -136,31 +136,31 @@ class ActionSkill:
             RobotUnreachable: It fell silent, took too long (and was called off), or did not
                 confirm a stop.
         """
-        limit_s = self._binding.timeout_s + until_start_s(errand.order, watch.now_ns())
+        limit_s = self._binding.timeout_s + until_start_s(call.order, watch.now_ns())
         end = asyncio.ensure_future(goal.end())
-        halted = asyncio.ensure_future(errand.halted.wait())
+        halted = asyncio.ensure_future(call.halted.wait())
         try:
             await watch.end(goal, end, halted, limit_s)
             if end.done():
                 return end.result()
         except NoAnswer as fault:
             raise RobotUnreachable(
-                said("{shown} cannot be reached any more.", shown=errand.side.shown)
+                said("{shown} cannot be reached any more.", shown=call.side.shown)
             ) from fault
         finally:
             if not end.done():
-                errand.loose = Loose(goal, link.ready)
+                call.loose = Loose(goal, link.ready)
             end.cancel()
             halted.cancel()
-        if errand.halted.is_set():
-            _confirmed(errand)
+        if call.halted.is_set():
+            _confirmed(call)
         return None
 
     async def _broken_off(
-        self, errand: BindingCall, watch: GoalWatch, broken: Break, end: GoalEnd | None
+        self, call: BindingCall, watch: GoalWatch, broken: Break, end: GoalEnd | None
     ) -> Outcome:
         """Say what is known of a goal that did not get to its end; nobody begins it again."""
-        side, result, metres = errand.side, None if end is None else end.result, watch.way.metres
+        side, result, metres = call.side, None if end is None else end.result, watch.way.metres
         words = "" if result is None else self._answer.words(result)
         what = joined("; ", filter(None, (words, moved(metres), over(broken))))
         if watch.resting is not None and not watch.resting.confirmed:
@@ -171,20 +171,20 @@ class ActionSkill:
         facts |= {} if result is None else self._answer.facts(result)
         return Outcome(Ending.FAILED, what, facts, code=broken.code)
 
-    async def _outcome(self, errand: BindingCall, end: GoalEnd | None) -> Outcome:
+    async def _outcome(self, call: BindingCall, end: GoalEnd | None) -> Outcome:
         if end is None:
             return Outcome(Ending.CANCELLED)
         result = end.result
-        doubt = NotAtRest() if end.status == "unknown" else await after_the_end(errand)
+        doubt = NotAtRest() if end.status == "unknown" else await after_the_end(call)
         words = joined("; ", filter(None, (self._answer.words(result), doubt.words)))
         facts = self._answer.facts(result)
         if end.status == "unknown":
             raise RobotUnreachable(
-                said("{shown} has not said how it ended.", shown=errand.side.shown)
+                said("{shown} has not said how it ended.", shown=call.side.shown)
             )
         if end.status == "succeeded" and self._answer.succeeded(result):
             return Outcome(Ending.DONE, words, facts, code=doubt.code)
-        if not errand.allowed():
+        if not call.allowed():
             return Outcome(Ending.CANCELLED, words, facts)
         if end.status == "cancelled":  # by its own side, or by somebody beside us
             return Outcome(Ending.CANCELLED, words, facts, code=INTERRUPTED)
@@ -207,17 +207,17 @@ def _served_by(link: ActionLink) -> Missed:
     return missed
 
 
-def _confirmed(errand: BindingCall) -> None:
+def _confirmed(call: BindingCall) -> None:
     """Make sure that a stop was measured to have worked.
 
     Raises:
         RobotUnreachable: It was not.
     """
-    if errand.rest is None or not errand.rest.confirmed:
-        raise RobotUnreachable(said("{shown} has not confirmed the stop.", shown=errand.side.shown))
+    if call.rest is None or not call.rest.confirmed:
+        raise RobotUnreachable(said("{shown} has not confirmed the stop.", shown=call.side.shown))
 
 
-def _declined(errand: BindingCall, reason: str) -> str:
+def _declined(call: BindingCall, reason: str) -> str:
     if not reason:
-        return said("{shown} declined.", shown=errand.side.shown)
+        return said("{shown} declined.", shown=call.side.shown)
     return said("{reason}. Nothing was done.", reason=reason)

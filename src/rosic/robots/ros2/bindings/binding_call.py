@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from rosic.core.deadman import Break
     from rosic.core.order import Order, Outcome
     from rosic.core.order_gate import OrderGate
+    from rosic.robots.ros2.abandoned_goals import Loose
     from rosic.robots.ros2.client.runtime import RosRuntime
-    from rosic.robots.ros2.loose_goals import Loose
     from rosic.robots.ros2.stopping import Resting, StopController
     from rosic.robots.ros2.telemetry import Measurements
 
@@ -71,7 +71,7 @@ class Binding(Protocol):
         """Close it."""
         ...
 
-    async def carry(self, errand: BindingCall) -> Outcome:
+    async def carry(self, call: BindingCall) -> Outcome:
         """Carry one order. See ``contracts.robot.Robot.execute``."""
         ...
 

@@ -103,18 +103,18 @@ class DialogueBinding:
         heard_ns = self.heard_ns
         return None if heard_ns is None else (self._clock.monotonic_ns() - heard_ns) / SECOND_NS
 
-    async def carry(self, errand: BindingCall) -> Outcome:
+    async def carry(self, call: BindingCall) -> Outcome:
         """Say a person's words to the robot."""
-        words = [v for v in errand.order.arguments.values() if isinstance(v, str)]
+        words = [v for v in call.order.arguments.values() if isinstance(v, str)]
         text = clean_text(" ".join(words)).strip()
         if not text:
             return Outcome(Ending.REFUSED, said("There is nothing to say."), code=DECLINED)
-        await errand.there(self._there, self._namespace)
-        errand.leave()
+        await call.there(self._there, self._namespace)
+        call.leave()
         try:
             self.send_to_robot(text)
         except NotSent as fault:
-            raise errand.offline() from fault
+            raise call.offline() from fault
         return Outcome(Ending.SENT)
 
     def send_to_robot(self, message: str) -> None:

@@ -56,7 +56,7 @@ class GoalMaker(Protocol):
         """Close it."""
         ...
 
-    def make(self, errand: BindingCall) -> MadeGoal | Outcome:
+    def make(self, call: BindingCall) -> MadeGoal | Outcome:
         """Return the goal, or why there is none: then nothing was sent.
 
         Raises:
@@ -88,10 +88,10 @@ class GoalFields:
     async def close(self) -> None:
         """Do nothing: nothing was opened."""
 
-    def make(self, errand: BindingCall) -> MadeGoal:
+    def make(self, call: BindingCall) -> MadeGoal:
         """Return the goal."""
         binding = self._binding
-        values = filled(binding.goal, errand.order)
+        values = filled(binding.goal, call.order)
         for field in self._turned:
             values[field] = _turn(values[field])
         if binding.remaining:

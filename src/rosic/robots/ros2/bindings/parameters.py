@@ -57,21 +57,21 @@ class ParameterSkill:
             if link is not None:
                 await link.close()
 
-    async def carry(self, errand: BindingCall) -> Outcome:
+    async def carry(self, call: BindingCall) -> Outcome:
         """Set them, then read them back."""
         if self._set is None or self._get is None:
-            raise errand.offline()
-        await errand.there(self._set.ready, self._set.name)
-        asked: Parameters = filled(self._binding.values, errand.order)  # type: ignore[assignment]
+            raise call.offline()
+        await call.there(self._set.ready, self._set.name)
+        asked: Parameters = filled(self._binding.values, call.order)  # type: ignore[assignment]
         values = request(asked)
-        answer = await ask(errand, self._set, values, self._binding.timeout_s, leave=True)
+        answer = await ask(call, self._set, values, self._binding.timeout_s, leave=True)
         if answer is None:
             return Outcome(Ending.CANCELLED)
-        errand.received()
+        call.received()
         refused = refusals(asked, answer)
         if refused:
             return Outcome(Ending.FAILED, note(" ".join(refused)))
-        read = await ask(errand, self._get, {"names": list(asked)}, self._binding.timeout_s)
+        read = await ask(call, self._get, {"names": list(asked)}, self._binding.timeout_s)
         found = {} if read is None else dict(zip(asked, map(_value, read.values), strict=False))
         wrong = [name for name, value in asked.items() if found.get(name) != value]
         if wrong:

@@ -49,32 +49,37 @@ class ServiceSkill:
         if link is not None:
             await link.close()
 
-    async def carry(self, errand: BindingCall) -> Outcome:
+    async def carry(self, binding_call: BindingCall) -> Outcome:
         """Call it once."""
         link = self._link
         if link is None:
-            raise errand.offline()
-        await errand.there(link.ready, link.name)
-        values = filled(self._binding.request, errand.order)
+            raise binding_call.offline()
+        await binding_call.there(link.ready, link.name)
+        values = filled(self._binding.request, binding_call.order)
         to_message(self._cls.Request, values)
-        answer = await ask(errand, link, values, self._binding.timeout_s, leave=True)
+        answer = await ask(binding_call, link, values, self._binding.timeout_s, leave=True)
         if answer is None:
             return Outcome(Ending.CANCELLED)
-        errand.received()
+        binding_call.received()
         words, facts = self._answer.words(answer), self._answer.facts(answer)
         if self._answer.succeeded(answer):
             return Outcome(Ending.DONE, words, facts)
-        ending = Ending.FAILED if errand.allowed() else Ending.CANCELLED
+        ending = Ending.FAILED if binding_call.allowed() else Ending.CANCELLED
         return Outcome(ending, words, facts)
 
 
 async def ask(
-    errand: BindingCall, link: ServiceLink, values: Values, timeout_s: float, *, leave: bool = False
+    binding_call: BindingCall,
+    link: ServiceLink,
+    values: Values,
+    timeout_s: float,
+    *,
+    leave: bool = False,
 ) -> RosObject:
     """Call a service for an order; None when a stop brought the robot to rest meanwhile.
 
     Args:
-        errand: The order.
+        binding_call: The order.
         link: The service.
         values: Fields of the request.
         timeout_s: For the answer.
@@ -85,25 +90,25 @@ async def ask(
         RobotOffline: Nothing was sent.
         RobotUnreachable: It was sent, and nothing came in time.
     """
-    call = asyncio.ensure_future(_call(errand, link, values, timeout_s, leave=leave))
-    halted = asyncio.ensure_future(errand.halted.wait())
+    call = asyncio.ensure_future(_call(binding_call, link, values, timeout_s, leave=leave))
+    halted = asyncio.ensure_future(binding_call.halted.wait())
     try:
         await asyncio.wait({call, halted}, return_when=asyncio.FIRST_COMPLETED)
         if not call.done():
             await asyncio.wait({call}, timeout=LAST_WORD_S)
         if call.done():
             return call.result()
-        if errand.rest is None or not errand.rest.confirmed:
+        if binding_call.rest is None or not binding_call.rest.confirmed:
             raise RobotUnreachable(
-                said("{shown} has not confirmed the stop.", shown=errand.side.shown)
+                said("{shown} has not confirmed the stop.", shown=binding_call.side.shown)
             )
     except NotSent as fault:
-        raise errand.offline() from fault
+        raise binding_call.offline() from fault
     except NoAnswer as fault:
         raise RobotUnreachable(
             said(
                 "{shown} has not answered for {timeout_s:g} s.",
-                shown=errand.side.shown,
+                shown=binding_call.side.shown,
                 timeout_s=timeout_s,
             )
         ) from fault
@@ -114,7 +119,7 @@ async def ask(
 
 
 async def _call(
-    errand: BindingCall, link: ServiceLink, values: Values, timeout_s: float, *, leave: bool
+    binding_call: BindingCall, link: ServiceLink, values: Values, timeout_s: float, *, leave: bool
 ) -> RosObject:
     # A place among the calls under way may be waited for: the gate is asked after that.
-    return await link.call(values, timeout_s=timeout_s, leave=errand.leave if leave else None)
+    return await link.call(values, timeout_s=timeout_s, leave=binding_call.leave if leave else None)

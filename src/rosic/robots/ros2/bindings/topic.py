@@ -10,7 +10,7 @@ from rosic.core.units import measured
 from rosic.robots.ros2.bindings.answers import check_fields
 from rosic.robots.ros2.bindings.binding_call import filled, over
 from rosic.robots.ros2.errors import NotSent
-from rosic.robots.ros2.interrupting import in_doubt
+from rosic.robots.ros2.motion_endings import in_doubt
 from rosic.robots.ros2.velocity_stream import StreamPace, VelocityStream
 
 if TYPE_CHECKING:
@@ -52,51 +52,51 @@ class TopicSkill:
         if publisher is not None:
             await publisher.close()
 
-    async def carry(self, errand: BindingCall) -> Outcome:
+    async def carry(self, call: BindingCall) -> Outcome:
         """Publish once, or stream."""
         if self._binding.stream_hz > 0:
-            return await self._drive(errand, await self._stream(errand))
-        publisher = await self._listened_to(errand)
-        message = publisher.made(filled(self._binding.message, errand.order))
-        errand.leave()
+            return await self._drive(call, await self._stream(call))
+        publisher = await self._listened_to(call)
+        message = publisher.made(filled(self._binding.message, call.order))
+        call.leave()
         try:
             publisher.send(message)
         except NotSent as fault:
-            raise errand.offline() from fault
+            raise call.offline() from fault
         return Outcome(Ending.SENT)
 
-    async def fall_silent(self, errand: BindingCall) -> Resting:
+    async def fall_silent(self, call: BindingCall) -> Resting:
         """Stream, cease without a zero, and wait for measured rest; for measuring a watchdog."""
-        stream = await self._stream(errand)
+        stream = await self._stream(call)
         if await stream.run() is not None:
-            return await errand.side.brakes.apply()
-        side = errand.side
+            return await call.side.brakes.apply()
+        side = call.side
         return await side.brakes.measure(side.clock.monotonic_ns(), side.rest_timeout_s)
 
-    async def _listened_to(self, errand: BindingCall) -> Publisher:
+    async def _listened_to(self, call: BindingCall) -> Publisher:
         # A stream shares its publisher with the zeros that end it: two publishers of one topic may
         # overtake each other, and a velocity that comes after the zero would count.
-        publisher = self._publisher or errand.side.brakes.zeros.get(self._binding.name)
+        publisher = self._publisher or call.side.brakes.zeros.get(self._binding.name)
         if publisher is None:
-            raise errand.offline()
-        await errand.there(lambda: publisher.listeners > 0, publisher.topic)
+            raise call.offline()
+        await call.there(lambda: publisher.listeners > 0, publisher.topic)
         return publisher
 
-    async def _stream(self, errand: BindingCall) -> VelocityStream:
-        publisher = await self._listened_to(errand)
+    async def _stream(self, call: BindingCall) -> VelocityStream:
+        publisher = await self._listened_to(call)
         # Matched before it is on the graph: who it is has to be known before it is driven.
-        await errand.there(lambda: bool(publisher.takers()), publisher.topic)
-        values = filled(self._binding.message, errand.order)
-        pace = StreamPace(1.0 / self._binding.stream_hz, _duration_s(errand))
-        return VelocityStream(errand, publisher, values, pace)
+        await call.there(lambda: bool(publisher.takers()), publisher.topic)
+        values = filled(self._binding.message, call.order)
+        pace = StreamPace(1.0 / self._binding.stream_hz, _duration_s(call))
+        return VelocityStream(call, publisher, values, pace)
 
-    async def _drive(self, errand: BindingCall, stream: VelocityStream) -> Outcome:
+    async def _drive(self, call: BindingCall, stream: VelocityStream) -> Outcome:
         broken = await stream.run()
-        if not errand.allowed():
+        if not call.allowed():
             return Outcome(Ending.CANCELLED)
         if broken is not None:
-            return await self._broken_off(errand, stream, broken)
-        side = errand.side
+            return await self._broken_off(call, stream, broken)
+        side = call.side
         ended_ns = side.clock.monotonic_ns()
         period_s = 1.0 / self._binding.stream_hz
         for _ in range(ZEROS):
@@ -107,34 +107,34 @@ class TopicSkill:
             return Outcome(Ending.SENT)
         if resting.confirmed:
             return Outcome(
-                Ending.DONE, said("drove for {duration_s:g} s", duration_s=_duration_s(errand))
+                Ending.DONE, said("drove for {duration_s:g} s", duration_s=_duration_s(call))
             )
-        return await self._does_not_obey(errand)
+        return await self._does_not_obey(call)
 
     async def _broken_off(
-        self, errand: BindingCall, stream: VelocityStream, broken: Break
+        self, call: BindingCall, stream: VelocityStream, broken: Break
     ) -> Outcome:
         """Bring it to rest, and say what was measured."""
-        errand.interrupted(broken)
-        resting = await errand.side.brakes.apply()
+        call.interrupted(broken)
+        resting = await call.side.brakes.apply()
         stream.way.look()
         what = joined("; ", (_driven(stream), over(broken)))
-        if not errand.allowed():  # a stop came meanwhile, and says more about rest
+        if not call.allowed():  # a stop came meanwhile, and says more about rest
             return Outcome(Ending.CANCELLED, what)
         if not resting.confirmed:
-            raise in_doubt(errand.side.shown, what, resting)
+            raise in_doubt(call.side.shown, what, resting)
         facts = {"driven_s": stream.seconds}
         if stream.way.metres is not None:
             facts["distance_m"] = stream.way.metres
         return Outcome(Ending.FAILED, what, facts, code=broken.code)
 
-    async def _does_not_obey(self, errand: BindingCall) -> Outcome:
+    async def _does_not_obey(self, call: BindingCall) -> Outcome:
         """Zero did not bring it to rest, or that was not seen: apply everything else."""
-        resting = await errand.side.brakes.apply()
+        resting = await call.side.brakes.apply()
         if not resting.confirmed:
-            errand.unsettled = True
-            raise in_doubt(errand.side.shown, "", resting)
-        if errand.side.brakes.own is None or resting.declined or resting.unanswered:
+            call.unsettled = True
+            raise in_doubt(call.side.shown, "", resting)
+        if call.side.brakes.own is None or resting.declined or resting.unanswered:
             return Outcome(Ending.FAILED, said("it came to rest late, and not by its own stop"))
         return Outcome(Ending.FAILED, said("it came to rest only when its own stop was called"))
 
@@ -158,6 +158,6 @@ def _driven(stream: VelocityStream) -> str:
     )
 
 
-def _duration_s(errand: BindingCall) -> float:
-    given = errand.order.arguments.get(DURATION, 0.0)
+def _duration_s(call: BindingCall) -> float:
+    given = call.order.arguments.get(DURATION, 0.0)
     return float(given) if isinstance(given, (int, float)) else 0.0

@@ -63,10 +63,10 @@ class TrajectoryGoal:
         if state is not None:
             await state.close()
 
-    def make(self, errand: BindingCall) -> MadeGoal | Outcome:
+    def make(self, call: BindingCall) -> MadeGoal | Outcome:
         """Return the goal; nothing of it depends on how fast somebody else drove the arm before."""
-        order = errand.order
-        start = self._where(errand)
+        order = call.order
+        start = self._where(call)
         try:
             move = plan(self._joints.limits, start, self._goal(order, start), self._share(order))
         except OutOfReach as far:
@@ -79,7 +79,7 @@ class TrajectoryGoal:
             return Outcome(Ending.REFUSED, sentence, code=OUT_OF_REACH)
         return MadeGoal(self._values(move), lambda feedback: self._fraction(move, feedback))
 
-    def _where(self, errand: BindingCall) -> tuple[float, ...]:
+    def _where(self, call: BindingCall) -> tuple[float, ...]:
         state = self._state
         age_s = None if state is None else state.age_s
         message = None if state is None or age_s is None or age_s > FRESH_S else state.message()
@@ -88,7 +88,7 @@ class TrajectoryGoal:
             raise RobotOffline(
                 said(
                     "{shown} does not say where its joints are. Nothing was sent.",
-                    shown=errand.side.shown,
+                    shown=call.side.shown,
                 )
             )
         return found

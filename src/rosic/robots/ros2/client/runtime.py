@@ -14,7 +14,7 @@ from rosic.robots.ros2.client.services import ServiceLink
 from rosic.robots.ros2.client.topics import LatestMessage, MessageStream, Publisher, TopicQos
 from rosic.robots.ros2.errors import BadName
 from rosic.robots.ros2.messages.names import check_graph_name, check_node_name
-from rosic.robots.ros2.senders import Informed
+from rosic.robots.ros2.publishers import Informed
 
 if TYPE_CHECKING:
     from collections.abc import Callable

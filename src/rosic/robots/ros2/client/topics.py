@@ -9,19 +9,19 @@ from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.time_units import SECOND_NS
+from rosic.robots.ros2.endpoint_identity import ends_of
 from rosic.robots.ros2.errors import BadValue, NotSent
 from rosic.robots.ros2.messages.encode import to_message, type_of
-from rosic.robots.ros2.rebirths import ends_of
-from rosic.robots.ros2.senders import Senders
+from rosic.robots.ros2.publishers import Senders
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.robots.ros2.client.connection import RosConnection
     from rosic.robots.ros2.client.rclpy_import import RclpyModules, RosObject
+    from rosic.robots.ros2.endpoint_identity import Ends
     from rosic.robots.ros2.messages.encode import Values
-    from rosic.robots.ros2.rebirths import Ends
-    from rosic.robots.ros2.senders import About
+    from rosic.robots.ros2.publishers import About
 
 HEADER = "std_msgs/Header"
 

@@ -27,7 +27,7 @@ def container() -> sa.Column[str]:
 def upgrade() -> None:
     """Make the first tables."""
     containers()
-    lives()
+    open_orders()
     robots()
     people()
     rooms()
@@ -42,7 +42,7 @@ def containers() -> None:
     )
 
 
-def lives() -> None:
+def open_orders() -> None:
     """Commands and what became of them."""
     op.create_table(
         "commands",

@@ -1,0 +1,96 @@
+"""Who receives what is no order: commands, newcomers, questions before something dangerous.
+
+What decides is there from the first moment; what only adds something is said later.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, TypeAlias
+
+from rosic.core.deferred import Deferred
+from rosic.core.identity import Caller, PrincipalId
+from rosic.core.message import Button, Chat, ChatKind
+from rosic.core.signal import Signal
+from rosic.errors import Refusal
+from rosic.gateway.commands import CommandRegistry
+
+if TYPE_CHECKING:
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.message import Inbound
+    from rosic.core.robot.profile import RobotId
+    from rosic.gateway.commands import Reply
+    from rosic.gateway.confirmation import Confirmation, Resolver
+    from rosic.gateway.message_context import SteppedUp
+
+_dashed = re.compile("[-\u2013\u2014\u2212]").search  # phones turn a hyphen into a longer line
+
+ProofUsed: TypeAlias = Callable[[PrincipalId, Chat], None]
+Refused: TypeAlias = Callable[[Caller, Refusal], None]
+
+
+class PipelineHooks:
+    """The doors beside the way of an order.
+
+    Until `newcomer`, `enclosed` and `sights` are bound nobody is let in, nothing is taken and
+    nothing is shown.
+
+    Attributes:
+        commands: Who does which command.
+        newcomer: Answers somebody unknown who may have brought a code; None: it was no code.
+        enclosed: Takes in files that people send.
+        outdated: Hears, in private, of a tap on a button that is no good any more.
+        sights: Buttons for what can be seen of a robot, for its menu.
+
+    Args:
+        confirmation_of: Returns what asks for confirmations, made with what says what words come
+            to.
+        stepped_up: Whether somebody has shown a second factor lately, in a chat.
+        proof_used: Has what this has let pass count for its idle time.
+        refused: Follows the rules about misuse; told of every refusal.
+    """
+
+    def __init__(
+        self,
+        *,
+        confirmation_of: Callable[[Resolver], Confirmation],
+        stepped_up: SteppedUp,
+        proof_used: ProofUsed,
+        refused: Refused,
+    ) -> None:
+        self.commands = CommandRegistry()
+        self.confirmation_of = confirmation_of
+        self.stepped_up = stepped_up
+        self.proof_used = proof_used
+        self.refused = refused
+        self.newcomer: Deferred[[Messenger, Inbound, str], Awaitable[Reply | None]]
+        self.newcomer = Deferred(_no_code)
+        self.enclosed: Deferred[[Messenger, Inbound, Caller], None] = Deferred(_left)
+        self.sights: Deferred[[RobotId], list[Button]] = Deferred(_unseen)
+        self.outdated: Signal[[PrincipalId]] = Signal()
+
+
+def may_bring_a_code(inbound: Inbound) -> bool:
+    """Whether a message is worth a look before anybody is recognised: a tap, a link, a dash.
+
+    In a group every message is, as a code that is shown there is burnt. In private a code without
+    its dash is found when nothing else can be made of the line.
+    """
+    text = inbound.text
+    if inbound.nonce is not None or inbound.chat.kind is not ChatKind.PRIVATE:
+        return True
+    return _dashed(text) is not None or text.startswith("/start ")
+
+
+async def _no_code(_messenger: Messenger, _inbound: Inbound, _text: str) -> Reply | None:
+    """Let nobody in: what codes are good is not known yet."""
+    return None
+
+
+def _left(_messenger: Messenger, _inbound: Inbound, _caller: Caller) -> None:
+    """Take no file: there is nowhere to keep it."""
+
+
+def _unseen(_robot: RobotId) -> list[Button]:
+    return []
