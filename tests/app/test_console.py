@@ -10,7 +10,7 @@ from rosic.app.console import AGAIN, Console, mind_console
 from rosic.config.translations import catalogue
 from rosic.core.i18n import in_language
 from rosic.core.identity import Address
-from rosic.core.order import Rest
+from rosic.core.order import RestReport
 from rosic.robots.memory import MemoryRobot
 from tests.gateway.place import ADA, Place
 
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 class LongToRest(MemoryRobot):
     """Nobody measures it at rest before half a minute is over."""
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         self.gate.apply_stop(stop)
         await self._clock.sleep(30.0)
-        return Rest(stop.robot, confirmed=False, seconds=30.0)
+        return RestReport(stop.robot, confirmed=False, seconds=30.0)
 
 
 class LongPlace(Place):

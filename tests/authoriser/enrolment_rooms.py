@@ -13,7 +13,7 @@ from rosic.authoriser.enrolment_records import Answer, CodeRedeemed
 from rosic.authoriser.guessing import GuessLimits
 from rosic.authoriser.invitations import InvitationRequest, InvitedRights
 from rosic.authoriser.keys import KeyRing
-from rosic.authoriser.locks import Locks
+from rosic.authoriser.locks import AccountLocks
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.authoriser.security_report import SecurityReports
 from rosic.authoriser.two_factor import TwoFactor
@@ -57,7 +57,7 @@ class EnrolmentRooms:
         entropy = SeededEntropy(seed)
         self.time = MonotonicWallClock(self.clock)
         self.counters = Counters()
-        self.locks = Locks(self.time)
+        self.locks = AccountLocks(self.time)
         self.directory = Directory()
         self.keys = KeyRing(self.time, entropy, self.counters)
         self.authoriser = Authoriser(self.directory, self.keys, self.clock, entropy)

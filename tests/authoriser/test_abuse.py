@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.authoriser.abuse import AbuseDetector, AbuseLimits, Invalidate, Threshold, _Window
+from rosic.authoriser.abuse import AbuseDetector, AbuseLimits, InvalidateKey, Threshold, _Window
 from rosic.core.robot.skill import SkillClass
 from rosic.testing.clock import ManualClock
 
@@ -20,7 +20,9 @@ def rules(clock: ManualClock, *, only: str = "") -> AbuseDetector:
     )
 
 
-def said(misuse: AbuseDetector, times: int, refused: str = "", who: str = "cy") -> list[Invalidate]:
+def said(
+    misuse: AbuseDetector, times: int, refused: str = "", who: str = "cy"
+) -> list[InvalidateKey]:
     found = [misuse.attempted(who, SkillClass.MOTION, refused) for _ in range(times)]
     return [act for act in found if act is not None]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.authoriser import messages as words
-from rosic.authoriser.enrolment_records import ApplicantWaits, CodeRedeemed, TurnedAway
+from rosic.authoriser.enrolment_records import ApprovalPending, CodeRedeemed, EnrolmentRefused
 from rosic.core.records import Fact
 from rosic.errors import Expired, NotPermitted
 from tests.authoriser.enrolment_rooms import CY, DI, EnrolmentRooms, account
@@ -23,10 +23,10 @@ async def enrolling() -> EnrolmentRooms:
 
 async def waiting(
     enrolling: EnrolmentRooms, address: Address = CY, role: str = "senior", name: str = "Cy"
-) -> ApplicantWaits:
+) -> ApprovalPending:
     code, _ = await enrolling.invite(role, confirm=True)
     answer = await enrolling.redeem(code, address, name=name)
-    assert isinstance(answer, ApplicantWaits), answer
+    assert isinstance(answer, ApprovalPending), answer
     return answer
 
 
@@ -34,7 +34,7 @@ async def test_a_senior_waits_and_both_sides_see_the_same_words(enrolling: Enrol
     code, made = await enrolling.invite("senior", lasts_s=7200.0)
     assert made.needs_confirmation
     answer = await enrolling.redeem(code)
-    assert isinstance(answer, ApplicantWaits)
+    assert isinstance(answer, ApprovalPending)
     applicant = answer.applicant
     assert applicant.words in answer.sentence
     assert applicant.question == (
@@ -97,7 +97,7 @@ async def test_a_double_tap_lets_in_once(enrolling: EnrolmentRooms) -> None:
 async def test_whoever_is_declined_is_out_and_the_code_is_gone(enrolling: EnrolmentRooms) -> None:
     code, _ = await enrolling.invite("senior")
     answer = await enrolling.redeem(code)
-    assert isinstance(answer, ApplicantWaits)
+    assert isinstance(answer, ApprovalPending)
     pending = answer.applicant.pending
     declined = enrolling.enrolment.decline(pending.id, "bo", may_admit=True)
     assert (declined.address, declined.newcomer) == (CY, True)
@@ -106,7 +106,7 @@ async def test_whoever_is_declined_is_out_and_the_code_is_gone(enrolling: Enrolm
     with pytest.raises(Expired):
         await enrolling.confirm(pending.id, "ada")
     again = await enrolling.redeem(code, DI)
-    assert isinstance(again, TurnedAway)
+    assert isinstance(again, EnrolmentRefused)
     assert again.kind == "code-used"
 
 
@@ -147,15 +147,15 @@ async def test_who_waits_cannot_use_a_second_code_up(enrolling: EnrolmentRooms) 
     first = await waiting(enrolling)
     code, _ = await enrolling.invite("senior")
     again = await enrolling.redeem(code)
-    assert isinstance(again, TurnedAway)
+    assert isinstance(again, EnrolmentRefused)
     assert first.applicant.words in again.sentence
     assert again.sentence.endswith("I wait for 24 hours.")
     await enrolling.clock.advance(7_200.0)
     code, _ = await enrolling.invite("senior")
     third = await enrolling.redeem(code)
-    assert isinstance(third, TurnedAway)
+    assert isinstance(third, EnrolmentRefused)
     assert third.sentence.endswith("I wait for 22 hours.")
-    assert isinstance(await enrolling.redeem(code, DI), ApplicantWaits)
+    assert isinstance(await enrolling.redeem(code, DI), ApprovalPending)
 
 
 async def test_nobody_comes_in_while_locked(enrolling: EnrolmentRooms) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rosic.authoriser import messages as words
-from rosic.authoriser.enrolment_records import Answer, CodeRedeemed, TurnedAway
+from rosic.authoriser.enrolment_records import Answer, CodeRedeemed, EnrolmentRefused
 from rosic.authoriser.guessing import ADDRESSES_AT_MOST, BruteForceGuard, GuessLimits
 from rosic.authoriser.invite_codes import new_code
 from rosic.testing.clock import SeededEntropy
@@ -21,8 +21,8 @@ async def enrolling() -> EnrolmentRooms:
     return await EnrolmentRooms().with_admins()
 
 
-def away(answer: Answer) -> TurnedAway:
-    assert isinstance(answer, TurnedAway), answer
+def away(answer: Answer) -> EnrolmentRefused:
+    assert isinstance(answer, EnrolmentRefused), answer
     return answer
 
 

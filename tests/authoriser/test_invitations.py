@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import pytest
 
-from rosic.authoriser.enrolment_records import Answer, CodeRedeemed, TurnedAway
+from rosic.authoriser.enrolment_records import Answer, CodeRedeemed, EnrolmentRefused
 from rosic.authoriser.invitations import InvitationRequest, InvitedRights
 from rosic.authoriser.invite_codes import ALPHABET, CODE_BYTES
 from rosic.core.identity import OPERATOR
@@ -26,8 +26,8 @@ async def enrolling() -> EnrolmentRooms:
     return await EnrolmentRooms().with_admins()
 
 
-def away(answer: Answer) -> TurnedAway:
-    assert isinstance(answer, TurnedAway), answer
+def away(answer: Answer) -> EnrolmentRefused:
+    assert isinstance(answer, EnrolmentRefused), answer
     return answer
 
 

@@ -5,7 +5,12 @@ from __future__ import annotations
 import pytest
 
 from rosic.authoriser import messages as words
-from rosic.authoriser.enrolment_records import Answer, ApplicantWaits, CodeRedeemed, TurnedAway
+from rosic.authoriser.enrolment_records import (
+    Answer,
+    ApprovalPending,
+    CodeRedeemed,
+    EnrolmentRefused,
+)
 from rosic.authoriser.invitations import InvitationRequest, InvitedRights
 from rosic.core.records import Decided, Enrolled, Fact, KeyIssued
 from tests.authoriser.enrolment_rooms import ADA, CY, DI, EnrolmentRooms, account
@@ -19,8 +24,8 @@ async def enrolling() -> EnrolmentRooms:
     return await EnrolmentRooms().with_admins()
 
 
-def away(answer: Answer) -> TurnedAway:
-    assert isinstance(answer, TurnedAway), answer
+def away(answer: Answer) -> EnrolmentRefused:
+    assert isinstance(answer, EnrolmentRefused), answer
     return answer
 
 
@@ -105,7 +110,7 @@ async def test_whoever_lost_their_access_waits_for_an_admin(enrolling: Enrolment
     enrolling.authoriser.revoke("k-cy")
     code, _ = await enrolling.invite("viewer")
     answer = await enrolling.redeem(code)
-    assert isinstance(answer, ApplicantWaits)
+    assert isinstance(answer, ApprovalPending)
     assert answer.applicant.question.startswith("The access of Cy was ended before. Cy wants")
 
     done = await enrolling.confirm(answer.applicant.pending.id, "ada")

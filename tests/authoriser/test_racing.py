@@ -6,7 +6,7 @@ import asyncio
 from random import Random
 from typing import TYPE_CHECKING
 
-from rosic.authoriser.enrolment_records import ApplicantWaits, CodeRedeemed, TurnedAway
+from rosic.authoriser.enrolment_records import ApprovalPending, CodeRedeemed, EnrolmentRefused
 from rosic.authoriser.guessing import GuessLimits
 from rosic.errors import Expired
 from rosic.stores.memory import MemoryStore
@@ -64,10 +64,10 @@ async def race(rounds: int, *, locked: bool = True) -> dict[str, int]:
         answers = await asyncio.gather(
             enrolling.redeem(code, first), enrolling.redeem(code, second)
         )
-        won = [answer for answer in answers if not isinstance(answer, TurnedAway)]
+        won = [answer for answer in answers if not isinstance(answer, EnrolmentRefused)]
         ends[("none", "one", "both")[len(won)]] += 1
         for answer in won:
-            if isinstance(answer, ApplicantWaits):
+            if isinstance(answer, ApprovalPending):
                 declined = enrolling.enrolment.decline(
                     answer.applicant.pending.id, "ada", may_admit=True
                 )
@@ -101,7 +101,7 @@ async def test_two_admins_tap_at_once() -> None:
     for number in range(100):
         code, _ = await enrolling.invite("senior")
         waiting = await enrolling.redeem(code, account(number))
-        assert isinstance(waiting, ApplicantWaits)
+        assert isinstance(waiting, ApprovalPending)
         pending = waiting.applicant.pending.id
         taps = await asyncio.gather(
             enrolling.confirm(pending, "ada"),

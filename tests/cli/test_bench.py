@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from rosic.bench.batches import Batch
+from rosic.bench.batches import CommandBatch
 from rosic.bench.command import main
-from rosic.bench.report import Case, Report
-from rosic.bench.telegram import Asked, measured
+from rosic.bench.report import BenchCase, BenchReport
+from rosic.bench.telegram import TelegramLoad, measured
 from tests.cli.running import rosic
 from tests.pace import patience
 
@@ -90,9 +90,9 @@ def test_the_bench_of_telegram_keeps_to_the_limits_and_uses_them() -> None:
 
 @pytest.mark.limit(410)
 def test_a_bench_whose_bound_fails_has_measured_all_the_same() -> None:
-    batch = Batch(name="few", commands=10, chats=5, faster=20.0, stops=1)
+    batch = CommandBatch(name="few", commands=10, chats=5, faster=20.0, stops=1)
 
-    report = measured(Asked((batch,), orders=0, at_least=1_000.0))
+    report = measured(TelegramLoad((batch,), orders=0, at_least=1_000.0))
 
     names = [case.name for case in report.cases]
     assert names == ["few", "few: stops meanwhile", "few: naive, 0 times 429"]
@@ -105,8 +105,12 @@ def test_a_bench_whose_bound_fails_has_measured_all_the_same() -> None:
 def test_what_did_not_hold_is_said_behind_all_that_was_seen(
     asked: tuple[str, ...], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    rows = [Case(name=name, rate_per_s=2.0, p50_us=3.0, p99_us=4.0) for name in ("slow", "fast")]
-    seen = Report(machine="here", method="by foot", cases=tuple(rows), failures=("slow: fell.",))
+    rows = [
+        BenchCase(name=name, rate_per_s=2.0, p50_us=3.0, p99_us=4.0) for name in ("slow", "fast")
+    ]
+    seen = BenchReport(
+        machine="here", method="by foot", cases=tuple(rows), failures=("slow: fell.",)
+    )
 
     status = main(asked, {"walk": lambda _quick: seen})
 

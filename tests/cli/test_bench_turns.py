@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.bench.load_generator import Beat, Values, frame
+from rosic.bench.load_generator import ReportedValues, RobotHeartbeat, frame
 from rosic.bench.paired_runs import REPORTS, in_turns, times_as_much, waiting
-from rosic.bench.reporting_robots import FedRobot, Feed
+from rosic.bench.reporting_robots import ReportDelivery, ReportingRobot
 from rosic.bench.scaling_process import profile_of
 from rosic.core.order_gate import OrderGate
 from rosic.core.robot.view import Pose
@@ -61,16 +61,16 @@ async def test_a_process_that_ends_before_its_turns_is_no_result(tmp_path: Path)
 def test_what_a_robot_said_last_is_what_is_known_of_it() -> None:
     clock = SystemClock()
     robots = {
-        profile.id: FedRobot(profile, OrderGate.new(profile.id), clock)
+        profile.id: ReportingRobot(profile, OrderGate.new(profile.id), clock)
         for profile in map(profile_of, range(3))
     }
-    feed = Feed(robots)
+    feed = ReportDelivery(robots)
     feed.join(robots)
 
     for said in (
-        Values("robot1", 41.0, 1.0, 2.0),
-        Beat("robot0"),
-        Values("robot1", 42.0, 3.0, 4.0),
+        ReportedValues("robot1", 41.0, 1.0, 2.0),
+        RobotHeartbeat("robot0"),
+        ReportedValues("robot1", 42.0, 3.0, 4.0),
     ):
         feed.take(frame(said)[2:])
 

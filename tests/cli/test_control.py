@@ -17,9 +17,9 @@ from rosic.app.admin.control_socket import (
     AT_ONCE,
     LONGEST_PATH_BYTES,
     READ_WITHIN_S,
-    Ask,
+    AdminRequest,
+    AdminVerb,
     ControlServer,
-    Verb,
     peer_uid,
     socket_path,
 )
@@ -60,7 +60,7 @@ class AdminStandIn:
         yield "STOP sent to omni."
         yield "STOP: omni at rest (0.08 s)."
 
-    async def do(self, ask: Ask) -> tuple[str, ...]:
+    async def do(self, ask: AdminRequest) -> tuple[str, ...]:
         await self.hold.wait()
         return (f"{' '.join(ask.names)} has no access any more, also after a restart.",)
 
@@ -78,8 +78,10 @@ async def server(tmp_path: Path, desk: AdminStandIn) -> AsyncIterator[ControlSer
     await server.close()
 
 
-async def answers(folder: Path, verb: Verb, *names: str) -> list[tuple[str, bool]]:
-    return [(one.text, one.good) async for one in ask_gateway(folder, Ask(verb, names), print)]
+async def answers(folder: Path, verb: AdminVerb, *names: str) -> list[tuple[str, bool]]:
+    return [
+        (one.text, one.good) async for one in ask_gateway(folder, AdminRequest(verb, names), print)
+    ]
 
 
 async def raw(folder: Path, sent: bytes) -> bytes:
@@ -95,16 +97,16 @@ async def raw(folder: Path, sent: bytes) -> bytes:
 
 @pytest.mark.usefixtures("server")
 async def test_questions_are_answered_line_by_line(tmp_path: Path, desk: AdminStandIn) -> None:
-    assert await answers(tmp_path, Verb.STATUS, "omni") == [("omni: at rest\nomni", True)]
-    assert await answers(tmp_path, Verb.STOP) == [
+    assert await answers(tmp_path, AdminVerb.STATUS, "omni") == [("omni: at rest\nomni", True)]
+    assert await answers(tmp_path, AdminVerb.STOP) == [
         ("STOP sent to omni.", True),
         ("STOP: omni at rest (0.08 s).", True),
     ]
     assert desk.stopped == [()]
-    assert await answers(tmp_path, Verb.STATUS, "kuka2") == [
+    assert await answers(tmp_path, AdminVerb.STATUS, "kuka2") == [
         ("There is no robot called kuka2.", False)
     ]
-    [(sentence, good)] = await answers(tmp_path, Verb.STATUS, "crash")
+    [(sentence, good)] = await answers(tmp_path, AdminVerb.STATUS, "crash")
     assert not good
     assert "a fault of ours" not in sentence
 
@@ -130,7 +132,7 @@ async def test_what_is_no_request_is_turned_away(
 
     assert b"no request" in answer
     assert desk.stopped == []
-    assert (await answers(tmp_path, Verb.STATUS))[0][1]
+    assert (await answers(tmp_path, AdminVerb.STATUS))[0][1]
 
 
 @pytest.mark.usefixtures("server")
@@ -139,13 +141,13 @@ async def test_a_stop_gets_through_when_everything_else_must_wait(
 ) -> None:
     desk.hold.clear()
     waiting = [
-        asyncio.create_task(answers(tmp_path, Verb.REVOKE, "Bob")) for _ in range(AT_ONCE + 2)
+        asyncio.create_task(answers(tmp_path, AdminVerb.REVOKE, "Bob")) for _ in range(AT_ONCE + 2)
     ]
     done, _ = await asyncio.wait(waiting, timeout=60, return_when=asyncio.FIRST_COMPLETED)
     assert done
     assert next(iter(done)).result() == [("Too many commands at once. Try again.", False)]
 
-    assert len(await answers(tmp_path, Verb.STOP)) == 2
+    assert len(await answers(tmp_path, AdminVerb.STOP)) == 2
     desk.hold.set()
     await asyncio.gather(*waiting)
 
@@ -162,9 +164,9 @@ async def test_whoever_does_not_read_keeps_nobody_waiting(
             connection.sendall(b'{"verb":"status","names":["long"]}\n')
         turned_away = [("Too many commands at once. Try again.", False)]
         async with asyncio.timeout(60 * pace()):
-            while await answers(tmp_path, Verb.STATUS) != turned_away:  # noqa: ASYNC110
+            while await answers(tmp_path, AdminVerb.STATUS) != turned_away:  # noqa: ASYNC110
                 await asyncio.sleep(0)
-            while await answers(tmp_path, Verb.STATUS) == turned_away:  # noqa: ASYNC110
+            while await answers(tmp_path, AdminVerb.STATUS) == turned_away:  # noqa: ASYNC110
                 await asyncio.sleep(0.02)
         # What they did not read is kept for nobody: they are hung up on, in the middle of it.
         assert await asyncio.to_thread(all_of, deaf[0]) < LONG_BYTES
@@ -263,11 +265,11 @@ def ask_as(uid: int, path: Path) -> bytes:
 
 async def test_where_nobody_listens_it_says_so(tmp_path: Path) -> None:
     with pytest.raises(NotRunning, match="No gateway is running"):
-        await answers(tmp_path, Verb.STATUS)
+        await answers(tmp_path, AdminVerb.STATUS)
     with socket.socket(socket.AF_UNIX) as left_behind:
         left_behind.bind(str(tmp_path / "control.sock"))
     with pytest.raises(NotRunning, match="No gateway is running"):
-        await answers(tmp_path, Verb.STATUS)
+        await answers(tmp_path, AdminVerb.STATUS)
 
 
 async def test_a_socket_that_was_removed_or_replaced_is_made_anew(
@@ -281,19 +283,19 @@ async def test_a_socket_that_was_removed_or_replaced_is_made_anew(
     await server.open()
     try:
         path.unlink()
-        assert len(await answers(tmp_path, Verb.STOP)) == 2
+        assert len(await answers(tmp_path, AdminVerb.STOP)) == 2
         (tmp_path / "gateway.lock").unlink()
         path.unlink()
         with socket.socket(socket.AF_UNIX) as other:
             other.bind(str(path))
-        assert len(await answers(tmp_path, Verb.STOP)) == 2
+        assert len(await answers(tmp_path, AdminVerb.STOP)) == 2
         assert stat.S_IMODE(path.stat().st_mode) == 0o600
     finally:
         await server.close()
         folder.give_back()
     assert not path.exists()
     with pytest.raises(NotRunning):
-        await answers(tmp_path, Verb.STATUS)
+        await answers(tmp_path, AdminVerb.STATUS)
 
 
 async def test_a_gateway_that_makes_no_socket_is_there_all_the_same(
@@ -304,7 +306,7 @@ async def test_a_gateway_that_makes_no_socket_is_there_all_the_same(
     folder.take()
     try:
         with pytest.raises(Fault, match=rf"process {os.getpid()}\) has no control socket") as said:
-            await answers(tmp_path, Verb.STOP)
+            await answers(tmp_path, AdminVerb.STOP)
     finally:
         folder.give_back()
     assert not isinstance(said.value, NotRunning), "nobody else may change its data meanwhile"
@@ -321,7 +323,10 @@ async def test_a_gateway_that_hangs_is_told_of_soon_and_not_waited_for_long(
         halted.bind(str(tmp_path / "control.sock"))
         halted.listen()
         with pytest.raises(Fault, match=r"has not answered for 0\.2 s: it hangs"):
-            _ = [one async for one in ask_gateway(tmp_path, Ask(Verb.STOP), told.append)]
+            _ = [
+                one
+                async for one in ask_gateway(tmp_path, AdminRequest(AdminVerb.STOP), told.append)
+            ]
     assert len(told) == 1
     assert "use the switch on the robot itself" in told[0]
 
@@ -332,7 +337,7 @@ async def test_an_answer_that_takes_long_is_waited_for(
 ) -> None:
     monkeypatch.setattr(control_client, "HEARD_WITHIN_S", 0.2)
     desk.hold.clear()
-    asking = asyncio.create_task(answers(tmp_path, Verb.REVOKE, "Bo"))
+    asking = asyncio.create_task(answers(tmp_path, AdminVerb.REVOKE, "Bo"))
     await asyncio.wait((asking,), timeout=0.4)
     desk.hold.set()
     assert [good for _, good in await asking] == [True]
@@ -344,7 +349,7 @@ async def test_a_gateway_that_dies_while_asked_is_a_fault(tmp_path: Path) -> Non
 
     async with await asyncio.start_unix_server(die, str(tmp_path / "control.sock")):
         with pytest.raises(Fault):
-            await answers(tmp_path, Verb.STOP)
+            await answers(tmp_path, AdminVerb.STOP)
 
 
 async def test_what_is_no_socket_is_left_where_it_is(tmp_path: Path, desk: AdminStandIn) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.app.admin.control_socket import Answer
+from rosic.app.admin.control_socket import AdminAnswer
 from rosic.app.admin.dispatch import NOT_KEPT
 from rosic.app.builder import latch_of
 from rosic.app.config import load_config
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rosic.contracts.robot import Tell
-    from rosic.core.order import Order, Rest, Stop
+    from rosic.core.order import Order, RestReport, Stop
 
 
 def test_the_disk_is_measured_and_left_as_it_was(tmp_path: Path) -> None:
@@ -202,14 +202,14 @@ async def test_a_trial_that_breaks_off_says_whether_the_robot_stays_stopped(
 class GoesAway(SimulatedRobot):
     """It is not there any more when its watchdog is to be measured."""
 
-    async def fall_silent(self, _order: Order, _tell: Tell) -> Rest:
+    async def fall_silent(self, _order: Order, _tell: Tell) -> RestReport:
         raise RobotOffline("omni is not there.")
 
 
 class NeverSeenAtRest(SimulatedRobot):
     """Its stop is carried out and not confirmed."""
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         return replace(await super().stop(stop), confirmed=False)
 
 
@@ -261,7 +261,7 @@ def test_with_a_running_gateway_the_robot_is_only_stopped(tmp_path: Path) -> Non
     ],
 )
 def test_what_the_gateway_says_of_a_stop_is_judged(told: str, well: bool) -> None:
-    assert (verdict_of(Answer(told)) is FindingVerdict.GOOD) == well
+    assert (verdict_of(AdminAnswer(told)) is FindingVerdict.GOOD) == well
 
 
 def test_ctrl_c_in_a_trial_says_that_the_robot_may_stay_stopped(tmp_path: Path) -> None:

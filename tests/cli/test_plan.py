@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import msgspec
 import pytest
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.app.admin.offline import OfflineAdmin, OfflineSeeding
-from rosic.app.admin.schedule import BookAsk, SlotBooking, Who, merged_who
+from rosic.app.admin.schedule import BookParameters, KnownNames, SlotBooking, merged_who
 from rosic.app.config import load_config
 from rosic.core.time_units import MINUTE_NS
 from rosic.errors import (
@@ -103,16 +103,16 @@ def book(place: Place, *slots: tuple[str, str, int, int]) -> str:
     )
 
     async def booked() -> str:
-        answers = await alone.do(Ask(Verb.WHO), OfflineSeeding.WRITTEN)
-        people = merged_who(msgspec.json.decode(text, type=Who) for text in answers).people
+        answers = await alone.do(AdminRequest(AdminVerb.WHO), OfflineSeeding.WRITTEN)
+        people = merged_who(msgspec.json.decode(text, type=KnownNames) for text in answers).people
         now_ns = SystemClock().wall_ns()
-        asked = BookAsk(
+        asked = BookParameters(
             tuple(
                 SlotBooking(people[who], robot, now_ns + minutes * MINUTE_NS, length_s)
                 for who, robot, minutes, length_s in slots
             )
         )
-        ask = Ask(Verb.BOOK, body=msgspec.Raw(msgspec.json.encode(asked)))
+        ask = AdminRequest(AdminVerb.BOOK, body=msgspec.Raw(msgspec.json.encode(asked)))
         return "".join(await alone.do(ask, OfflineSeeding.WRITTEN))
 
     return asyncio.run(booked())

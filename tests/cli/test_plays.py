@@ -18,7 +18,7 @@ from rosic.system import SystemClock, SystemEntropy
 from rosic_sim.robots.simulation_loop import theatre_of
 from rosic_sim.scenarios.registry import NAMES, play_named
 from rosic_sim.scenarios.runner import FastClock, ScenarioOptions, play
-from rosic_sim.scenarios.scenario import OffScript
+from rosic_sim.scenarios.scenario import ScenarioMismatch
 from rosic_sim.scenarios.terminal_view import TerminalView
 from tests.cli.running import ROSIC, Ran, environment, rosic
 from tests.cli.terminal import rosic_at
@@ -165,7 +165,7 @@ async def test_a_play_that_goes_wrong_says_so_and_fails(
 ) -> None:
     async def script(stage: ScenarioRunner) -> None:
         await stage.says("Ranger", "watch goto x=0.1 y=0", hears="done ")
-        raise OffScript("Nobody came.")
+        raise ScenarioMismatch("Nobody came.")
 
     odd = play_named("one-to-one")._replace(script=script)
     clock = FastClock(SystemClock(), 8.0)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.app.service import GREETING
 from rosic.cli.client import answers
 from rosic.testing.telegram import FakeTelegram
@@ -76,7 +76,7 @@ def test_whoever_is_locked_comes_to_rest_within_a_second(running: Gateway, confi
     assert "Bob may not." in refused.out
 
     begun_s = time.monotonic()
-    [said] = answers(config.parent / "rosic-data", Ask(Verb.LOCK, ("Ada",)))
+    [said] = answers(config.parent / "rosic-data", AdminRequest(AdminVerb.LOCK, ("Ada",)))
     running.wait_for("omni: stopped before it ended")
     assert time.monotonic() - begun_s < 1 * patience()
     assert said.startswith("Ada is locked")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from pathlib import Path
 
-    from rosic.config.source_map import Source
+    from rosic.config.source_map import SourceMap
     from rosic.contracts.file_rules import Place
 
 WRITTEN = '''\
@@ -72,7 +72,7 @@ LINES: dict[Place, int] = {
 }
 
 
-def read(folder: Path, text: str | bytes) -> Source:
+def read(folder: Path, text: str | bytes) -> SourceMap:
     path = folder / "rosic.toml"
     path.write_bytes(text.encode() if isinstance(text, str) else text)
     return read_toml(path)
@@ -145,7 +145,7 @@ def test_any_text_is_data_with_lines_or_a_sentence(
     assert "\n" not in str(refused)
 
 
-def check_lines(source: Source, text: str) -> None:
+def check_lines(source: SourceMap, text: str) -> None:
     assert set(places(source.data)) <= set(source.lines)
     count = text.count("\n") + 1
     assert all(1 <= line <= count for line in source.lines.values())

@@ -13,7 +13,7 @@ from rosic.errors import ConfigurationError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rosic.config.source_map import Source
+    from rosic.config.source_map import SourceMap
 
 BOMB = "a: &a [x, x, x]\n" + "".join(
     f"{new}: &{new} [{', '.join([f'*{old}'] * 9)}]\n"
@@ -21,7 +21,7 @@ BOMB = "a: &a [x, x, x]\n" + "".join(
 )
 
 
-def read(folder: Path, content: str | bytes) -> Source:
+def read(folder: Path, content: str | bytes) -> SourceMap:
     path = folder / "omni.yaml"
     path.write_bytes(content.encode() if isinstance(content, str) else content)
     return read_yaml(path)

@@ -6,15 +6,15 @@ import msgspec
 import pytest
 
 from rosic.container import archive_records
-from rosic.container.archive import LONGEST_TEXT, Archive, ArchiveQuota, Author
+from rosic.container.archive import LONGEST_TEXT, Archive, ArchiveQuota, MessageAuthor
 from rosic.container.export import archive_as_text, rows
 from rosic.core.identity import Address
-from rosic.core.message import Chat, ChatKind, Inbound, Outbound, Standing
+from rosic.core.message import Chat, ChatKind, Inbound, MessageValidity, Outbound
 from rosic.core.records import Fact
 from rosic.errors import Refusal
 from rosic.testing.clock import ManualClock
 
-ADA, BO = Author("p-ada", "Ada"), Author("p-bo", "Bo")
+ADA, BO = MessageAuthor("p-ada", "Ada"), MessageAuthor("p-bo", "Bo")
 GROUP = Chat("memory", "g", ChatKind.GROUP)
 DAY_S = 86_400
 HOUR_NS = 3_600 * 10**9
@@ -46,7 +46,7 @@ class Chronicle:
                 del self.disk[fact.kind, fact.key]
         return facts
 
-    async def hear(self, text: str, message: str, author: Author = BO, **how: object) -> int:
+    async def hear(self, text: str, message: str, author: MessageAuthor = BO, **how: object) -> int:
         await self.clock.advance(1)
         inbound = Inbound(
             sender=Address("memory", author.name or "99"),
@@ -80,9 +80,11 @@ async def test_messages_are_kept_in_order_as_the_paper_writes_them() -> None:
     await book.hear("hello", "1", ADA)
     await book.hear("omni wave", "2")
     book.keep(
-        book.archive.say("3", Outbound(chat=GROUP, text="omni: done", reply_to="2"), Author())
+        book.archive.say(
+            "3", Outbound(chat=GROUP, text="omni: done", reply_to="2"), MessageAuthor()
+        )
     )
-    await book.hear("who am I", "4", Author())
+    await book.hear("who am I", "4", MessageAuthor())
     assert book.lines() == [
         said("Ada", "hello"),
         said("Bo", "omni wave"),
@@ -94,9 +96,11 @@ async def test_messages_are_kept_in_order_as_the_paper_writes_them() -> None:
 async def test_the_words_are_sealed_with_the_key_of_whoever_wrote_or_was_answered() -> None:
     book = Chronicle()
     await book.hear("omni wave", "2")
-    book.keep(book.archive.say("3", Outbound(chat=GROUP, text="done", reply_to="2"), Author()))
-    book.keep(book.archive.say("4", Outbound(chat=GROUP, text="good morning"), Author()))
-    await book.hear("hello", "5", Author())
+    book.keep(
+        book.archive.say("3", Outbound(chat=GROUP, text="done", reply_to="2"), MessageAuthor())
+    )
+    book.keep(book.archive.say("4", Outbound(chat=GROUP, text="good morning"), MessageAuthor()))
+    await book.hear("hello", "5", MessageAuthor())
     own = archive_records.container_of(archive_records.chat_key(GROUP))
     letters = [f.letter for f in book.disk.values() if f.kind == archive_records.ENTRY]
     assert [letter and letter.container for letter in letters] == ["p-bo", "p-bo", own, own]
@@ -120,8 +124,8 @@ async def test_a_message_received_again_is_kept_once_also_after_a_restart() -> N
 async def test_an_edit_is_an_entry_and_a_button_is_one_but_a_redelivered_one_is_not() -> None:
     book = Chronicle()
     await book.hear("left", "1")
-    assert await book.hear("right", "1", standing=Standing.EDITED) == 1
-    assert await book.hear("right", "1", standing=Standing.EDITED) == 0
+    assert await book.hear("right", "1", standing=MessageValidity.EDITED) == 1
+    assert await book.hear("right", "1", standing=MessageValidity.EDITED) == 0
     assert await book.hear("", "x", nonce="n1", tap="t1") == 1
     assert await book.hear("", "x", nonce="n1", tap="t1") == 0
     assert await book.hear("", "x", nonce="n1", tap="t2") == 1

@@ -4,7 +4,7 @@ import pytest
 
 from rosic.config.profiles import known_units
 from rosic.container.messages import HOW_FAST
-from rosic.container.preferences import ENGLISH, KIND, UNSET, Caps, PreferenceBook
+from rosic.container.preferences import ENGLISH, KIND, UNSET, PreferenceBook, SpeedLimits
 from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.permissions import Permissions
 from rosic.core.policy.roles import Grant, Role, RoleRules
@@ -25,7 +25,7 @@ LANGUAGES = {**ENGLISH, "de": ("Deutsch", "German")}
 
 
 def a_book() -> PreferenceBook:
-    caps = Caps(SKILLS, unit_converter(known_units()))
+    caps = SpeedLimits(SKILLS, unit_converter(known_units()))
     return PreferenceBook(ManualClock(), caps, LANGUAGES)
 
 
@@ -138,7 +138,7 @@ def test_a_speed_limits_whatever_is_one_however_it_is_called_and_both_ways() -> 
         },
     )
     skills, convert = {"omni": {"go": go}}, unit_converter(known_units())
-    book = PreferenceBook(ManualClock(), Caps(skills, convert), LANGUAGES)
+    book = PreferenceBook(ManualClock(), SpeedLimits(skills, convert), LANGUAGES)
     make_so(book, book.set_speed(ADA, "20 cm/s"))
     held = {ADA: (Grant(role="driver", limits=book.limits(ADA)),)}
     rulebook = RoleRules(roles={"driver": Role(scopes=("*:*",))})
@@ -149,7 +149,7 @@ def test_a_speed_limits_whatever_is_one_however_it_is_called_and_both_ways() -> 
         "linear": (pytest.approx(-0.2), pytest.approx(0.2)),
         "lateral": (pytest.approx(-0.2), pytest.approx(0.2)),
     }
-    slow = Caps(skills, convert).slowest()
+    slow = SpeedLimits(skills, convert).slowest()
     assert slow == (
         "omni:go linear <= 0.08 m/s",
         "omni:go lateral <= 0.08 m/s",

@@ -4,7 +4,13 @@ import random
 
 import pytest
 
-from rosic.container.shared_data import KIND, LONGEST_VALUE, Quota, SharedData, SharedValue
+from rosic.container.shared_data import (
+    KIND,
+    LONGEST_VALUE,
+    SharedData,
+    SharedDataQuota,
+    SharedValue,
+)
 from rosic.core.records import Fact, Letter
 from rosic.errors import NotPermitted, NotUnderstood, Refusal
 from rosic.testing.clock import ManualClock, SeededEntropy
@@ -15,7 +21,7 @@ ADA, BO, OMNI = "p-ada", "p-bo", "omni"
 class Rack:
     """A shelf whose facts are made so at once; Ada has omni now, Bo only sees it."""
 
-    def __init__(self, quota: Quota | None = None) -> None:
+    def __init__(self, quota: SharedDataQuota | None = None) -> None:
         self.clock = ManualClock()
         self.facts: dict[tuple[str, str], Fact] = {}
         self.quota = quota
@@ -113,7 +119,7 @@ def test_what_cannot_be_kept(name: str, value: str, sentence: str) -> None:
 
 
 def test_quotas() -> None:
-    rack = Rack(Quota(names=2, history=3, most_bytes=40))
+    rack = Rack(SharedDataQuota(names=2, history=3, most_bytes=40))
     for n in range(5):
         rack.store(ADA, ADA, "a", str(n))
     assert [kept.value for kept in rack.shelf.history(ADA, ADA, "a")] == ["2", "3", "4"]
@@ -124,7 +130,7 @@ def test_quotas() -> None:
     assert rack.refused(ADA, ADA, "b", "y" * 40) == (
         "p-ada keeps at most 40 bytes. Nothing was kept. Remove something first."
     )
-    rack.so(rack.shelf.limit(ADA, Quota(names=3, history=3, most_bytes=4000)))
+    rack.so(rack.shelf.limit(ADA, SharedDataQuota(names=3, history=3, most_bytes=4000)))
     rack.store(ADA, ADA, "c", "y" * 40)
     rack.store(BO, BO, "a", "1")
     assert rack.shelf.quota(BO).names == 2  # one is changed, the other is not touched
@@ -193,7 +199,7 @@ def test_whoever_is_erased_leaves_nothing_anywhere() -> None:
     rack.store(BO, BO, "a", "1")
     rack.so(rack.shelf.lending.lend(ADA, BO, "a"))
     rack.so(rack.shelf.lending.lend(BO, ADA, "a"))
-    rack.so(rack.shelf.limit(ADA, Quota()))
+    rack.so(rack.shelf.limit(ADA, SharedDataQuota()))
     rack.so(rack.shelf.end_all(ADA))
     assert [kept.owner for kept in rack.everything()] == [BO]
     lending = rack.shelf.lending
@@ -204,7 +210,7 @@ def test_whoever_is_erased_leaves_nothing_anywhere() -> None:
 @pytest.mark.parametrize("seed", range(20))
 def test_a_restart_and_a_removal_lose_count_of_nothing(seed: int) -> None:
     chance = random.Random(seed)  # noqa: S311 - a repeatable history, not a secret
-    rack = Rack(Quota(names=4, history=3, most_bytes=300))
+    rack = Rack(SharedDataQuota(names=4, history=3, most_bytes=300))
     for _ in range(150):
         who, name = chance.choice((ADA, BO)), chance.choice("abcdef")
         owner = chance.choice((OMNI, who))

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.core.robot.geography import FARTHEST_M, GeographicFrame, TooFar, local_m
+from rosic.core.robot.geography import FARTHEST_M, GeographicFrame, OutsidePlane, local_m
 
 # Lengths of a hundredth of a degree on WGS 84, in metres: of latitude, of longitude.
 KNOWN = {0: (1105.74, 1113.19), 45: (1111.32, 788.47), 60: (1114.12, 558.00)}
@@ -57,7 +57,7 @@ def test_the_antimeridian_is_no_border() -> None:
     [(47.2, 15.4), (-47, 15.4), (47, -164.6), (nan, 15), (47, inf)],
 )
 def test_what_is_far_is_refused(latitude: float, longitude: float) -> None:
-    with pytest.raises(TooFar):
+    with pytest.raises(OutsidePlane):
         local_m(GeographicFrame(latitude=47, longitude=15.4), latitude, longitude)
 
 

@@ -7,7 +7,7 @@ import gettext
 import pytest
 
 from rosic.config.translations import catalogue
-from rosic.core.i18n import Imperial, Sentence, in_language, joined, said, said_n
+from rosic.core.i18n import ImperialCatalogue, Sentence, in_language, joined, said, said_n
 from rosic.core.units import measured
 
 GERMAN = {
@@ -70,11 +70,11 @@ def test_without_a_catalogue_it_stays_english() -> None:
 
 
 def test_decimals_have_a_comma_where_they_are_read_with_one() -> None:
-    german, feet = catalogue("de"), Imperial(catalogue("de"))
+    german, feet = catalogue("de"), ImperialCatalogue(catalogue("de"))
     way = measured("1.50 m", 1.5, "m")
     assert in_language(way, german) == "1,50 m"
     assert in_language(way, feet) == "4,92 ft"
-    assert in_language(way, Imperial(None)) == "4.92 ft"
+    assert in_language(way, ImperialCatalogue(None)) == "4.92 ft"
     assert in_language(measured("12.5 N", 12.5, "N"), german) == "12,5 N"
     assert in_language(measured("22.5 deg", 22.5, "deg"), german) == "22,5 Grad"
     assert in_language(said("{hint}, else {default}", hint="x", default=0.25), german) == (

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from rosic.core.order import Stage, StageReport
+from rosic.core.order import OrderStage, StageReport
 from rosic.core.order_status import OrderStatus
 
-RUNNING = Stage.RUNNING
+RUNNING = OrderStage.RUNNING
 
 
 def test_a_report_that_says_neither_what_nor_how_far_is_no_news() -> None:
     life = OrderStatus("Forklift", "go", lambda _ns: "14:00:00", 0)
-    assert life.step(StageReport(Stage.RECEIVED), 1)
+    assert life.step(StageReport(OrderStage.RECEIVED), 1)
     assert not life.step(StageReport(RUNNING), 2)
     assert life.progress() == ""
     assert life.step(StageReport(RUNNING, None, "lifting"), 3)

@@ -6,7 +6,7 @@ import enum
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from rosic.core.message import Standing
+    from rosic.core.message import MessageValidity
     from rosic.core.records import Record
 
 
@@ -30,7 +30,7 @@ class Said(NamedTuple):
     text: str
     base: tuple[bytes, ...]
     sent_ns: int
-    standing: Standing
+    standing: MessageValidity
     message: str
     private: bool
 

@@ -15,7 +15,7 @@ from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.authoriser.button_tokens import ANYBODY
 from rosic.config.profiles import known_units
 from rosic.core.identity import command_id, robot_command_id
-from rosic.core.message import Chat, ChatKind, Inbound, Standing
+from rosic.core.message import Chat, ChatKind, Inbound, MessageValidity
 from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.profile import Busy
 from rosic.messengers.memory import MemoryMessenger
@@ -159,7 +159,7 @@ class World:
         *,
         group: bool,
         age_s: float = 0.0,
-        standing: Standing = Standing.FRESH,
+        standing: MessageValidity = MessageValidity.FRESH,
     ) -> None:
         """Say something for the first time."""
         account = ACCOUNTS[who]
@@ -210,7 +210,7 @@ class World:
             tap = ("tap", button.nonce, "memory", ACCOUNTS[who])
             base = tuple(command_id(*tap, str(n)) for n in range(LINES_AT_MOST))
             now_ns = self.clock.wall_ns()
-            said = Said(who, button.command, base, now_ns, Standing.FRESH, "", private=True)
+            said = Said(who, button.command, base, now_ns, MessageValidity.FRESH, "", private=True)
             self.log.append(said)
 
     async def revoke(self, who: str) -> None:

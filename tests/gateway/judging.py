@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from typing import TYPE_CHECKING
 
-from rosic.core.message import Standing
-from rosic.core.order import Ending
+from rosic.core.message import MessageValidity
+from rosic.core.order import OrderEnding
 from rosic.core.records import Claimed, Concluded, Refused
 from tests.gateway.events import Acted, Kept, Latched, Revoked, Said, Started, Unlatched, Written
 from tests.gateway.histories import ROBOTS, cids_of
@@ -129,7 +129,7 @@ def undoes(event: Event, robot: str, revoked: set[str]) -> bool:
     """Whether something said is a resume that may undo a stop of a robot."""
     if not isinstance(event, Said) or event.who not in MOVERS - revoked:
         return False
-    if event.standing is not Standing.FRESH:
+    if event.standing is not MessageValidity.FRESH:
         return False
     first, *names = event.text.split()
     return first == "resume" and (
@@ -147,13 +147,13 @@ def outcomes_are_honest(log: list[Event]) -> None:  # noqa: C901 - one story, to
                 if isinstance(record, Concluded):
                     endings[record.cid].add(record.ending)
                 elif isinstance(record, Refused):
-                    endings[record.cid].add(Ending.REFUSED.value)
+                    endings[record.cid].add(OrderEnding.REFUSED.value)
     for cid, found in endings.items():
         assert len(found) == 1, f"I7: two endings: {found}"
         [ending] = found
-        if ending == Ending.DONE.value:
+        if ending == OrderEnding.DONE.value:
             assert acts[cid] == 1, "I7: done, and it did not act once"
-        elif ending == Ending.REFUSED.value:
+        elif ending == OrderEnding.REFUSED.value:
             assert acts[cid] == 0, "I7: refused, and it acted"
         else:
             assert acts[cid] <= 1, f"I7: {ending}, and it acted twice"
@@ -192,7 +192,7 @@ def every_actuation_has_its_message(log: list[Event]) -> None:
         elif isinstance(event, Acted):
             message = said.get(event.cid)
             assert message is not None, f"I14: nobody said this: {event}"
-            assert message.standing is Standing.FRESH, f"I17: {message} moved {event}"
+            assert message.standing is MessageValidity.FRESH, f"I17: {message} moved {event}"
             # Who may read a robot may also ask it for what only observes.
             able = MOVERS if event.actuates else MOVERS | WATCHERS
             assert message.who in able - revoked, f"I8: {message.who} may not: {event}"
@@ -241,4 +241,4 @@ def speaks(said: Said, world: World) -> bool:
     first = said.text.split()[0]
     known = said.who in {"Ada", "Bo", "Vi"} - world.revoked
     meant = said.private or first in {"swarm", *ROBOTS}  # people may talk to each other in a group
-    return known and meant and said.standing is Standing.FRESH and first != "stop"
+    return known and meant and said.standing is MessageValidity.FRESH and first != "stop"

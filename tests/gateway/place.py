@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Self
 
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.config.profiles import known_units
 from rosic.core.identity import Address
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
@@ -62,9 +62,9 @@ FLEET = (
     profile("cf2", groups=("swarm",)),
 )
 PEOPLE = (
-    Seed("Ada", (Address("memory", ADA),), ("admin",)),
-    Seed("Bo", (Address("memory", BO),), ("operator",)),
-    Seed("Vi", (Address("memory", VI),), ("viewer",)),
+    ConfiguredPerson("Ada", (Address("memory", ADA),), ("admin",)),
+    ConfiguredPerson("Bo", (Address("memory", BO),), ("operator",)),
+    ConfiguredPerson("Vi", (Address("memory", VI),), ("viewer",)),
 )
 
 
@@ -142,7 +142,7 @@ class Place:
 
     rulebook = RoleRules(roles=DEFAULT_ROLES)
     kind: RobotFactory = MemoryRobot
-    people: tuple[Seed, ...] = PEOPLE
+    people: tuple[ConfiguredPerson, ...] = PEOPLE
 
     def __init__(
         self,

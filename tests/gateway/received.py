@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from rosic.app.gateway import Gateway, GatewaySettings
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.bench.bot_api_process import TOKEN
 from rosic.bench.parts import CLOCK, parts_of
-from rosic.bench.receiving import ScriptedLine
-from rosic.bench.steps import MeteredLoop, Step
+from rosic.bench.receiving import ScriptedBotClient
+from rosic.bench.steps import LoopStep, MeteredLoop
 from rosic.bench.strangers import NAMED
 from rosic.core.identity import Address
 from rosic.core.language.keywords import COMMANDS
@@ -133,7 +133,7 @@ HEADS = (
 TAILS = ("", "b", " b", "\nstop", " as x", " confirmed", " priority x")
 
 
-class Batches(ScriptedLine):
+class Batches(ScriptedBotClient):
     """Gives out what it is given as the Bot API does: a hundred at most, until confirmed."""
 
     def __init__(self, token: str = TOKEN) -> None:
@@ -215,7 +215,7 @@ class Receiving:
         """Have the next poll bring these."""
         self._line.give(updates)
 
-    async def longest(self, *updates: dict[str, Any]) -> Step:
+    async def longest(self, *updates: dict[str, Any]) -> LoopStep:
         """Have these received to the end; return the longest step meanwhile."""
         loop = asyncio.get_running_loop()
         assert isinstance(loop, MeteredLoop)
@@ -242,8 +242,8 @@ async def receiving(
     line = Batches()
     messenger = TelegramMessenger("lab", read_settings("lab", {"token": TOKEN}), CLOCK, line=line)
     people = (
-        Seed("Ada", (Address("telegram", str(ADA)),), ("admin",)),
-        Seed("Bo", (Address("telegram", str(BO)),), ("operator",)),
+        ConfiguredPerson("Ada", (Address("telegram", str(ADA)),), ("admin",)),
+        ConfiguredPerson("Bo", (Address("telegram", str(BO)),), ("operator",)),
     )
     unlimited = RateLimit(burst=1e9, per_s=1e9)
     settings = GatewaySettings(profiles=FLEET, people=people, limit=unlimited)

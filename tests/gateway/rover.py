@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.added_robots import Draft
+from rosic.app.added_robots import ProfileDraft
 from rosic.core.identity import OPERATOR
 from rosic.core.records import Decided
 from rosic.errors import ConfigurationError, Refusal
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from rosic.app.gateway import Gateway
     from rosic.contracts.robot import Say
-    from rosic.core.order import Rest, Stop
+    from rosic.core.order import RestReport, Stop
     from rosic.core.records import Record
 
 ROVER = """\
@@ -43,15 +43,15 @@ alerts:
 CAN = "Rover 3 can:\n  wiggle: times 1 to 9, else 3\n  scan"
 
 
-def draft(text: str = ROVER, **changes: str) -> Draft:
+def draft(text: str = ROVER, **changes: str) -> ProfileDraft:
     """Return the rover's profile, with some words replaced."""
     for old, new in changes.items():
         assert old in text
         text = text.replace(old, new)
-    return Draft(text=text, name="rover.yaml")
+    return ProfileDraft(text=text, name="rover.yaml")
 
 
-async def add(place: Place, some: Draft | None = None) -> str:
+async def add(place: Place, some: ProfileDraft | None = None) -> str:
     """Add a robot as the operator does, and return what was said."""
     return await place.gateway.robot_adder.add(some or draft(), OPERATOR)
 
@@ -77,7 +77,7 @@ class Reluctant(MemoryRobot):
     async def close(self) -> None:
         type(self).closed.append(self.profile.id)
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         type(self).stops.append(stop.generation)
         return await super().stop(stop)
 

@@ -14,7 +14,7 @@ from tests.gateway.place import BO, PEOPLE
 from tests.gateway.rover import add, draft, refused
 
 if TYPE_CHECKING:
-    from rosic.app.added_robots import Draft
+    from rosic.app.added_robots import ProfileDraft
 
 
 class Alone(PeerRobots):
@@ -64,7 +64,7 @@ async def test_without_a_role_it_is_nobody() -> None:
     ],
 )
 async def test_a_role_that_is_none_or_a_name_that_somebody_has_changes_nothing(
-    text: Draft, role: str, why: str
+    text: ProfileDraft, role: str, why: str
 ) -> None:
     async with Alone().open() as here:
         before = len(list(here.gateway.rooms.authoriser.directory.people()))

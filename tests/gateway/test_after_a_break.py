@@ -6,7 +6,7 @@ import pytest
 
 from rosic.core.deadman import INTERRUPTED, STOOD_STILL
 from rosic.core.fleet.task import TaskState
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.core.robot.profile import Busy
 from tests.features.fleet.test_tasks import heard, tasks, warehouse, worker
 from tests.gateway.place import profile
@@ -15,9 +15,9 @@ from tests.gateway.place import profile
 @pytest.mark.parametrize(
     "ends",
     [
-        Outcome(Ending.FAILED, "drove for 3.0 s", code=STOOD_STILL),
-        Outcome(Ending.CANCELLED, "link lost, holding", code=INTERRUPTED),
-        Outcome(Ending.UNKNOWN, "w9 has not answered."),
+        Outcome(OrderEnding.FAILED, "drove for 3.0 s", code=STOOD_STILL),
+        Outcome(OrderEnding.CANCELLED, "link lost, holding", code=INTERRUPTED),
+        Outcome(OrderEnding.UNKNOWN, "w9 has not answered."),
     ],
 )
 async def test_what_waits_behind_a_motion_that_was_broken_off_is_not_done(ends: Outcome) -> None:
@@ -38,7 +38,7 @@ async def test_a_task_waits_for_a_person_when_rosic_stood_still() -> None:
     async with warehouse().open() as here:
         await here.say("/task warehouse move 1 m then wave")
         robot = worker(here, "w1")
-        robot.ends = Outcome(Ending.FAILED, "drove for 3.0 s", code=STOOD_STILL)
+        robot.ends = Outcome(OrderEnding.FAILED, "drove for 3.0 s", code=STOOD_STILL)
         robot.finish()
         told = await heard(here, 30)
         assert "ROSIC itself stood still" in told
@@ -50,7 +50,7 @@ async def test_a_task_that_the_robots_own_side_ended_does_not_come_back_to_it() 
     async with warehouse().open() as here:
         await here.say("/task w1 move 1 m")
         robot = worker(here, "w1")
-        robot.ends = Outcome(Ending.CANCELLED, "link lost, holding", code=INTERRUPTED)
+        robot.ends = Outcome(OrderEnding.CANCELLED, "link lost, holding", code=INTERRUPTED)
         robot.finish()
         await heard(here, 30)
         assert tasks(here)["1"].state is TaskState.FAILED

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.message import ChatKind, Standing
+from rosic.core.message import ChatKind, MessageValidity
 from tests.core.language.test_total import mutated, noise
 from tests.gateway.place import ADA, BO, STRANGER, VI, Place
 
@@ -70,7 +70,9 @@ async def carry(count: int) -> None:
                 account=account,
                 chat=random.choice(("1", "2", "g")),
                 kind=random.choice(list(ChatKind)),
-                standing=random.choice(list(Standing)) if number % 5 == 0 else Standing.FRESH,
+                standing=random.choice(list(MessageValidity))
+                if number % 5 == 0
+                else MessageValidity.FRESH,
                 sent_ns=place.clock.wall_ns() - random.choice((0, 10**9, 10**13)),
             )
             if number % 10 == 0:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.core.identity import Address
 from tests.gateway.place import ADA, BO, VI, Place
 
@@ -133,7 +133,7 @@ async def test_a_restart_revives_nobody_and_takes_new_people_over() -> None:
         bo = place.gateway.rooms.authoriser.directory.named("Bo")[0].id
         await place.gateway.revoke(bo, "test")
     again = Place(place.store, place.latch)
-    new = Seed("Cy", (Address("memory", "4"),), ("operator",))
+    new = ConfiguredPerson("Cy", (Address("memory", "4"),), ("operator",))
     again.gateway._settings = type(again.gateway._settings)(
         profiles=again.gateway._settings.profiles,
         people=(*again.gateway._settings.people, new),

@@ -7,7 +7,7 @@ import asyncio
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.message import ChatKind, Standing
+from rosic.core.message import ChatKind, MessageValidity
 from rosic.core.records import Claimed
 from rosic.core.robot.profile import Busy, Presence
 from rosic.errors import RecordUnavailable
@@ -186,7 +186,7 @@ async def test_an_edited_message_may_cancel_and_a_stranger_may_not() -> None:
         await _at_work(place)
         await place.say("cancel", account="99", chat="99")
         assert _works(place) == ["omni", "kuka1", "cf1"]
-        await place.say("cancel", standing=Standing.EDITED)
+        await place.say("cancel", standing=MessageValidity.EDITED)
         assert _works(place) == ["cf1"]
 
 

@@ -6,7 +6,7 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.core.message import Weight
+from rosic.core.message import SendPriority
 from rosic.errors import MessengerFault
 from rosic.messengers.memory import MemoryMessenger
 from rosic.stores.memory import MemoryStore
@@ -27,10 +27,10 @@ class Paced(MemoryMessenger):
 
     def __init__(self, clock: object) -> None:
         super().__init__("memory", clock=clock)  # type: ignore[arg-type]
-        self.asked: list[tuple[Weight, asyncio.Future[None]]] = []
+        self.asked: list[tuple[SendPriority, asyncio.Future[None]]] = []
         self.breaks = False
 
-    async def turn(self, chat: Chat, weight: Weight) -> None:
+    async def turn(self, chat: Chat, weight: SendPriority) -> None:
         del chat
         given = asyncio.get_running_loop().create_future()
         self.asked.append((weight, given))
@@ -45,7 +45,7 @@ class Paced(MemoryMessenger):
         return message
 
     @property
-    def waiting(self) -> list[Weight]:
+    def waiting(self) -> list[SendPriority]:
         return [weight for weight, given in self.asked if not given.done()]
 
     def give(self) -> None:
@@ -81,10 +81,12 @@ async def test_an_outcome_goes_before_an_answer_and_progress_goes_last() -> None
         await place.say("omni wave")
         assert "accepted" in await one(place, chat) or chat.told
         await place.say("status")
-        assert chat.waiting == [Weight.QUESTION]
+        assert chat.waiting == [SendPriority.QUESTION]
         place.robot("omni").finish()
         await place.quiet()
-        assert chat.waiting == [Weight.OUTCOME], "what has become important asks with its weight"
+        assert chat.waiting == [SendPriority.OUTCOME], (
+            "what has become important asks with its weight"
+        )
         assert "done" in await one(place, chat)
         assert "at rest" in await one(place, chat)
 
@@ -134,7 +136,7 @@ async def test_a_stop_asks_for_no_turn_of_its_chat() -> None:
         await place.say("status")
         told = await place.say("stop omni", account=ADA)
         assert "STOP: omni at rest" in told
-        assert chat.waiting == [Weight.QUESTION]
+        assert chat.waiting == [SendPriority.QUESTION]
 
 
 assert FLEET[0].id == "omni"

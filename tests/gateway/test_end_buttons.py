@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from rosic.authoriser.button_tokens import CARRIED_BYTES, is_open, open_button
 from rosic.core.fleet.task import Task, TaskNeed
 from rosic.core.message import Button, ChatKind
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.features.fleet.task_parser import given_again, read_wish
 from rosic.organiser.timezones import zone_named
 from rosic.robots.memory import MemoryRobot
@@ -36,7 +36,7 @@ def _labels(shown: Outbound) -> list[list[str]]:
 class Ends(MemoryRobot):
     """Ends as it was told to, once its time is over."""
 
-    ending = Ending.DONE
+    ending = OrderEnding.DONE
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Do it, and say something of it."""
@@ -50,8 +50,8 @@ class EndsPlace(Place):
     kind = Ends
 
 
-@pytest.mark.parametrize("ending", list(Ending))
-async def test_every_end_has_them_and_no_stop(ending: Ending) -> None:
+@pytest.mark.parametrize("ending", list(OrderEnding))
+async def test_every_end_has_them_and_no_stop(ending: OrderEnding) -> None:
     async with EndsPlace().open() as place:
         robot = place.robot("omni")
         assert isinstance(robot, Ends)

@@ -6,12 +6,12 @@ import re
 
 import pytest
 
-from rosic.core.i18n import Imperial, in_language
+from rosic.core.i18n import ImperialCatalogue, in_language
 from rosic.core.policy.limits import limit_in_words, quantity_in_words
 from rosic.core.units import bound_in_words
 from tests.gateway.test_german_walk import CHATS, FLEET, SCRIPT, Simulated, follow
 
-FEET = Imperial(None)
+FEET = ImperialCatalogue(None)
 _METRIC = re.compile(r"(?<![\w.,])-?\d+(?:[.,]\d+)? ?(?:mm|cm|km|m|kg)(?:/s)?(?![\w/])")
 _TYPED = re.compile(r"/\S+(?: [^\s.,·)]+)*|\"[^\"]*\"")
 MORE = """

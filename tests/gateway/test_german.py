@@ -9,7 +9,7 @@ import pytest
 
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
 from rosic.config.translations import catalogue
-from rosic.core.i18n import Imperial, in_language
+from rosic.core.i18n import ImperialCatalogue, in_language
 from rosic.core.language import (
     CommandLine,
     Do,
@@ -138,7 +138,7 @@ def test_every_skill_that_ships_has_a_german_title_that_may_be_typed() -> None:
     ],
 )
 def test_what_a_robot_says_is_read_in_ones_own_units(said: str, read: str) -> None:
-    assert in_units_of(said, Imperial(None)) == read
+    assert in_units_of(said, ImperialCatalogue(None)) == read
     assert in_units_of(said, GERMAN) == said
 
 
@@ -225,7 +225,7 @@ def test_help_about_another_command_is_its_page(name: str) -> None:
 def test_an_offer_reads_as_its_reader_would_type_it(offer: str, german: str, in_feet: str) -> None:
     label = label_of(offer, SHIPPED)
     assert (label, in_language(label, GERMAN)) == (offer, german)
-    assert in_language(label, Imperial(None)) == in_feet
+    assert in_language(label, ImperialCatalogue(None)) == in_feet
     everything = LineContext("", frozenset(SHIPPED.profiles))
     [by_label] = understand(german, SHIPPED, everything)
     [by_offer] = understand(offer, SHIPPED, everything)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.message import Chat, ChatKind, Spot, Standing
+from rosic.core.message import Chat, ChatKind, GeoPoint, MessageValidity
 from rosic.core.robot.geography import GeographicFrame
 from rosic.core.robot.skill import Parameter, Skill
 from tests.gateway.place import ADA, BO, FLEET, VI, Place
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 HERE = GeographicFrame(latitude=47.0, longitude=15.0)
 METRES = Parameter(unit="m", min=-100, max=100)
 GOTO = Skill(id="goto", title="Go to a place", parameters={"x": METRES, "y": METRES})
-NORTH = Spot(47.0005, 15.0)  # 55.6 m
+NORTH = GeoPoint(47.0005, 15.0)  # 55.6 m
 
 
 def located(profile: Profile) -> Profile:
@@ -31,11 +31,11 @@ TWO = (located(FLEET[0]), located(FLEET[1]), *FLEET[2:])
 
 async def send(
     place: Place,
-    spot: Spot = NORTH,
+    spot: GeoPoint = NORTH,
     *,
     account: str = ADA,
     kind: ChatKind = ChatKind.PRIVATE,
-    standing: Standing = Standing.FRESH,
+    standing: MessageValidity = MessageValidity.FRESH,
     answers: str = "",
 ) -> str:
     before = len(place.chat.told)
@@ -56,8 +56,8 @@ async def test_a_place_asks_and_a_tap_goes() -> None:
         assert "omni: goto, x 55.59 m, y 0.00 m" in place.last()[1].text
 
 
-@pytest.mark.parametrize("standing", [s for s in Standing if s is not Standing.FRESH])
-async def test_what_is_not_somebodys_own_asks_nothing(standing: Standing) -> None:
+@pytest.mark.parametrize("standing", [s for s in MessageValidity if s is not MessageValidity.FRESH])
+async def test_what_is_not_somebodys_own_asks_nothing(standing: MessageValidity) -> None:
     async with Place(fleet=ONE).open() as place:
         assert await send(place, standing=standing) == ""
 
@@ -69,10 +69,10 @@ async def test_a_group_asks_nothing() -> None:
 
 async def test_what_is_out_of_bounds_is_refused() -> None:
     async with Place(fleet=ONE).open() as place:
-        said = await send(place, Spot(47.002, 15.0))
+        said = await send(place, GeoPoint(47.002, 15.0))
         assert "222.3 m, 0.0 m" in said
         assert "goes from -100 m to 100 m" in said
-        assert "more than 10 km" in await send(place, Spot(48.0, 15.0))
+        assert "more than 10 km" in await send(place, GeoPoint(48.0, 15.0))
         with pytest.raises(AssertionError):
             place.button("Do it")
 

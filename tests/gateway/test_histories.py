@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, note, settings
 from hypothesis import strategies as st
 
-from rosic.core.message import Standing
+from rosic.core.message import MessageValidity
 from tests.gateway.events import Mode
 from tests.gateway.histories import World
 from tests.gateway.judging import everybody_is_answered_once, judge, nothing_is_left
@@ -53,7 +53,7 @@ Step = tuple[str, tuple[object, ...]]
 History = list[tuple[Step, int]]
 T = TypeVar("T")
 
-STANDINGS = tuple(standing for standing in Standing if standing is not Standing.FRESH)
+STANDINGS = tuple(standing for standing in MessageValidity if standing is not MessageValidity.FRESH)
 AGES_S = (0,) * 20 + (3, 4.9, 40)
 TIMES_S = (0.001, 0.01, 0.3, 0.6, 1.0, 1.0, 1.0, 1.0, 4.0, 6.0, 31.0)
 # After each step the event loop turns this often; the rest of it waits for the next step.
@@ -155,7 +155,7 @@ async def say(world: World, who: str, text: str, group: bool, age_s: float) -> N
     world.say(who, text, group=group, age_s=age_s)
 
 
-async def inert_say(world: World, who: str, text: str, standing: Standing) -> None:
+async def inert_say(world: World, who: str, text: str, standing: MessageValidity) -> None:
     world.say(who, text, group=True, standing=standing)
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from rosic.core.fleet.task import TaskState
 from rosic.core.messages import NAMED_AT_MOST
-from rosic.core.order import Rest, Stop
+from rosic.core.order import RestReport, Stop
 from rosic.core.robot.alert_config import AlertConfig
 from rosic.core.robot.profile import Busy, Link, Profile, Telemetry
 from rosic.features.dashboard.rendering import ROBOTS_AT_MOST
@@ -46,9 +46,11 @@ FLEET = tuple(
 class Deaf(MemoryRobot):
     """Some of them never say that they are at rest."""
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         rest = await super().stop(stop)
-        return Rest(stop.robot, confirmed=stop.robot not in {"r7", "r800"}, seconds=rest.seconds)
+        return RestReport(
+            stop.robot, confirmed=stop.robot not in {"r7", "r800"}, seconds=rest.seconds
+        )
 
 
 class Warehouse(Place):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.app.admin.control_client import ask_gateway
 from rosic.app.admin.control_socket import ControlServer
 from rosic.app.admin.dispatch import AdminDispatcher
@@ -142,7 +142,9 @@ async def test_a_stop_of_the_operator_reaches_the_disk_when_the_control_socket_c
 
         async def ask() -> None:
             with suppress(RosicError):
-                async for answer in ask_gateway(tmp_path, Ask(Verb.STOP, ("omni",)), print):
+                async for answer in ask_gateway(
+                    tmp_path, AdminRequest(AdminVerb.STOP, ("omni",)), print
+                ):
                     heard.append(answer.text)
                     if len(heard) > 1:
                         both.set()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import pytest
 
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
 from rosic.stores.memory import MemoryStore
@@ -48,7 +48,8 @@ class Rush:
         self.chance = Random(seed)  # noqa: S311 - a seed makes it repeatable
         self.place = Place(UnevenStore(self.chance))
         people = tuple(
-            Seed(f"Person {n}", (Address("memory", str(n)),), ("operator",)) for n in range(PEOPLE)
+            ConfiguredPerson(f"Person {n}", (Address("memory", str(n)),), ("operator",))
+            for n in range(PEOPLE)
         )
         gateway = self.place.gateway
         gateway._settings = msgspec.structs.replace(gateway._settings, people=people)

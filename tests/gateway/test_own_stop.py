@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.core.identity import Address
 from rosic.core.message import ChatKind
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
@@ -26,8 +26,8 @@ class School(Place):
 
     people = (
         *PEOPLE,
-        Seed("Stu", (Address("memory", STU),), ("student",)),
-        Seed("Tom", (Address("memory", TOM),), ("student",)),
+        ConfiguredPerson("Stu", (Address("memory", STU),), ("student",)),
+        ConfiguredPerson("Tom", (Address("memory", TOM),), ("student",)),
     )
     rulebook = RoleRules(
         roles={

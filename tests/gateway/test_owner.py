@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.admin.api import Ask, Verb, books_of
+from rosic.app.admin.api import AdminRequest, AdminVerb, books_of
 from rosic.app.admin.dispatch import AdminApi
 from tests.gateway.place import ADA, BO, Place
 
@@ -20,28 +20,28 @@ async def place() -> AsyncIterator[Place]:
         yield opened
 
 
-async def told(place: Place, verb: Verb, name: str) -> list[tuple[str, str]]:
+async def told(place: Place, verb: AdminVerb, name: str) -> list[tuple[str, str]]:
     """Ask as the owner; return who read what because of it."""
     before = len(place.chat.told)
-    await AdminApi(books_of(place.gateway, "UTC")).do(Ask(verb, (name,)))
+    await AdminApi(books_of(place.gateway, "UTC")).do(AdminRequest(verb, (name,)))
     await place.quiet()
     new = list(place.chat.told)[before:]
     return sorted((one.outbound.chat.id, one.outbound.text) for one in new)
 
 
 async def test_a_lock_and_its_end(place: Place) -> None:
-    assert await told(place, Verb.LOCK, "Bo") == [
+    assert await told(place, AdminVerb.LOCK, "Bo") == [
         (ADA, "The operator locked Bo."),
         (BO, "Your access is locked. Ask an admin."),
     ]
-    assert await told(place, Verb.UNLOCK, "Bo") == [
+    assert await told(place, AdminVerb.UNLOCK, "Bo") == [
         (ADA, "The operator unlocked Bo."),
         (BO, "The operator unlocked you. You may do again what you could before."),
     ]
 
 
-@pytest.mark.parametrize("verb", [Verb.REVOKE, Verb.TAKE_KEY])
-async def test_an_access_that_ends_for_good(place: Place, verb: Verb) -> None:
+@pytest.mark.parametrize("verb", [AdminVerb.REVOKE, AdminVerb.TAKE_KEY])
+async def test_an_access_that_ends_for_good(place: Place, verb: AdminVerb) -> None:
     ended = [
         (ADA, "The operator ended the access of Bo."),
         (BO, "Your access here has ended. The admin of this place can renew it."),
@@ -56,7 +56,7 @@ async def test_one_key_of_two(place: Place) -> None:
     assert old is not None
     async with access.changes.turn() as turn:
         await turn.write(access.keys.rotate(bo, "test", grace_s=60).records)
-    assert await told(place, Verb.TAKE_KEY, old.id) == [
+    assert await told(place, AdminVerb.TAKE_KEY, old.id) == [
         (ADA, "The operator took a key of Bo back. Bo has another one."),
         (BO, "One of your keys was taken back. You can go on as before."),
     ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.message import Chat, ChatKind, Standing
+from rosic.core.message import Chat, ChatKind, MessageValidity
 from rosic.core.rate_limit import RateLimit
 from rosic.core.records import Concluded
 from rosic.gateway.unfollowed_messages import NOT_FOLLOWED
@@ -156,10 +156,10 @@ async def test_a_refused_message_that_comes_again_stays_refused() -> None:
         assert place.acted() == 1
 
 
-@pytest.mark.parametrize("standing", [s for s in Standing if s is not Standing.FRESH])
-async def test_what_is_not_fresh_changes_nothing(standing: Standing) -> None:
+@pytest.mark.parametrize("standing", [s for s in MessageValidity if s is not MessageValidity.FRESH])
+async def test_what_is_not_fresh_changes_nothing(standing: MessageValidity) -> None:
     async with Place().open() as place:
-        said = NOT_FOLLOWED if standing is Standing.EDITED else ""
+        said = NOT_FOLLOWED if standing is MessageValidity.EDITED else ""
         assert await place.say("omni move 1 m", standing=standing) == said
         assert await place.say("use omni", standing=standing) == said
         assert place.acted() == 0
@@ -167,7 +167,7 @@ async def test_what_is_not_fresh_changes_nothing(standing: Standing) -> None:
 
 async def test_a_changed_message_is_answered_once_and_a_tap_sends_it() -> None:
     async with Place().open() as place:
-        changed = Standing.EDITED
+        changed = MessageValidity.EDITED
         assert await place.say("omni move 1 m", standing=changed, message="m7") == NOT_FOLLOWED
         again = await place.say("omni move 2 m", standing=changed, message="m7")
         assert again == "", "once for each message"
@@ -180,11 +180,11 @@ async def test_a_changed_message_is_answered_once_and_a_tap_sends_it() -> None:
             assert said == told, "people talk to each other there"
 
 
-@pytest.mark.parametrize("standing", list(Standing))
-async def test_but_a_stop_is_obeyed(standing: Standing) -> None:
+@pytest.mark.parametrize("standing", list(MessageValidity))
+async def test_but_a_stop_is_obeyed(standing: MessageValidity) -> None:
     async with Place().open() as place:
         await place.say("status")
-        nobody = standing in {Standing.CHANNEL, Standing.ANONYMOUS}
+        nobody = standing in {MessageValidity.CHANNEL, MessageValidity.ANONYMOUS}
         await place.say("stop", standing=standing, account=STRANGER if nobody else ADA)
         assert place.robot("omni").gate.latched
 

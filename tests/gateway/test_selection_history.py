@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.core.identity import Address, PrincipalId
 from rosic.core.message import Chat
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
@@ -93,7 +93,7 @@ class Narrow(Place):
     """A place where Di sees one robot, and another for a while."""
 
     rulebook = RoleRules(roles={**DEFAULT_ROLES, "narrow": Role(scopes=("omni:*",), priority=5)})
-    people = (*PEOPLE, Seed("Di", (Address("memory", DI),), ("narrow",)))
+    people = (*PEOPLE, ConfiguredPerson("Di", (Address("memory", DI),), ("narrow",)))
 
 
 async def test_it_leads_to_no_robot_that_is_hidden_by_now() -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.core.order import Stage, StageReport
+from rosic.core.order import OrderStage, StageReport
 from rosic.gateway.order_execution import RunningOrder
 from rosic.gateway.order_status import OrderMessage
 from rosic.robots.memory import DONE, MemoryRobot
@@ -33,7 +33,7 @@ class Talkative(MemoryRobot):
         self.gate.pass_order(order, self._clock.monotonic_ns(), self._clock.wall_ns())
         self.acted.append(order.n)
         for step in range(STEPS):
-            tell(StageReport(Stage.RUNNING, None, f"step {step}"))
+            tell(StageReport(OrderStage.RUNNING, None, f"step {step}"))
         await self._clock.sleep(10.0)
         return DONE
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.admin.api import Ask, Verb, books_of
+from rosic.app.admin.api import AdminRequest, AdminVerb, books_of
 from rosic.app.admin.dispatch import AdminApi
 from rosic.core.policy.query import Allow
 from rosic.core.policy.roles import Grant
@@ -134,15 +134,15 @@ async def test_a_replaced_key_ends_with_its_grace() -> None:
 async def test_the_owner_of_the_machine_says_when_its_clock_is_right_again() -> None:
     async with Place().open() as place:
         desk = AdminApi(books_of(place.gateway, "UTC"))
-        assert "shows the latest time" in "".join(await desk.do(Ask(Verb.CLOCK)))
+        assert "shows the latest time" in "".join(await desk.do(AdminRequest(AdminVerb.CLOCK)))
         await give_an_hour(place)
         place.clock.jump_wall(DAY_S)  # somebody set it wrong
         assert await place.say("omni wave", account=BO, chat=BO) == ENDED
         place.clock.jump_wall(-DAY_S)
-        said = "".join(await desk.do(Ask(Verb.CLOCK)))
+        said = "".join(await desk.do(AdminRequest(AdminVerb.CLOCK)))
         assert "24 hours behind the latest time that was seen" in said
         assert ENDED in await place.say("omni wave", account=BO, chat=BO)
-        await desk.do(Ask(Verb.CLOCK, ("accept",)))
+        await desk.do(AdminRequest(AdminVerb.CLOCK, ("accept",)))
         await place.say("omni wave", account=BO, chat=BO)
         assert place.acted() == 1
         decided = await place.store.decisions(1)  # type: ignore[attr-defined]
@@ -183,7 +183,9 @@ async def test_what_was_stopped_before_the_clock_was_set_back_can_be_resumed() -
         await clock.advance(100)
         clock.jump_wall(-DAY_S)
         assert (await place.say("resume omni")).startswith(CLOCK_SET_BACK)
-        await AdminApi(books_of(place.gateway, "UTC")).do(Ask(Verb.CLOCK, ("accept",)))
+        await AdminApi(books_of(place.gateway, "UTC")).do(
+            AdminRequest(AdminVerb.CLOCK, ("accept",))
+        )
         assert await place.say("resume omni") == "omni is ready again."
         await place.say("omni wave")
         assert place.acted() == 1
@@ -192,7 +194,9 @@ async def test_what_was_stopped_before_the_clock_was_set_back_can_be_resumed() -
     async with Place(store, latch, clock=clock).open() as place:
         assert "omni is stopped, by Ada, since" in await place.say("omni wave")
         assert (await place.say("resume omni")).startswith("omni is ready again.")
-        await AdminApi(books_of(place.gateway, "UTC")).do(Ask(Verb.CLOCK, ("accept",)))
+        await AdminApi(books_of(place.gateway, "UTC")).do(
+            AdminRequest(AdminVerb.CLOCK, ("accept",))
+        )
         await place.say("omni wave")
         assert place.acted() == 1
 
@@ -205,7 +209,9 @@ async def test_the_admins_hear_of_it_once_and_the_owner_lets_things_move() -> No
         await place.clock.advance(120.0)
         everything = [t.outbound for t in place.chat.told if t.outbound.text == CLOCK_SET_BACK]
         assert [outbound.chat.id for outbound in everything].count(ADA) == 1
-        await AdminApi(books_of(place.gateway, "UTC")).do(Ask(Verb.CLOCK, ("accept",)))
+        await AdminApi(books_of(place.gateway, "UTC")).do(
+            AdminRequest(AdminVerb.CLOCK, ("accept",))
+        )
         await place.say("omni wave", account=BO, chat=BO)
         assert place.acted() == 1
 

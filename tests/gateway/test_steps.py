@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from rosic.authoriser.invite_codes import ALPHABET
-from rosic.bench.steps import MeteredLoop, Step, pace_of_machine, undisturbed
+from rosic.bench.steps import LoopStep, MeteredLoop, pace_of_machine, undisturbed
 from rosic.bench.strangers import NAMED
 from rosic.core.language import Cancel, Halt, LanguageReader
 from tests.gateway.received import (
@@ -50,13 +50,15 @@ def run(act: Callable[[Receiving], Awaitable[None]]) -> None:
         runner.run(main())
 
 
-async def too_long(place: Receiving, updates: Callable[[], list[dict[str, Any]]]) -> Step | None:
+async def too_long(
+    place: Receiving, updates: Callable[[], list[dict[str, Any]]]
+) -> LoopStep | None:
     """Return the longest step of receiving something, if that is too long however often tried.
 
     A step that looks for garbage, or loads what is used for the first time, is not what was sent.
     """
     most_ns = LONGEST_STEP_S * 1e9
-    best: Step | None = None
+    best: LoopStep | None = None
     for _ in range(TRIES):
         step = await place.longest(*updates())
         if step.cpu_ns <= most_ns:

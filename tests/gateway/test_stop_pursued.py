@@ -11,7 +11,7 @@ from rosic.robots.memory import MemoryRobot
 from tests.gateway.place import Place
 
 if TYPE_CHECKING:
-    from rosic.core.order import Rest, Stop
+    from rosic.core.order import RestReport, Stop
     from rosic.core.robot.profile import Presence
 
 
@@ -21,7 +21,7 @@ class Coasting(MemoryRobot):
     tries = 0
     moving = False
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         rest = await super().stop(stop)
         self.tries += 1
         self.moving = self.tries == 1

@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.identity import OPERATOR, Address
-from rosic.core.message import Chat, ChatKind, Passage, Passing, Standing
+from rosic.core.message import Chat, ChatEvent, ChatEventKind, ChatKind, MessageValidity
 from rosic.core.records import Claimed, Fact
 from rosic.core.robot.profile import Busy
 from rosic.errors import StoreFault
@@ -142,20 +142,20 @@ async def test_an_anonymous_stop_counts_for_the_people_of_that_chat() -> None:
             chat="g",
             kind=ChatKind.GROUP,
             account="1087968824",
-            standing=Standing.ANONYMOUS,
+            standing=MessageValidity.ANONYMOUS,
         )
         assert place.robot("omni").gate.latched
 
 
 async def unnamed_stop(
-    place: Place, standing: Standing = Standing.ANONYMOUS, chat: str = "g"
+    place: Place, standing: MessageValidity = MessageValidity.ANONYMOUS, chat: str = "g"
 ) -> None:
     await place.say("stop", chat=chat, kind=ChatKind.GROUP, account="1087968824", standing=standing)
 
 
-@pytest.mark.parametrize("standing", [Standing.ANONYMOUS, Standing.CHANNEL])
+@pytest.mark.parametrize("standing", [MessageValidity.ANONYMOUS, MessageValidity.CHANNEL])
 async def test_a_stop_of_nobody_counts_for_those_who_wrote_there_in_an_earlier_run(
-    standing: Standing,
+    standing: MessageValidity,
 ) -> None:
     store = MemoryStore()
     async with Place(store).open() as place:
@@ -169,7 +169,9 @@ async def test_a_stop_of_nobody_counts_for_those_who_wrote_there_in_an_earlier_r
 async def test_a_stop_of_nobody_counts_for_whoever_brought_us_there() -> None:
     async with Place().open() as place:
         chat = Chat("memory", "g", ChatKind.GROUP)
-        place.chat.passed(Passing(chat=chat, what=Passage.ADDED, who=Address("memory", ADA)))
+        place.chat.passed(
+            ChatEvent(chat=chat, what=ChatEventKind.ADDED, who=Address("memory", ADA))
+        )
         await unnamed_stop(place)
         assert place.robot("omni").gate.latched
 
@@ -194,7 +196,11 @@ async def test_where_nobody_is_known_the_chats_admins_are_asked_for_now_and_then
         place.gateway._messengers[0].admins = admins  # type: ignore[attr-defined]
         for _ in range(3):
             await place.say(
-                "stop", chat="h", kind=ChatKind.GROUP, account="5", standing=Standing.ANONYMOUS
+                "stop",
+                chat="h",
+                kind=ChatKind.GROUP,
+                account="5",
+                standing=MessageValidity.ANONYMOUS,
             )
         assert asked == ["h"]
         assert not place.robot("omni").gate.latched
@@ -207,7 +213,7 @@ async def test_a_stop_of_nobody_counts_no_more_for_whoever_left() -> None:
     async with Place().open() as place:
         await place.say("use omni", chat="g", kind=ChatKind.GROUP)
         chat = Chat("memory", "g", ChatKind.GROUP)
-        place.chat.passed(Passing(chat=chat, what=Passage.LEFT, who=Address("memory", ADA)))
+        place.chat.passed(ChatEvent(chat=chat, what=ChatEventKind.LEFT, who=Address("memory", ADA)))
         principal = place.gateway.rooms.authoriser.directory.named("Ada")[0].id
         assert principal not in place.gateway.rooms.container.company(chat)
 

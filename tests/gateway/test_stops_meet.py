@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.app.admin.control_client import ask_gateway
 from rosic.app.admin.control_socket import ControlServer
 from rosic.app.admin.dispatch import AdminDispatcher
-from rosic.core.message import Chat, ChatKind, Standing
-from rosic.core.order import Rest, Stop
+from rosic.core.message import Chat, ChatKind, MessageValidity
+from rosic.core.order import RestReport, Stop
 from rosic.core.order_gate import OrderGate
 from rosic.core.records import Resumed
 from rosic.errors import RosicError, StoreFault
@@ -67,7 +67,7 @@ class HardToStop(MemoryRobot):
 
     rested = 0
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         self.gate.apply_stop(stop)
         await self._clock.sleep(1.0)
         self.rested += 1
@@ -189,7 +189,7 @@ async def test_an_anonymous_stop_is_obeyed_after_a_restart_too() -> None:
             chat="g",
             kind=ChatKind.GROUP,
             account="1087968824",
-            standing=Standing.ANONYMOUS,
+            standing=MessageValidity.ANONYMOUS,
         )
         assert place.robot("omni").gate.latched
 
@@ -252,7 +252,9 @@ async def test_a_stop_of_the_operator_goes_on_when_the_control_socket_closes(
 
         async def ask() -> None:
             with suppress(RosicError):
-                async for answer in ask_gateway(tmp_path, Ask(Verb.STOP, ("omni",)), print):
+                async for answer in ask_gateway(
+                    tmp_path, AdminRequest(AdminVerb.STOP, ("omni",)), print
+                ):
                     said.set()
                     assert answer.good
 

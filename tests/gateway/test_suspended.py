@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.order import Order, Stage
+from rosic.core.order import Order, OrderStage
 from rosic.core.order_gate import OrderGate
 from rosic.core.robot.profile import Busy
 from rosic.core.stop_registry import StopRegistry, not_known_yet
@@ -74,7 +74,7 @@ class Slow(MemoryRobot):
             await asyncio.sleep(0)
 
         def told(report: StageReport) -> None:
-            if report.stage is Stage.SENT:
+            if report.stage is OrderStage.SENT:
                 self.late_ns.append(self._late_ns(order))
             tell(report)
 

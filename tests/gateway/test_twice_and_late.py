@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.core.order import Ending, Outcome, StageReport
+from rosic.core.order import OrderEnding, Outcome, StageReport
 from rosic.core.order_gate import OrderGate
 from rosic.core.records import Claimed, Concluded, Told
 from rosic.core.robot.profile import Link, Profile
@@ -191,7 +191,7 @@ async def test_a_drive_that_the_machine_breaks_off_was_not_refused() -> None:
         await clock.advance(0.01)
     outcome: Outcome = await driving
     assert machine.base.x_m > 0.01
-    assert outcome.ending is not Ending.REFUSED, "it has moved"
+    assert outcome.ending is not OrderEnding.REFUSED, "it has moved"
     await robot.close()
 
 

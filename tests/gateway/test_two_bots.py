@@ -13,7 +13,7 @@ import pytest
 
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.messenger_setup import CLOCKS_APART_NS, KIND
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.core.identity import Address
 from rosic.core.records import Fact
@@ -82,8 +82,8 @@ async def bots(store: MemoryStore, *tokens: str) -> AsyncIterator[Bots]:
         for n, (line, token) in enumerate(zip(lines, tokens or (FIRST, SECOND), strict=True))
     ]
     people = (
-        Seed("Ada", (Address("telegram", str(ADA)),), ("admin",)),
-        Seed("Bo", (Address("telegram", str(BO)),), ("admin",)),
+        ConfiguredPerson("Ada", (Address("telegram", str(ADA)),), ("admin",)),
+        ConfiguredPerson("Bo", (Address("telegram", str(BO)),), ("admin",)),
     )
     omni = profile("omni", busy=Busy.QUEUE)
     gateway = Gateway(

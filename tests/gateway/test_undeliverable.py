@@ -6,7 +6,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.core.identity import Address
 from rosic.core.message import Button, ChatKind
 from rosic.gateway.delivery.outbox import KIND
@@ -124,7 +124,7 @@ class TwoPhones(Place):
 
     people = (
         *Place.people,
-        Seed("Cy", (Address("memory", "31"), Address("memory", "32")), ("operator",)),
+        ConfiguredPerson("Cy", (Address("memory", "31"), Address("memory", "32")), ("operator",)),
     )
 
 

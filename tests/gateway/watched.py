@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.messenger import Receive
     from rosic.contracts.robot import Tell
-    from rosic.core.message import Chat, Enclosure, Inbound, Outbound
+    from rosic.core.message import Chat, Inbound, IncomingFile, Outbound
     from rosic.core.order import Order, Outcome, Stop
     from rosic.core.records import Memory, Record
     from rosic.messengers.memory import MemoryMessenger
@@ -136,7 +136,7 @@ class Mouth:
         await self._alive()
         await self._chat.answer_tap(inbound, text)
 
-    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+    def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
         return self._chat.fetch(enclosure)
 
     async def _alive(self) -> None:

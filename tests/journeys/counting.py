@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.order import Ending, Order, Outcome, Rest, Stage, StageReport, Stop
+from rosic.core.order import Order, OrderEnding, OrderStage, Outcome, RestReport, StageReport, Stop
 from rosic.core.robot.profile import Presence, Profile
 from rosic.errors import ConfigurationError, RobotUnreachable
 
@@ -115,7 +115,7 @@ class CountingRobot:
                 skill=order.skill.id,
             )
         )
-        tell(StageReport(Stage.SENT))
+        tell(StageReport(OrderStage.SENT))
         self._doing = order.skill.id
         self._halted.clear()
         try:
@@ -129,20 +129,20 @@ class CountingRobot:
             answer = await asyncio.wait_for(coming, PATIENCE_S)
         except TimeoutError:
             raise RobotUnreachable(f"{self.profile.shown} has not answered.") from None
-        tell(StageReport(Stage.RECEIVED))
-        tell(StageReport(Stage.RUNNING, 0.5))
+        tell(StageReport(OrderStage.RECEIVED))
+        tell(StageReport(OrderStage.RUNNING, 0.5))
         with suppress(TimeoutError):
             await asyncio.wait_for(self._halted.wait(), answer.work_s)
         if not self.gate.still_allows(order):
-            return Outcome(Ending.CANCELLED)
-        return Outcome(Ending(answer.ending))
+            return Outcome(OrderEnding.CANCELLED)
+        return Outcome(OrderEnding(answer.ending))
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         """Latch, tell the counter, end what is under way."""
         self.gate.apply_stop(stop)
         self._send(Event(robot=stop.robot, generation=stop.generation, process=os.getpid()))
         self._halted.set()
-        return Rest(stop.robot, confirmed=True, seconds=0.0)
+        return RestReport(stop.robot, confirmed=True, seconds=0.0)
 
     async def resume(self, generation: int) -> None:
         """Undo the latch."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import aiohttp
 import pytest
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.app.admin.control_client import ask_gateway
 from tests.journeys.fleet import TOKEN
 from tests.journeys.lab import Lab, lab
@@ -108,7 +108,9 @@ async def test_somebody_revoked_stays_revoked_over_a_kill(
         await place.say(place.bo, "ant hop")
         assert await place.counter.wait_for(1, 60)
 
-        answers = [a async for a in ask_gateway(place.data, Ask(Verb.REVOKE, ("Bo",)), print)]
+        answers = [
+            a async for a in ask_gateway(place.data, AdminRequest(AdminVerb.REVOKE, ("Bo",)), print)
+        ]
 
         assert answers[-1].good, answers
         assert await place.until(lambda: place.counter.stops("ant")), "Bo's robot was not stopped"

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, ClassVar
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.core.order_gate import OrderGate
 from rosic.core.robot.file_transfer import FileForRobot
 from rosic.core.robot.profile import Busy, Link, Profile
 from rosic.core.robot.skill import Skill
-from rosic.core.robot.view import Sight
+from rosic.core.robot.view import ViewKind
 from rosic.core.stop_registry import StopRegistry, not_known_yet
 from rosic.errors import NothingToSee, OrderVoid, RobotOffline, RobotUnreachable, StoreFault
 from rosic.linker.linker import Linker, PolicyMoved
@@ -316,7 +316,7 @@ async def test_a_right_that_ends_at_this_moment_relays_nothing() -> None:
         permit = replace(order.permit, epoch=two.linker.epoch, until_ns=until_ns)
         doing = replace(order, permit=permit)
         if relayed:
-            assert (await two.linker.dispatch(doing, ignore)).ending is Ending.DONE
+            assert (await two.linker.dispatch(doing, ignore)).ending is OrderEnding.DONE
         else:
             with pytest.raises(PolicyMoved):
                 await two.linker.dispatch(doing, ignore)
@@ -381,7 +381,7 @@ async def test_a_file_goes_to_the_robot_and_one_whose_link_takes_none_says_so() 
 async def test_what_a_robot_shows_is_what_is_seen() -> None:
     two = Two()
     with pytest.raises(NothingToSee):
-        await anext(two.linker.look("omni", Sight.PICTURE))
+        await anext(two.linker.look("omni", ViewKind.PICTURE))
     assert two.linker.presence("omni").online
     two.robots["omni"].online = False
     assert not two.linker.presence("omni").online

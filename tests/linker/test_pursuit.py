@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.order import Rest, Stop
+from rosic.core.order import RestReport, Stop
 from rosic.core.order_gate import OrderGate
 from rosic.core.robot.profile import Link, Presence, Profile
 from rosic.core.robot.skill import Skill
@@ -38,14 +38,14 @@ class Coasting(MemoryRobot):
         super().__init__(PROFILE, OrderGate.new("omni"), clock)
         self.told: list[int] = []
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         await super().stop(stop)
         self.told.append(stop.generation)
         if self.fails:
             raise ZeroDivisionError
         if self.online and len(self.told) == self.times:
             self.at_rest = True
-        return Rest(stop.robot, confirmed=self.at_rest is True, seconds=0.1)
+        return RestReport(stop.robot, confirmed=self.at_rest is True, seconds=0.1)
 
     def presence(self) -> Presence:
         return Presence(online=self.online, at_rest=self.at_rest if self.online else None)
@@ -76,7 +76,7 @@ def place() -> Place:
     return Place()
 
 
-async def stopped(place: Place) -> Rest:
+async def stopped(place: Place) -> RestReport:
     halting = place.linker.stop(["omni"], "p1")
     await halting.latched
     return await halting.rests["omni"]

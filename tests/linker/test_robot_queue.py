@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.order import Ending, Order, Outcome, Stage, StageReport
+from rosic.core.order import Order, OrderEnding, OrderStage, Outcome, StageReport
 from rosic.core.order_gate import OrderGate
 from rosic.core.robot.profile import Busy, Link, Profile
 from rosic.core.robot.skill import Skill
@@ -36,7 +36,7 @@ class Entry:
 
     def __init__(self, order: Order) -> None:
         self.order = order
-        self.said: list[Stage] = []
+        self.said: list[OrderStage] = []
         self.voided = ""
 
     def tell(self, report: StageReport) -> None:
@@ -85,7 +85,11 @@ async def test_a_queue_keeps_the_order_and_says_so() -> None:
     first = bench.busy()
     waiting = [bench.entry(), bench.entry()]
     assert [bench.mailbox.put(entry) for entry in waiting] == [False, False]
-    assert [entry.said for entry in (first, *waiting)] == [[], [Stage.QUEUED], [Stage.QUEUED]]
+    assert [entry.said for entry in (first, *waiting)] == [
+        [],
+        [OrderStage.QUEUED],
+        [OrderStage.QUEUED],
+    ]
     assert [bench.mailbox.next() for _ in range(3)] == [*waiting, None]
     assert bench.mailbox.put(bench.entry()), "a robot that is done is free"
 
@@ -300,7 +304,7 @@ async def test_a_replacing_order_ends_the_one_under_way() -> None:
     assert not bench.linker.put(second)
     outcome = await asyncio.wait_for(running, 60 * pace())
     assert (outcome.ending, outcome.note) == (
-        Ending.CANCELLED,
+        OrderEnding.CANCELLED,
         "a later command took its place",
     )
     assert bench.linker.next("r") is second
@@ -311,7 +315,7 @@ async def test_a_replaceable_order_that_nothing_replaces_ends_as_any_other() -> 
     first = bench.entry()
     assert bench.linker.put(first)
     outcome = await asyncio.wait_for(bench.linker.dispatch(first.order, ignore), 60 * pace())
-    assert outcome.ending is Ending.DONE
+    assert outcome.ending is OrderEnding.DONE
 
 
 class ComesToRestSlowly(MemoryRobot):

@@ -23,7 +23,7 @@ from rosic.testing.messenger_harness import settled
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from rosic.core.message import Inbound, Passing, Reaction
+    from rosic.core.message import ChatEvent, Inbound, Reaction
 
 Data: TypeAlias = dict[str, Any]
 Answer: TypeAlias = "list[Any] | Exception | Held"
@@ -114,7 +114,7 @@ class HarnessInbox:
         self.line = ScriptedLine(self.bot)
         self.chats = Chats()
         self.alarms: list[MessengerFault] = []
-        self.passed: list[Passing] = []
+        self.passed: list[ChatEvent] = []
         self.reacted: list[Reaction] = []
         self.heard: list[Inbound] = []
         self.held_up: dict[str, asyncio.Event] = {}

@@ -16,9 +16,9 @@ from rosic.core.secret import Secret
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.errors import (
     ErrorKind,
+    FloodControl,
     NetworkState,
     TelegramError,
-    TooFast,
     trouble,
 )
 from rosic.messengers.telegram.log_redaction import hide
@@ -67,7 +67,7 @@ def test_each_is_a_messenger_fault_without_secrets(kind: type[Exception]) -> Non
 def test_what_an_exception_carries_is_kept() -> None:
     assert trouble(made(foreign.ChatMigrated)).new_chat == "7"
     assert trouble(made(foreign.RetryAfter)).wait_s == 7
-    assert trouble(TooFast(3.0)).wait_s == 3
+    assert trouble(FloodControl(3.0)).wait_s == 3
 
 
 @pytest.mark.parametrize("error", [ValueError("x"), TimeoutError(), RuntimeError("closed")])
@@ -113,7 +113,7 @@ def test_it_is_told_what_a_failure_shows_of_the_network(
 
 
 def test_whoever_answers_is_there() -> None:
-    assert trouble(TooFast(3.0)).network is NetworkState.THERE
+    assert trouble(FloodControl(3.0)).network is NetworkState.THERE
     assert trouble(made(foreign.Conflict)).network is NetworkState.THERE
     assert trouble(TimeoutError()).network is NetworkState.SILENT
 

@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from rosic.core.message import ChatKind, Inbound, Standing
+from rosic.core.message import ChatKind, Inbound, MessageValidity
 from rosic.messengers.telegram import incoming, updates
 from rosic.messengers.telegram.incoming import ReceivedAt
 
@@ -43,7 +43,7 @@ def test_a_plain_message() -> None:
     )
     assert (found.message, found.text, found.nonce, found.tap) == ("7", "status", None, "")
     assert (found.received_ns, found.listening_since_ns) == (RECEIVED.received_ns, 17)
-    assert found.standing is Standing.FRESH
+    assert found.standing is MessageValidity.FRESH
 
 
 def test_the_send_time_never_makes_it_younger_than_it_is() -> None:
@@ -79,17 +79,17 @@ def test_the_send_time_never_makes_it_younger_than_it_is() -> None:
     ],
 )
 def test_what_changes_nothing(fields: dict[str, Any], standing: str) -> None:
-    assert inbound(**fields).standing is Standing(standing)
+    assert inbound(**fields).standing is MessageValidity(standing)
 
 
 def test_edited_and_posted_messages_change_nothing_either() -> None:
-    assert inbound("edited_message").standing is Standing.EDITED
+    assert inbound("edited_message").standing is MessageValidity.EDITED
     posted = inbound("channel_post", chat=CHANNEL, **{"from": None})
-    assert posted.standing is Standing.CHANNEL
+    assert posted.standing is MessageValidity.CHANNEL
     assert posted.chat.kind is ChatKind.CHANNEL
     assert posted.sender.account == "-1003"
     changed = inbound("edited_channel_post", chat=CHANNEL, edit_date=DATE + 1, **{"from": None})
-    assert changed.standing is Standing.CHANNEL
+    assert changed.standing is MessageValidity.CHANNEL
     assert changed.chat == posted.chat
 
 

@@ -10,12 +10,12 @@ import msgspec
 import pytest
 from telegram.error import InvalidToken, NetworkError
 
-from rosic.core.message import Button, Chat, Outbound, Passage, Passing
+from rosic.core.message import Button, Chat, ChatEvent, ChatEventKind, Outbound
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram.batch import ANSWER_BYTES, BATCH
 from rosic.messengers.telegram.chats import Chats
-from rosic.messengers.telegram.errors import ErrorKind, TelegramError, TooFast
+from rosic.messengers.telegram.errors import ErrorKind, FloodControl, TelegramError
 from rosic.messengers.telegram.polling import PEEK_S, Poller
 from rosic.messengers.telegram.polling_gap import GRACE_NS
 from rosic.testing.clock import settle
@@ -52,7 +52,7 @@ async def test_it_finds_out_who_it_is_and_what_it_hears_in_groups(
         assert inbox.listener.reading.own_name == "lab_bot"
         assert bool([each for each in caplog.messages if "/setprivacy" in each]) is not all_heard
         assert [(each.what, each.chat.id) for each in inbox.passed] == [
-            (Passage.HEARING if all_heard else Passage.DEAF, "")
+            (ChatEventKind.HEARING if all_heard else ChatEventKind.DEAF, "")
         ]
         assert inbox.listener.catching_up
 
@@ -63,7 +63,7 @@ async def test_what_a_group_lets_it_hear_hangs_on_what_it_hears_everywhere() -> 
         me = SimpleNamespace(username="lab_bot", can_read_all_group_messages=all_heard)
         inbox = HarnessInbox([member(1, "left", "member")], who=[me])
         async with inbox.listening():
-            assert inbox.passed[-1].what is Passage.ADDED
+            assert inbox.passed[-1].what is ChatEventKind.ADDED
             assert inbox.passed[-1].deaf is not all_heard
 
 
@@ -82,7 +82,7 @@ async def test_a_token_that_is_not_accepted_is_the_operators_business() -> None:
 
 async def test_it_asks_who_it_is_until_telegram_says_so() -> None:
     nameless = SimpleNamespace(username=None, can_read_all_group_messages=None)
-    inbox = HarnessInbox(who=[NetworkError("away"), TooFast(7.0), nameless])
+    inbox = HarnessInbox(who=[NetworkError("away"), FloodControl(7.0), nameless])
     async with inbox.listening(0.5):
         await inbox.clock.advance(6.9)
         assert inbox.bot.asked == []
@@ -335,17 +335,17 @@ async def test_what_happens_to_chats_is_passed_on_and_followed() -> None:
     )
     gone: list[bool] = []
 
-    def passed(what: Passing) -> None:
+    def passed(what: ChatEvent) -> None:
         inbox.passed.append(what)
         gone.append(inbox.chats.gone(str(LAB)))
 
     inbox.listener.reading.passed = passed
     async with inbox.listening():
         assert [each.what for each in inbox.passed] == [
-            Passage.HEARING,
-            Passage.REMOVED,
-            Passage.ADDED,
-            Passage.MOVED,
+            ChatEventKind.HEARING,
+            ChatEventKind.REMOVED,
+            ChatEventKind.ADDED,
+            ChatEventKind.MOVED,
         ]
         assert gone == [False, True, False, False]
         assert (inbox.passed[-1].chat.id, inbox.passed[-1].new_id) == (str(LAB), "-1009")

@@ -11,7 +11,7 @@ from telegram.error import Conflict, Forbidden, InvalidToken, NetworkError
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.bot_client import CALL_S, polled_within_s
-from rosic.messengers.telegram.errors import TooFast
+from rosic.messengers.telegram.errors import FloodControl
 from rosic.messengers.telegram.polling import AWAKE_S
 from rosic.messengers.telegram.polling_gap import CALM_NS
 from rosic.testing.clock import ManualClock
@@ -31,7 +31,7 @@ async def test_it_waits_longer_and_longer_until_telegram_answers_and_then_anew(
 
 
 async def test_it_waits_as_long_as_telegram_says_but_not_for_ever() -> None:
-    inbox = HarnessInbox(TooFast(7.0), TooFast(3600.0), [])
+    inbox = HarnessInbox(FloodControl(7.0), FloodControl(3600.0), [])
     async with inbox.listening(100.0):
         assert inbox.asked_at_s == [0.0, 7.0, 67.0, 67.0]
 

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from rosic.core.message import Weight
+from rosic.core.message import SendPriority
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.rate_limiter import WAITING_AT_MOST, WAITING_IN_A_CHAT, RateLimiter
 from rosic.testing.clock import ManualClock, settle
@@ -35,7 +35,7 @@ class Turns:
         self,
         name: str,
         chat: str = "1",
-        weight: Weight = Weight.OUTCOME,
+        weight: SendPriority = SendPriority.OUTCOME,
         *,
         within_s: float = 600.0,
     ) -> asyncio.Task[None]:
@@ -106,7 +106,7 @@ async def test_forty_at_once_are_said_within_two_seconds_and_never_30_in_one() -
     turns = Turns()
     for number in range(40):
         turns.ask("m", str(number))
-    turns.ask("stop", "41", Weight.STOP)
+    turns.ask("stop", "41", SendPriority.STOP)
     await turns.clock.advance(20)
 
     times = turns.times()
@@ -137,8 +137,8 @@ async def test_a_call_counts_from_its_sending_until_a_second_after_its_answer(
 async def test_urgent_words_keep_to_the_windows_too() -> None:
     turns = Turns()
     for number in range(60):
-        turns.ask("m", "-100", Weight.STOP)
-        turns.ask("n", str(number), Weight.STOP)
+        turns.ask("m", "-100", SendPriority.STOP)
+        turns.ask("n", str(number), SendPriority.STOP)
     await turns.clock.advance(300)
 
     group = [at_s for name, at_s in turns.given if name == "m"]
@@ -170,10 +170,10 @@ async def test_stops_first_then_messages_then_edits() -> None:
     turns = Turns()
     for number in range(3):
         turns.ask(f"used-up-{number}")
-    turns.ask("edit", weight=Weight.FEEDBACK)
+    turns.ask("edit", weight=SendPriority.FEEDBACK)
     turns.ask("message")
     await settle()
-    turns.ask("stop", weight=Weight.STOP)
+    turns.ask("stop", weight=SendPriority.STOP)
     await turns.clock.advance(60)
 
     assert turns.names()[3:] == ["stop", "message", "edit"]
@@ -182,9 +182,9 @@ async def test_stops_first_then_messages_then_edits() -> None:
 
 async def test_what_is_idle_waits_until_nothing_is_owed_and_spends_like_the_others() -> None:
     turns = Turns()
-    turns.ask("idle", weight=Weight.IDLE)
-    turns.ask("card", weight=Weight.IDLE)
-    turns.ask("edit", weight=Weight.FEEDBACK)
+    turns.ask("idle", weight=SendPriority.IDLE)
+    turns.ask("card", weight=SendPriority.IDLE)
+    turns.ask("edit", weight=SendPriority.FEEDBACK)
     turns.ask("message")
     await turns.clock.advance(2)
     turns.ask("later")
@@ -197,7 +197,7 @@ async def test_what_is_idle_waits_until_nothing_is_owed_and_spends_like_the_othe
 async def test_retry_after_holds_the_chat_even_for_a_stop() -> None:
     turns = Turns()
     turns.limiter.hold("1", 7.0)
-    turns.ask("held", weight=Weight.STOP)
+    turns.ask("held", weight=SendPriority.STOP)
     turns.ask("other", "2")
     await turns.clock.advance(20)
 
@@ -254,12 +254,12 @@ async def test_the_queue_is_bounded_and_edits_are_refused_first() -> None:
     turns.limiter.hold("1", 100.0)
     for number in range(WAITING_AT_MOST):
         turns.limiter.hold(str(number), 100.0)
-        turns.ask("edit", str(number), weight=Weight.FEEDBACK)
+        turns.ask("edit", str(number), weight=SendPriority.FEEDBACK)
     await settle()
 
     with pytest.raises(MessengerFault, match="Too much"):
-        await turns.limiter.turn("new", Weight.FEEDBACK, within_s=600)
-    turns.ask("outcome", "new", weight=Weight.OUTCOME)
+        await turns.limiter.turn("new", SendPriority.FEEDBACK, within_s=600)
+    turns.ask("outcome", "new", weight=SendPriority.OUTCOME)
     await settle()
     assert not any(task.done() for task in turns.tasks)
     for task in turns.tasks:
@@ -273,8 +273,8 @@ async def test_one_chat_that_is_told_too_much_keeps_no_other_out() -> None:
         turns.ask("much", "1")
     await settle()
     with pytest.raises(MessengerFault, match="Too much"):
-        await turns.limiter.turn("1", Weight.OUTCOME, within_s=600)
-    stop = turns.ask("stop", "1", Weight.STOP)
+        await turns.limiter.turn("1", SendPriority.OUTCOME, within_s=600)
+    stop = turns.ask("stop", "1", SendPriority.STOP)
     other = turns.ask("other", "2")
     await settle()
     assert stop.done()
@@ -306,12 +306,12 @@ async def test_where_all_chats_together_wait_the_one_that_had_least_is_next() ->
 async def test_what_weighs_more_goes_first_over_all_chats() -> None:
     turns = Turns()
     turns.limiter._all_held_ns = turns.clock.monotonic_ns() + 5_000_000_000
-    for weight in reversed(Weight):
+    for weight in reversed(SendPriority):
         for number in range(8):
             turns.ask(weight.name, f"{weight}.{number}", weight)
     await turns.clock.advance(30.0)
 
-    assert turns.names() == [weight.name for weight in Weight for _ in range(8)]
+    assert turns.names() == [weight.name for weight in SendPriority for _ in range(8)]
 
 
 class Disk(dict[str, bytes]):
@@ -331,7 +331,7 @@ async def test_a_groups_minute_outlives_a_restart() -> None:
         turns = Turns(spoke_before=run > 0, answers_s=0.2, clock=clock)
         turns.limiter.keep_pace(dict(disk), disk.keep)
         for number in range(30):
-            turns.ask(f"m{number}", "-100", (Weight.OUTCOME, Weight.STOP)[number % 2])
+            turns.ask(f"m{number}", "-100", (SendPriority.OUTCOME, SendPriority.STOP)[number % 2])
         await turns.clock.advance(17)
         said_s += [run * 17 + at_s for at_s in turns.answered]
         for task in turns.tasks:

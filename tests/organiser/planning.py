@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from rosic.bench.schedule import QUICK_LIMIT_S
 from rosic.organiser.planning.greedy import first_come_first_served
-from rosic.organiser.planning.problem import Allocation, Booked, PlanningProblem, Wish
+from rosic.organiser.planning.problem import Allocation, PlanningProblem, StandingSlot, Wish
 from rosic.organiser.planning.solver import propose
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def a_wish(  # noqa: PLR0913 - what is left out does not matter to the test
 
 
 def a_problem(
-    *wishes: Wish, booked: Iterable[Booked] = (), openings: Iterable[tuple[int, int]] = ()
+    *wishes: Wish, booked: Iterable[StandingSlot] = (), openings: Iterable[tuple[int, int]] = ()
 ) -> PlanningProblem:
     return PlanningProblem(
         wishes=wishes, robots=("kuka1", "yumi"), booked=tuple(booked), openings=tuple(openings)
@@ -147,6 +147,6 @@ def small_problem(chance: Random) -> PlanningProblem:
             )
         )
     begin = chance.randrange(0, 80, 5)
-    booked = [Booked(chance.choice(("kuka1", "yumi")), at(9, begin), at(9, begin + 10))]
+    booked = [StandingSlot(chance.choice(("kuka1", "yumi")), at(9, begin), at(9, begin + 10))]
     openings = [(at(9, 10), at(10, 30))] if chance.random() < 0.3 else []
     return a_problem(*wishes, booked=booked, openings=openings)

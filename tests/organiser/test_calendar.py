@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.core.language.time_parser import When, read_when
+from rosic.core.language.time_parser import RequestedTime, read_when
 from rosic.core.records import Fact
 from rosic.core.slot import SLOT
 from rosic.errors import (
@@ -55,7 +55,7 @@ def test_what_is_offered_can_be_booked() -> None:
         calendar.book("ben", "kuka1", NOW + 5 * HOUR, 3600, "ben")
     said = refused.value.offers[0].removeprefix("book kuka1 ")
     when = read_when(said, NOW, VIENNA.local)
-    assert isinstance(when, When)
+    assert isinstance(when, RequestedTime)
     found = occasion("kuka1", when, VIENNA)
     assert calendar.book("ben", "kuka1", found.start_ns, found.length_s, "ben")
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rosic.core.language.time_parser import When, read_when
+from rosic.core.language.time_parser import RequestedTime, read_when
 from rosic.core.local_time import LocalTime
 from rosic.core.slot import Pattern
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, TooManyRequests
@@ -30,9 +30,9 @@ def a_pattern(
     return Pattern(first or LocalTime(2026, 11, 24, 14), length_s, rrule, zone or "Europe/Vienna")
 
 
-def a_when(text: str, zone: Zone = VIENNA, now_ns: int = NOW) -> When:
+def a_when(text: str, zone: Zone = VIENNA, now_ns: int = NOW) -> RequestedTime:
     found = read_when(text, now_ns, zone.local)
-    assert isinstance(found, When)
+    assert isinstance(found, RequestedTime)
     return found
 
 

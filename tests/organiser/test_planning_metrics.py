@@ -9,7 +9,7 @@ from rosic.bench.schedule import as_table, compare, measure
 from rosic.organiser.planning.figures import figures_of, jain
 from rosic.organiser.planning.greedy import first_come_first_served
 from rosic.organiser.planning.metrics import plan_text
-from rosic.organiser.planning.problem import Booked
+from rosic.organiser.planning.problem import StandingSlot
 from rosic.organiser.planning.solver import propose
 from tests.organiser.planning import a_problem, a_wish, at
 
@@ -19,7 +19,7 @@ def test_the_figures_of_a_plan_worked_out_by_hand() -> None:
         a_wish("one", 60, at(9), at(10), person="ann"),
         a_wish("two", 60, at(9), at(12), person="bob"),
         a_wish("three", 60, at(9), at(10), person="bob"),
-        booked=[Booked("yumi", at(9), at(12))],
+        booked=[StandingSlot("yumi", at(9), at(12))],
         openings=[(at(9), at(13))],
     )
 

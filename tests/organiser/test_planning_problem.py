@@ -17,9 +17,9 @@ from rosic.organiser.planning.greedy import first_come_first_served, grid_for
 from rosic.organiser.planning.metrics import plan_text
 from rosic.organiser.planning.problem import (
     Allocation,
-    Booked,
     LeftOverReason,
     PlanCaveat,
+    StandingSlot,
     Wish,
     broken_rules,
     parts_of,
@@ -126,7 +126,7 @@ def test_granting_is_always_worth_it_however_late_short_and_alone() -> None:
 
 
 def test_a_gap_that_fits_to_the_minute_is_used_whatever_the_grid() -> None:
-    booked = [Booked("kuka1", at(8), at(9, 7)), Booked("kuka1", at(9, 54), at(12))]
+    booked = [StandingSlot("kuka1", at(8), at(9, 7)), StandingSlot("kuka1", at(9, 54), at(12))]
     problem = a_problem(
         a_wish("gap", 47, at(9), at(11)), a_wish("window", 13, at(13, 1), at(13, 14)), booked=booked
     )
@@ -168,7 +168,7 @@ def test_a_wish_that_cannot_be_granted_is_named_with_the_reason(
     problem = a_problem(
         a_wish("fine", 60, at(9), at(10), robots="yumi"),
         wish,
-        booked=[Booked("kuka1", at(14), at(15, 30))],
+        booked=[StandingSlot("kuka1", at(14), at(15, 30))],
         openings=[(at(8), at(18))],
     )
 
@@ -280,7 +280,7 @@ def test_every_broken_rule_is_seen() -> None:
     wish = a_wish("w", 60, at(9), at(11), person="ann")
     other = a_wish("v", 60, at(9), at(11), person="ann", robots="yumi")
     problem = a_problem(
-        wish, other, booked=[Booked("kuka1", at(10, 30), at(11))], openings=[(at(9), at(12))]
+        wish, other, booked=[StandingSlot("kuka1", at(10, 30), at(11))], openings=[(at(9), at(12))]
     )
     stranger = msgspec.structs.replace(wish, length_s=60)
 

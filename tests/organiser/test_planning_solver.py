@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from rosic.bench.fleet import NOW_NS, SMALL, best_pairs, floor
 from rosic.core.fleet.candidates import RobotGlance, by_priority
-from rosic.core.fleet.events import Given, Stood
+from rosic.core.fleet.events import MembershipSet, TaskGiven
 from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import FleetMembership, Task, TaskNeed
 from rosic.core.fleet.transitions import react
@@ -26,11 +26,11 @@ def assign(fleet: FleetState, glances: dict[str, RobotGlance], now_ns: int) -> A
 def fleet_of(*tasks: Task) -> FleetState:
     fleet = FleetState()
     for task in tasks:
-        feed(fleet, Given(task))
+        feed(fleet, TaskGiven(task))
     return fleet
 
 
-def feed(fleet: FleetState, event: Given | Stood) -> None:
+def feed(fleet: FleetState, event: TaskGiven | MembershipSet) -> None:
     for fact in fleet.facts(react(fleet, event, NOW_NS)):
         fleet.apply(fact)
 
@@ -115,7 +115,7 @@ def test_no_robot_is_chosen_that_does_not_fit(
 
 def test_a_robot_that_takes_no_part_and_a_task_that_is_too_late_or_too_early_wait() -> None:
     fleet = fleet_of(task("1", until_ns=NOW_NS - 1), task("2", after=("9",)), task("3"))
-    feed(fleet, Stood("r1", FleetMembership.DISABLED))
+    feed(fleet, MembershipSet("r1", FleetMembership.DISABLED))
     assert assign(fleet, FREE, NOW_NS).pairs == [("3", "r2")]
 
 

@@ -339,8 +339,8 @@ FAULTS = (
     Fault(
         name="nobody hears of a code that a group was shown",
         file="authoriser/enrolment.py",
-        guard='return TurnedAway("code-in-group", words.IN_GROUP, alarm, records)',
-        without='return TurnedAway("code-in-group", words.IN_GROUP, None, records)',
+        guard='return EnrolmentRefused("code-in-group", words.IN_GROUP, alarm, records)',
+        without='return EnrolmentRefused("code-in-group", words.IN_GROUP, None, records)',
         caught_by=(TURNED_AWAY,),
     ),
     Fault(

@@ -62,7 +62,10 @@ OF_BREAKS = (
     Fault(
         name="I6 a goal goes on after ROSIC stood still",
         file="robots/ros2/goal_watch.py",
-        guard="return Break(Cause.LATE, late_s) if late_s > self._call.side.watchdog_s else None",
+        guard=(
+            "return MotionBreak(BreakCause.LATE, late_s)"
+            " if late_s > self._call.side.watchdog_s else None"
+        ),
         without="return None",
         caught_by=(f"{FROZEN}::test_a_goal_of_a_gateway_that_was_frozen_is_called_off",),
     ),
@@ -150,15 +153,15 @@ OF_BREAKS = (
     Fault(
         name="I6 a task is begun again after ROSIC stood still",
         file="features/fleet/attempt.py",
-        guard="    if outcome.code == STOOD_STILL:\n        return End.INTERRUPTED\n",
+        guard="    if outcome.code == STOOD_STILL:\n        return AttemptEnd.INTERRUPTED\n",
         without="",
         caught_by=(f"{AFTER}::test_a_task_waits_for_a_person_when_rosic_stood_still",),
     ),
     Fault(
         name="I6 a task comes back to the robot that ended it by itself",
         file="features/fleet/attempt.py",
-        guard="return End.FAILED if outcome.code == INTERRUPTED else End.TAKEN",
-        without="return End.TAKEN",
+        guard="return AttemptEnd.FAILED if outcome.code == INTERRUPTED else AttemptEnd.TAKEN",
+        without="return AttemptEnd.TAKEN",
         caught_by=(
             f"{AFTER}::test_a_task_that_the_robots_own_side_ended_does_not_come_back_to_it",
         ),

@@ -136,7 +136,7 @@ OF_TASKS = (
     Fault(
         name="a stop sends the task to the next robot",
         file="features/fleet/attempt.py",
-        guard="    if stopped and ending not in {Ending.DONE, Ending.SENT}:\n",
+        guard="    if stopped and ending not in {OrderEnding.DONE, OrderEnding.SENT}:\n",
         without="    if False:\n",
         caught_by=(f"{TASKS}::test_a_stop_is_meant_so_the_task_goes_nowhere_else_by_itself",),
     ),

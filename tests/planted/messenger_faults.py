@@ -14,8 +14,8 @@ MESSENGER_FAULTS = (
     Fault(
         name="I17 an edited message counts as fresh",
         file="messengers/telegram/incoming.py",
-        guard='if message.chat.type == "channel" else Standing.EDITED',
-        without='if message.chat.type == "channel" else Standing.FRESH',
+        guard='if message.chat.type == "channel" else MessageValidity.EDITED',
+        without='if message.chat.type == "channel" else MessageValidity.FRESH',
         caught_by=("tests/real/telegram/test_generated.py",),
     ),
     Fault(

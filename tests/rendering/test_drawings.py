@@ -16,16 +16,16 @@ from rosic.core.robot.view import (
     Box,
     Clip,
     Colour,
-    Curve,
     Drawing,
-    Grid,
     Label,
+    OccupancyMap,
     PathsView,
     PathView,
     Pose,
-    Raster,
+    RawFrame,
     Scene,
     Subject,
+    TimeSeries,
     Tube,
 )
 from rosic.errors import NothingToSee
@@ -37,10 +37,10 @@ if TYPE_CHECKING:
     from rosic.contracts.renderer import Renderer
 
 PAINTER: Renderer = draw
-GRID = Grid(
+GRID = OccupancyMap(
     40, 20, 0.05, Pose(-1.0, -0.5), bytes([0] * 400 + [100] * 400), Pose(0.5, -0.25, yaw_rad=0)
 )
-CURVE = Curve("omni: battery", "%", tuple((i - 60.0, 80 - i / 10) for i in range(60)), 20.0)
+CURVE = TimeSeries("omni: battery", "%", tuple((i - 60.0, 80 - i / 10) for i in range(60)), 20.0)
 WAY = PathView("omni: move", tuple(Pose(i / 10, 0.2, yaw_rad=0) for i in range(10)))
 WAYS = PathsView("swarm", (WAY, PathView("cf1", (Pose(0, 0), Pose(0.4, 0.9)))))
 ROOM = Scene(
@@ -138,7 +138,7 @@ def test_a_path_is_shown_and_its_end_marked() -> None:
         replace(GRID, width=100_000, height=100_000),
     ],
 )
-def test_a_broken_map_is_refused(wrong: Grid) -> None:
+def test_a_broken_map_is_refused(wrong: OccupancyMap) -> None:
     with pytest.raises(NothingToSee, match=r"^The map .*\.$"):
         draw(wrong)
 
@@ -202,7 +202,7 @@ def test_nothing_to_draw_is_said(points: tuple[tuple[float, float], ...]) -> Non
 
 @pytest.mark.parametrize("values", [[5.0], [0.0, 0.0], [1e9, -1e9], [1e-9, 2e-9], [-3.0, -3.0]])
 def test_any_range_of_values_can_be_drawn(values: list[float]) -> None:
-    draw(Curve("x", "", tuple((float(i - 9), v) for i, v in enumerate(values))))
+    draw(TimeSeries("x", "", tuple((float(i - 9), v) for i, v in enumerate(values))))
 
 
 def test_a_way_begins_green_and_ends_where_the_robot_is() -> None:
@@ -225,7 +225,9 @@ def test_no_way_is_said(way: PathView) -> None:
 
 def test_a_clip_moves() -> None:
     row = bytes(range(64))
-    frames = tuple(Raster(64, 48, "mono8", 64, (row[i:] + row[:i]) * 48) for i in range(0, 50, 10))
+    frames = tuple(
+        RawFrame(64, 48, "mono8", 64, (row[i:] + row[:i]) * 48) for i in range(0, 50, 10)
+    )
     image = opened(draw(Clip(frames, 0.25)))
     assert (image.format, getattr(image, "n_frames", 0)) == ("GIF", 5)
     assert image.info["duration"] == 250

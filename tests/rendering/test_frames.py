@@ -8,7 +8,7 @@ from array import array
 import pytest
 from PIL import Image
 
-from rosic.core.robot.view import Drawing, Encoded, Raster
+from rosic.core.robot.view import CompressedFrame, Drawing, RawFrame
 from rosic.errors import NothingToSee
 from rosic.rendering import frames
 from rosic.rendering.draw import draw
@@ -23,10 +23,10 @@ def opened(drawing: Drawing) -> Image.Image:
     return image.convert("RGB")
 
 
-def encoded(kind: str, size: tuple[int, int] = (64, 48), mode: str = "RGB") -> Encoded:
+def encoded(kind: str, size: tuple[int, int] = (64, 48), mode: str = "RGB") -> CompressedFrame:
     buffer = io.BytesIO()
     Image.new(mode, size, RED if mode == "RGB" else 3000).save(buffer, kind)
-    return Encoded(buffer.getvalue())
+    return CompressedFrame(buffer.getvalue())
 
 
 def near(one: object, other: tuple[int, int, int]) -> bool:
@@ -51,13 +51,13 @@ def test_a_compressed_frame_is_shown(kind: str) -> None:
 )
 def test_bare_pixels_have_the_right_colours(encoding: str, pixel: tuple[int, ...]) -> None:
     row = bytes(pixel) * 8 + b"pad"
-    shown = opened(draw(Raster(8, 8, encoding, len(row), row * 8)))
+    shown = opened(draw(RawFrame(8, 8, encoding, len(row), row * 8)))
     assert near(shown.getpixel((4, 4)), RED)
 
 
 def test_the_last_row_may_come_without_its_padding() -> None:
     row = bytes(RED) * 8 + b"pad"
-    draw(Raster(8, 8, "rgb8", len(row), (row * 8)[:-3]))
+    draw(RawFrame(8, 8, "rgb8", len(row), (row * 8)[:-3]))
 
 
 @pytest.mark.parametrize("big_endian", [False, True])
@@ -67,7 +67,7 @@ def test_depth_is_bright_where_it_is_near_and_black_where_it_is_unknown(
     depths = array("H", [0] * 20 + [500] * 20 + [4000] * 24)
     if big_endian:
         depths.byteswap()
-    frame = Raster(64, 64, "16UC1", 128, depths.tobytes() * 64, big_endian)
+    frame = RawFrame(64, 64, "16UC1", 128, depths.tobytes() * 64, big_endian)
     shown = opened(draw(frame))
     unknown, close, far = (shown.getpixel((x, 30)) for x in (8, 30, 55))
     assert near(unknown, (0, 0, 0))
@@ -90,24 +90,24 @@ def test_low_quality_is_less() -> None:
     noise = Image.effect_noise((800, 600), 60)
     buffer = io.BytesIO()
     noise.save(buffer, "PNG")
-    frame = Encoded(buffer.getvalue())
+    frame = CompressedFrame(buffer.getvalue())
     assert len(draw(frame, low=True).content) * 8 < len(draw(frame).content)
 
 
-WRONG: dict[str, Encoded | Raster] = {
-    "no picture at all": Encoded(b"hello"),
-    "nothing": Encoded(b""),
-    "half a jpeg": Encoded(encoded("JPEG", (640, 480)).data[:700]),
-    "half a png": Encoded(encoded("PNG", (640, 480)).data[:80]),
+WRONG: dict[str, CompressedFrame | RawFrame] = {
+    "no picture at all": CompressedFrame(b"hello"),
+    "nothing": CompressedFrame(b""),
+    "half a jpeg": CompressedFrame(encoded("JPEG", (640, 480)).data[:700]),
+    "half a png": CompressedFrame(encoded("PNG", (640, 480)).data[:80]),
     "another format": encoded("GIF"),
-    "too many bytes": Encoded(bytes(frames.MOST_BYTES + 1)),
+    "too many bytes": CompressedFrame(bytes(frames.MOST_BYTES + 1)),
     "a bomb": encoded("PNG", (5000, 5000)),
-    "unknown encoding": Raster(8, 8, "bayer_rggb8", 8, bytes(64)),
-    "too short": Raster(8, 8, "mono8", 8, bytes(55)),
-    "too long": Raster(8, 8, "mono8", 8, bytes(65)),
-    "narrow rows": Raster(8, 8, "rgb8", 8, bytes(64)),
-    "empty": Raster(0, 8, "mono8", 0, b""),
-    "huge": Raster(100_000, 100_000, "mono8", 100_000, b""),
+    "unknown encoding": RawFrame(8, 8, "bayer_rggb8", 8, bytes(64)),
+    "too short": RawFrame(8, 8, "mono8", 8, bytes(55)),
+    "too long": RawFrame(8, 8, "mono8", 8, bytes(65)),
+    "narrow rows": RawFrame(8, 8, "rgb8", 8, bytes(64)),
+    "empty": RawFrame(0, 8, "mono8", 0, b""),
+    "huge": RawFrame(100_000, 100_000, "mono8", 100_000, b""),
 }
 
 

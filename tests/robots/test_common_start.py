@@ -9,7 +9,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.config.profiles import load_profile, shipped_profiles
-from rosic.core.order import Ending, Order, Stop
+from rosic.core.order import Order, OrderEnding, Stop
 from rosic.core.order_gate import OrderGate
 from rosic.core.synchronised_start import TOO_LATE_NS
 from rosic.errors import OrderVoid
@@ -72,7 +72,7 @@ async def test_who_hears_of_it_in_time_or_just_after_begins(late_ns: int) -> Non
     order = here.order(late_ns)
     begun_ns = max(here.clock.monotonic_ns(), order.start_ns or 0)
     outcome = await here.done(order)
-    assert outcome.ending is Ending.DONE, outcome
+    assert outcome.ending is OrderEnding.DONE, outcome
     activity = theatre_of(here.clock).world.omni.activity
     assert activity is not None
     assert activity.begun_s == begun_ns / 1e9
@@ -81,14 +81,14 @@ async def test_who_hears_of_it_in_time_or_just_after_begins(late_ns: int) -> Non
 async def test_a_later_line_of_a_message_waits_for_the_first_and_not_for_the_others() -> None:
     here = Here()
     later = replace(here.order(3_000_000_000), sequel=True)
-    assert (await here.done(later)).ending is Ending.DONE
+    assert (await here.done(later)).ending is OrderEnding.DONE
 
 
 async def test_what_has_no_place_for_a_common_start_is_not_too_late_for_it() -> None:
     here = Here(SystemClock())  # a stream that is cut into steps of time ends by real time only
     order = here.order(1_000_000_000, "drive", DRIVE)
     outcome = await here.robot.execute(order, lambda _report: None)
-    assert outcome.ending is Ending.DONE
+    assert outcome.ending is OrderEnding.DONE
 
 
 async def test_a_stop_is_the_better_reason() -> None:

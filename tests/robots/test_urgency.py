@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 from concurrent.futures import ThreadPoolExecutor
 
-from rosic_sim.ros2.realtime_priority import Urgency
+from rosic_sim.ros2.realtime_priority import RealtimePriority
 
 
-def policies(*, wanted: bool) -> tuple[Urgency, list[int]]:
+def policies(*, wanted: bool) -> tuple[RealtimePriority, list[int]]:
     """Return what the system makes of a thread that is urgent, and is not any more."""
-    urgency = Urgency(wanted=wanted)
+    urgency = RealtimePriority(wanted=wanted)
 
     def live() -> list[int]:
         seen = [os.sched_getscheduler(0)]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 import pytest
 
 from rosic.errors import RobotOffline
-from rosic.robots.ros2.abandoned_goals import Loose, LooseGoals
+from rosic.robots.ros2.abandoned_goals import AbandonedGoal, AbandonedGoals
 from rosic.robots.ros2.errors import NoAnswer, NotSent
 from rosic.system import SystemClock
 from tests.pace import pace
@@ -40,8 +40,8 @@ class Asked:
 
 async def settled_after(goal: Asked) -> int:
     settled: list[int] = []
-    goals = LooseGoals(SystemClock(), lambda: settled.append(1))
-    goals.add(Loose(cast("Goal", goal), lambda: True))
+    goals = AbandonedGoals(SystemClock(), lambda: settled.append(1))
+    goals.add(AbandonedGoal(cast("Goal", goal), lambda: True))
     with pytest.raises(RobotOffline, match="Base was told to end what was broken off"):
         goals.check("Base")
     await asyncio.wait_for(goal.forgotten.wait(), 60 * pace())
@@ -67,7 +67,7 @@ async def test_nothing_is_done_on_a_link_that_is_closed() -> None:
 
 
 async def test_what_has_left_the_graph_hinders_nobody() -> None:
-    goals = LooseGoals(SystemClock(), lambda: None)
-    goals.add(Loose(cast("Goal", Asked(*[NoAnswer("silent")] * 9)), lambda: False))
+    goals = AbandonedGoals(SystemClock(), lambda: None)
+    goals.add(AbandonedGoal(cast("Goal", Asked(*[NoAnswer("silent")] * 9)), lambda: False))
     goals.check("Base")
     goals.close()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.robots.ros2.endpoint_identity import Newcomers, born_anew
+from rosic.robots.ros2.endpoint_identity import UnidentifiedEndpoints, born_anew
 
 BASE = {b"1": "/base/base"}
 
@@ -34,7 +34,7 @@ S = 1_000_000_000
 
 
 def test_whoever_joins_is_waited_for_until_a_name_is_known_and_no_longer() -> None:
-    newcomers = Newcomers(BASE, 0.25)
+    newcomers = UnidentifiedEndpoints(BASE, 0.25)
     assert not newcomers.nameless(BASE, 0)
     assert not newcomers.waits
     assert not newcomers.nameless(BASE | {b"2": ""}, 5 * S)
@@ -47,13 +47,13 @@ def test_whoever_joins_is_waited_for_until_a_name_is_known_and_no_longer() -> No
 
 
 def test_who_had_no_name_from_the_first_is_not_waited_for() -> None:
-    newcomers = Newcomers({b"1": ""}, 0.25)
+    newcomers = UnidentifiedEndpoints({b"1": ""}, 0.25)
     assert not newcomers.nameless({b"1": ""}, 9 * S)
     assert not newcomers.waits
 
 
 def test_a_name_that_comes_later_is_taken_in_and_told_again_when_it_is_born_anew() -> None:
-    newcomers = Newcomers({b"1": ""}, 0.25)
+    newcomers = UnidentifiedEndpoints({b"1": ""}, 0.25)
     assert not newcomers.nameless(BASE, 1 * S)
     assert newcomers.first == BASE
     assert not newcomers.nameless(BASE | {b"2": "/base/base"}, 2 * S), "its name is known"
@@ -66,7 +66,7 @@ def test_a_name_that_comes_later_is_taken_in_and_told_again_when_it_is_born_anew
 
 def test_while_one_of_the_first_has_no_name_whoever_joins_may_be_that_one() -> None:
     now = {b"1": "", b"2": "/base/base"}
-    newcomers = Newcomers({b"1": ""}, 0.25)
+    newcomers = UnidentifiedEndpoints({b"1": ""}, 0.25)
     assert not newcomers.nameless(now, 5 * S)
     assert newcomers.waits, "nothing is sent"
     assert newcomers.nameless(now, 5 * S + S // 4)

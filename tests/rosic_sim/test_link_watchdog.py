@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from rosic_sim.ros2.link_watchdog import LINK_LOST_S, LinkWatch
+from rosic_sim.ros2.link_watchdog import LINK_LOST_S, LinkWatchdog
 
 
 @pytest.mark.parametrize("lost_s", [LINK_LOST_S, 9.0])
 def test_a_link_is_lost_after_as_long_as_was_said_and_that_is_said_once(lost_s: float) -> None:
-    watch = LinkWatch(lost_s)
+    watch = LinkWatchdog(lost_s)
     watch.heard(100.0)
     watch.begin(100.0 + lost_s)
 
@@ -19,7 +19,7 @@ def test_a_link_is_lost_after_as_long_as_was_said_and_that_is_said_once(lost_s: 
 
 
 def test_a_motion_that_begins_unheard_is_not_watched() -> None:
-    watch = LinkWatch(9.0)
+    watch = LinkWatchdog(9.0)
     watch.heard(100.0)
     watch.begin(109.5)
 

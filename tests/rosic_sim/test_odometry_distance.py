@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, cast
 
 import pytest
 
-from rosic.robots.ros2.odometry_distance import MeasuredWay, told_m_s
+from rosic.robots.ros2.odometry_distance import OdometryDistance, told_m_s
 from rosic.robots.ros2.telemetry import MeasuredPose
 
 if TYPE_CHECKING:
@@ -29,8 +29,8 @@ class Odometry:
         self.at = MeasuredPose(x_m, 0.0, speed_m_s, before.at_ns + ticks * TICK_NS, births)
 
 
-def way_of(odometry: Odometry, told: float = 0.2) -> MeasuredWay:
-    return MeasuredWay(cast("Measurements", odometry), told)
+def way_of(odometry: Odometry, told: float = 0.2) -> OdometryDistance:
+    return OdometryDistance(cast("Measurements", odometry), told)
 
 
 def test_what_it_drives_is_added_up_also_back_and_over_a_gap() -> None:

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.robots.ros2.publishers import SENDS_WITHIN_NS, WINDOW_NS, Informed, Senders
+from rosic.robots.ros2.publishers import (
+    SENDS_WITHIN_NS,
+    WINDOW_NS,
+    MessageInfoCallback,
+    TopicPublishers,
+)
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.publishers import About
@@ -20,14 +25,14 @@ def about(sent_ns: int, gid: bytes = b"a") -> About:
 
 
 def test_what_was_held_back_is_dated_by_its_sending() -> None:
-    senders = Senders()
+    senders = TopicPublishers()
     assert senders.take(about(0), 5 * MS) == 5 * MS, "the quickest so far counts as quick"
     assert senders.take(about(50 * MS), 54 * MS) == 54 * MS
     assert senders.take(about(100 * MS), 3_104 * MS) == 104 * MS, "three seconds on its way"
 
 
 def test_a_clock_that_is_set_counts_as_it_is_after_a_while() -> None:
-    senders = Senders()
+    senders = TopicPublishers()
     senders.take(about(0), 0)
     back_ns, now_ns, dated_ns = 10**10, 0, 0
     for _ in range(3):
@@ -37,25 +42,25 @@ def test_a_clock_that_is_set_counts_as_it_is_after_a_while() -> None:
 
 
 def test_what_says_nothing_of_its_sending_was_sent_when_it_came() -> None:
-    assert Senders().take({"source_timestamp": 0, "publisher_gid": None}, 7 * MS) == 7 * MS
+    assert TopicPublishers().take({"source_timestamp": 0, "publisher_gid": None}, 7 * MS) == 7 * MS
 
 
 def test_who_is_new_in_the_place_of_another_was_born_anew() -> None:
-    senders = Senders()
+    senders = TopicPublishers()
     for now_ns, gid in enumerate((b"a", b"a", b"b", b"a", b"b"), start=1):
         senders.take(about(now_ns, gid), now_ns)
     assert (senders.births, senders.born_ns) == (1, 2), "two that speak in turn are known"
 
 
 def test_one_that_takes_the_place_of_another_is_not_one_of_several() -> None:
-    senders = Senders()
+    senders = TopicPublishers()
     for now_ns, gid in enumerate((b"a", b"a", b"b", b"b"), start=1):
         senders.take(about(now_ns, gid), now_ns)
         assert not senders.several(now_ns)
 
 
 def test_two_that_are_heard_in_turn_are_several_until_one_falls_silent() -> None:
-    senders = Senders()
+    senders = TopicPublishers()
     for now_ns, gid in enumerate((b"a", b"b", b"a"), start=1):
         senders.take(about(now_ns, gid), now_ns)
     assert senders.several(3)
@@ -66,7 +71,7 @@ def test_two_that_are_heard_in_turn_are_several_until_one_falls_silent() -> None
 
 def test_both_ways_in_which_rclpy_calls_back_are_one() -> None:
     heard: list[tuple[bytes, About]] = []
-    informed = Informed(lambda content, about: heard.append((content, about)))
+    informed = MessageInfoCallback(lambda content, about: heard.append((content, about)))
     told = about(1)
     informed(b"x", told)
     informed((b"x", told))

@@ -13,7 +13,7 @@ from PIL import Image, ImageChops, ImageStat
 from rosic.app.readme_picture import FILE, played, robots
 from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.order_gate import OrderGate
-from rosic.core.robot.view import Box, Grid, Scene, Sight, Tube, View
+from rosic.core.robot.view import Box, OccupancyMap, Scene, Tube, View, ViewKind
 from rosic.errors import NothingToSee
 from rosic.rendering.draw import draw
 from rosic.testing.clock import ManualClock
@@ -35,7 +35,7 @@ def simulated(name: str) -> Profile:
     return load_profile(shipped_profiles()[name], link="simulated")
 
 
-async def first(robot: SimulatedRobot, sight: Sight) -> View:
+async def first(robot: SimulatedRobot, sight: ViewKind) -> View:
     async with aclosing(robot.look(sight)) as views:
         return await anext(views)
 
@@ -44,7 +44,7 @@ async def first(robot: SimulatedRobot, sight: Sight) -> View:
 async def test_every_robot_can_be_looked_at(name: str) -> None:
     clock = ManualClock()
     robot = SimulatedRobot(simulated(name), OrderGate.new(name), clock)
-    view = await first(robot, Sight.PICTURE)
+    view = await first(robot, ViewKind.PICTURE)
     assert isinstance(view.content, Scene)
     assert view.taken_ns == clock.monotonic_ns()
     assert not view.foreign
@@ -53,10 +53,12 @@ async def test_every_robot_can_be_looked_at(name: str) -> None:
 
 async def test_only_the_omni_has_a_map() -> None:
     clock = ManualClock()
-    view = await first(SimulatedRobot(simulated("omni"), OrderGate.new("omni"), clock), Sight.MAP)
-    assert isinstance(view.content, Grid)
+    view = await first(
+        SimulatedRobot(simulated("omni"), OrderGate.new("omni"), clock), ViewKind.MAP
+    )
+    assert isinstance(view.content, OccupancyMap)
     with pytest.raises(NothingToSee):
-        await first(SimulatedRobot(simulated("kuka1"), OrderGate.new("kuka1"), clock), Sight.MAP)
+        await first(SimulatedRobot(simulated("kuka1"), OrderGate.new("kuka1"), clock), ViewKind.MAP)
 
 
 def test_a_robot_is_shown_alone() -> None:

@@ -10,7 +10,7 @@ from weakref import ref
 from msgspec.structs import replace
 
 from rosic.config.profiles import load_profile, shipped_profiles
-from rosic.core.order import Ending, Stop
+from rosic.core.order import OrderEnding, Stop
 from rosic.core.order_gate import OrderGate
 from rosic.core.robot.profile import Link
 from rosic.robots.ros2.client.node import station_of
@@ -34,7 +34,7 @@ async def moved_once(clock: SystemClock) -> None:
         "drive", {"linear": 0.1, "lateral": 0.0, "angular": 0.0, "duration": 0.1}
     )
     outcome = await robot.execute(order, lambda _report: None)
-    assert outcome.ending is Ending.DONE
+    assert outcome.ending is OrderEnding.DONE
     await robot.close()
 
 
@@ -72,7 +72,7 @@ async def test_a_stop_in_full_motion_ends_when_rest_is_measured() -> None:
         assert robot.presence().at_rest is True
         assert rest.confirmed
         assert rest.seconds > 0
-        assert (await running).ending is Ending.CANCELLED
+        assert (await running).ending is OrderEnding.CANCELLED
     await robot.close()
 
 

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.deadman import STOOD_STILL
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.core.order_gate import OrderGate
 from rosic.core.robot.profile import Link
 from rosic.testing.clock import ManualClock
@@ -62,7 +62,7 @@ async def test_a_drive_ends_for_good_and_says_for_how_long_it_drove() -> None:
         await clock.advance(5.0)
         outcome = running.result()
         assert x_m(robot, clock) - at_m < 0.2, "its watchdog stops it, and nothing moves it again"
-    assert (outcome.ending, outcome.code) == (Ending.FAILED, STOOD_STILL)
+    assert (outcome.ending, outcome.code) == (OrderEnding.FAILED, STOOD_STILL)
     assert outcome.note.startswith("drove for 2.0 s; then ROSIC itself stood still for 8.")
 
 
@@ -79,7 +79,7 @@ async def test_what_a_machine_does_by_itself_ends_as_without_a_link() -> None:
         await clock.advance(5.0)
         outcome = running.result()
         assert x_m(robot, clock) - at_m < 0.5, "a second until the link is lost, and braking"
-    assert (outcome.ending, outcome.code) == (Ending.CANCELLED, STOOD_STILL)
+    assert (outcome.ending, outcome.code) == (OrderEnding.CANCELLED, STOOD_STILL)
     assert outcome.note == "link lost, holding"
 
 
@@ -92,7 +92,7 @@ async def test_a_drone_that_follows_does_not_follow_on() -> None:
             for r in (leader, follower)
         ]
         await clock.advance(6.0)
-        assert {(await up).ending for up in rising} == {Ending.DONE}
+        assert {(await up).ending for up in rising} == {OrderEnding.DONE}
         following = begun(follower, books["cf2"].order("follow", FOLLOW))
         await clock.advance(2.0)
         clock.suspend(8.0)

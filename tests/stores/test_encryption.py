@@ -13,7 +13,7 @@ from nacl.bindings import crypto_aead_xchacha20poly1305_ietf_encrypt as encrypt
 from rosic.core.records import Concluded, Enrolled, Letter, Placed
 from rosic.errors import ConfigurationError
 from rosic.stores.database import DatabaseStore
-from rosic.stores.encryption import NONCE_BYTES, ROOM_BYTES, RootKey, Sealer, Unreadable
+from rosic.stores.encryption import NONCE_BYTES, ROOM_BYTES, DecryptionError, RootKey, Sealer
 from rosic.stores.record_mark import DATABASE
 from rosic.stores.root_key import ROOT_KEY
 from rosic.stores.stop_latch import FileLatch
@@ -260,11 +260,11 @@ async def test_shredding_without_the_key_in_the_log_would_be_seen(tmp_path: Path
 
 def test_a_key_opens_nothing_of_another_root() -> None:
     wrapped = RootKey(bytes(32)).new_key(ADA).wrapped
-    with pytest.raises(Unreadable):
+    with pytest.raises(DecryptionError):
         RootKey(bytes(range(32))).unwrap(ADA, wrapped)
-    with pytest.raises(Unreadable):
+    with pytest.raises(DecryptionError):
         RootKey(bytes(32)).unwrap(BOB, wrapped)
-    with pytest.raises(Unreadable):
+    with pytest.raises(DecryptionError):
         RootKey(bytes(32)).unwrap(ADA, wrapped[:40])
 
 

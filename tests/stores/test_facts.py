@@ -17,7 +17,7 @@ from rosic.stores.data_dir import StoreSettings
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore
 from rosic.stores.record_mark import DATABASE
-from rosic.stores.statements import TakePairs
+from rosic.stores.statements import DeletePairs
 from rosic.stores.tables import facts
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import ADA, a_claim, a_fact
@@ -139,7 +139,7 @@ async def test_a_fact_is_found_by_its_index_and_read_in_its_order(tmp_path: Path
     await store.open()
     await store.close()
     with sqlite.engine_for(tmp_path / DATABASE, StoreSettings()).connect() as connection:
-        take = TakePairs(connection.dialect, facts.c.kind, facts.c.key)
+        take = DeletePairs(connection.dialect, facts.c.kind, facts.c.key)
         take.run(connection.connection.cursor(), ["slot", "x"] * 128)
         with closing(sqlite3.connect(tmp_path / DATABASE)) as database:
             for count, text in take._texts.items():

@@ -15,7 +15,7 @@ from rosic.authoriser.counters import Counters
 from rosic.authoriser.directory import Directory
 from rosic.authoriser.enrolment import Enrolment, EnrolmentRules
 from rosic.authoriser.keys import KeyRing
-from rosic.authoriser.locks import Locks
+from rosic.authoriser.locks import AccountLocks
 from rosic.authoriser.security_report import SecurityReports
 from rosic.authoriser.two_factor import TwoFactor
 from rosic.core.deferred import Deferred
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable
 
     from rosic.app.policy import PolicyService
-    from rosic.authoriser.abuse import Invalidate
+    from rosic.authoriser.abuse import InvalidateKey
     from rosic.authoriser.invitations import InvitedRights
     from rosic.authoriser.monotonic_clock import MonotonicWallClock
     from rosic.contracts.clock import Clock, Entropy
@@ -98,7 +98,7 @@ class AccessFeature:
         self.cards: tuple[Fact, ...] = ()
         self.keys = authoriser.keys
         self.time, self.counters = self.keys.time, self.keys.counters
-        self.locks = Locks(self.time)
+        self.locks = AccountLocks(self.time)
         self.may_invite: Deferred[[PrincipalId, InvitedRights], bool] = Deferred(_nobody_invites)
         self.enrolment = Enrolment(
             authoriser.directory,
@@ -248,7 +248,7 @@ def admins_of(organiser: Organiser) -> tuple[PrincipalId, ...]:
     return organiser.rights.givers(FLEET, organiser.wall_ns())
 
 
-class MisuseFollower:
+class AbuseResponse:
     """Lets the rules about misuse hear of what people try, and does what they ask for."""
 
     def __init__(self, access: AccessFeature, organiser: Organiser, reach: Notifier) -> None:
@@ -280,7 +280,7 @@ class MisuseFollower:
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)
 
-    async def _invalidate(self, caller: Caller, said: Invalidate) -> None:
+    async def _invalidate(self, caller: Caller, said: InvalidateKey) -> None:
         """End a key by rule: at once, written as soon as it can be, and both sides are told."""
         if not said.spare:
             async with self._changes.turn() as turn:

@@ -52,7 +52,7 @@ DIGEST_BYTES: Final = 16
 log = logging.getLogger("rosic.fleet")
 
 
-class Draft(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+class ProfileDraft(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """A profile as it was handed over; also the body of the fact.
 
     Attributes:
@@ -71,32 +71,32 @@ class Draft(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
         return blake2b(_encode(self), digest_size=DIGEST_BYTES).digest()
 
 
-class Wanted(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+class AddRobotRequest(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """A robot that somebody wants to add.
 
     Attributes:
         role: In which it speaks with the other robots; empty: it does not.
     """
 
-    draft: Draft
+    draft: ProfileDraft
     role: str = ""
 
 
 _encode = msgspec.msgpack.Encoder().encode
-_decode = msgspec.msgpack.Decoder(Draft).decode
+_decode = msgspec.msgpack.Decoder(ProfileDraft).decode
 
 
-def fact_of(robot: str, draft: Draft) -> Fact:
+def fact_of(robot: str, draft: ProfileDraft) -> Fact:
     """Return what makes a robot known to every later start."""
     return Fact(kind=KIND, key=robot, body=_encode(draft))
 
 
-def read_draft(draft: Draft, units: UnitTable) -> ReadProfile:
+def read_draft(draft: ProfileDraft, units: UnitTable) -> ReadProfile:
     """Read a profile as ``rosic robot check`` does. Never raises."""
     return read_profile_text(draft.text, draft.name, units, link=draft.link)
 
 
-def check_draft(draft: Draft, units: UnitTable) -> tuple[Profile, Sequence[str]]:
+def check_draft(draft: ProfileDraft, units: UnitTable) -> tuple[Profile, Sequence[str]]:
     """Return the robot of a profile, and what could be better about it.
 
     Raises:
@@ -173,7 +173,7 @@ _DIGEST: Final = re.compile(rf"[0-9a-f]{{{DIGEST_LETTERS}}}", re.IGNORECASE)
 class RobotAdder(Protocol):
     """Adds robots to a gateway that runs."""
 
-    async def check(self, draft: Draft, role: str = "") -> tuple[Profile, Sequence[str]]:
+    async def check(self, draft: ProfileDraft, role: str = "") -> tuple[Profile, Sequence[str]]:
         """Return the robot of a profile that nobody would take for another, and advice about it.
 
         Raises:
@@ -181,7 +181,7 @@ class RobotAdder(Protocol):
         """
         ...
 
-    async def add(self, draft: Draft, by: PrincipalId, role: str = "") -> str:
+    async def add(self, draft: ProfileDraft, by: PrincipalId, role: str = "") -> str:
         """Add a robot. Return what is said of it.
 
         Raises:
@@ -252,12 +252,12 @@ class AddRobotFromChat:
         now_ns = organiser.wall_ns() if at_ns is None else at_ns
         return all(organiser.rights.holds(principal, FLEET, w, now_ns) for w in (ASSIGN, GRANT))
 
-    async def _draft(self, filed: StoredFile) -> Draft:
+    async def _draft(self, filed: StoredFile) -> ProfileDraft:
         if filed.size > TEXT_BYTES:
             raise NotUnderstood(words.TOO_LONG)
         content = await content_of(self._data_context.vault, filed)
         try:
-            return Draft(text=content.decode("utf-8-sig"), name=filed.name)
+            return ProfileDraft(text=content.decode("utf-8-sig"), name=filed.name)
         except UnicodeDecodeError:
             raise NotUnderstood(words.NO_TEXT) from None
 

@@ -8,7 +8,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, cast
 
-from rosic.app.people import Seed, named_in_file
+from rosic.app.people import ConfiguredPerson, named_in_file
 from rosic.contracts.file_rules import ValidationFinding
 from rosic.contracts.messenger import watch_reactions
 from rosic.core.alerts.rule import read_run, rules_of
@@ -16,9 +16,9 @@ from rosic.features.alerts.actions import AlertActions
 from rosic.features.alerts.active_alerts import ALARM, MUTE, RUN, TOLD, AlertLog
 from rosic.features.alerts.commands import AlertCommands, AlertReactions
 from rosic.features.alerts.evaluator import AlertEvaluator
-from rosic.features.alerts.offline_notices import Absences
+from rosic.features.alerts.offline_notices import OfflineNotices
 from rosic.features.alerts.recipients import Recipients
-from rosic.features.alerts.stop_violations import BrokenStops
+from rosic.features.alerts.stop_violations import StopViolations
 from rosic.features.benchmarks.evaluation import follow
 from rosic.features.media.commands import register_commands, sights
 from rosic.features.media.context import MediaContext, MediaQueries
@@ -69,11 +69,13 @@ class AlertFeature:
         self.alerting = AlertEvaluator(rooms, access.changes, hands.reach, clock, book, circles)
         hands.reach.again.bind(self.alerting.again)
         self.reacting = AlertReactions(self.alerting, rooms.authoriser.directory, hands.reach)
-        self.absences = Absences(rooms, hands.reach, clock)
-        self.broken_stops = BrokenStops(rooms, hands.reach, clock, circles)
+        self.absences = OfflineNotices(rooms, hands.reach, clock)
+        self.broken_stops = StopViolations(rooms, hands.reach, clock, circles)
         self._hands, self._clock = hands, clock
 
-    def set_up(self, pipeline: Pipeline, memory: Memory, people: Iterable[Seed]) -> None:
+    def set_up(
+        self, pipeline: Pipeline, memory: Memory, people: Iterable[ConfiguredPerson]
+    ) -> None:
         """Read the rules, take over what earlier runs have raised, and take the commands."""
         rooms, changes, book = self._rooms, self._access.changes, self.alerting.book
         for kind in (ALARM, MUTE, RUN):

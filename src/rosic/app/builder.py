@@ -9,7 +9,7 @@ from zoneinfo import ZoneInfo
 
 from rosic.app.alert_feature import painter
 from rosic.app.runtime import face_of
-from rosic.app.settings import Completing, GatewayParts, GatewaySettings
+from rosic.app.settings import GatewayParts, GatewaySettings, SupportsCompletion
 from rosic.config.plugins import demand_good, messenger_factory, robot_factory, shared_spaces
 from rosic.config.profiles import known_units
 from rosic.contracts.messenger import is_account
@@ -28,7 +28,7 @@ log = logging.getLogger("rosic.gateway")
 
 
 @runtime_checkable
-class ConfigurationCheck(Protocol):
+class AccountProbe(Protocol):
     """A messenger whose account can be looked at without listening."""
 
     async def check(self) -> str:
@@ -58,7 +58,7 @@ def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -
     for messenger in messengers:
         for wrong in nobodies(config, messenger):
             raise wrong
-        if isinstance(messenger, Completing):
+        if isinstance(messenger, SupportsCompletion):
             messenger.know(config.robots)
     for profile in config.robots:
         demand_good(profile, robot_factory(profile.link.kind), clock, str(config.path))

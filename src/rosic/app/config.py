@@ -13,7 +13,7 @@ import msgspec
 from msgspec import inspect
 
 from rosic.app.alert_feature import author_findings
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.app.robot_to_robot_feature import robot_findings
 from rosic.config.gateway_file import (
     ConfigFile,
@@ -29,7 +29,7 @@ from rosic.config.missions import Missions, rulebook_of
 from rosic.config.profiles import find_profile, fleet_findings, known_units, read_profile
 from rosic.config.secrets import SecretSettings
 from rosic.config.toml_source import read_toml
-from rosic.config.validation import Walker
+from rosic.config.validation import SourceValidator
 from rosic.container.files import FileQuota
 from rosic.contracts.file_rules import ValidationFinding
 from rosic.core.fleet.mission import Mission
@@ -41,7 +41,7 @@ from rosic.errors import ConfigurationError
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from rosic.config.source_map import Source
+    from rosic.config.source_map import SourceMap
     from rosic.core.language import UnitTable
 
 
@@ -86,7 +86,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     log_level: LogLevel
     messengers: tuple[MessengerSettings, ...]
     robots: tuple[Profile, ...]
-    people: tuple[Seed, ...]
+    people: tuple[ConfiguredPerson, ...]
     rulebook: RoleRules
     zone: str
     limits: RateLimit
@@ -153,7 +153,7 @@ def read_config(
         source = read_toml(Path(path))
     except ConfigurationError as error:
         return ReadConfig(None, [error], [])
-    walker = Walker(source, config_rules())
+    walker = SourceValidator(source, config_rules())
     walker.check(source.data, inspect.type_info(ConfigFile), ())
     if walker.errors:
         return ReadConfig(None, walker.errors, [])
@@ -194,8 +194,8 @@ def _robot_limits(file: ConfigFile, robots: Sequence[Profile]) -> dict[RobotId, 
     return {robot: parse_rate(text) for robot, text in said.items() if text}
 
 
-def _seed(person: PrincipalTable) -> Seed:
-    return Seed(
+def _seed(person: PrincipalTable) -> ConfiguredPerson:
+    return ConfiguredPerson(
         name=person.name,
         addresses=tuple(address for _, address in said_addresses(person)),
         roles=tuple(role for _, role in said_roles(person)),
@@ -205,7 +205,7 @@ def _seed(person: PrincipalTable) -> Seed:
 class _Reading:
     """What the file names is looked up: secrets and profiles."""
 
-    def __init__(self, source: Source, path: Path, file: ConfigFile) -> None:
+    def __init__(self, source: SourceMap, path: Path, file: ConfigFile) -> None:
         self.errors: list[ConfigurationError] = []
         self.advice: list[ConfigurationError] = []
         self._source = source

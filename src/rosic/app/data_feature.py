@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rosic.authoriser.directory import SOMEBODY
 from rosic.config.translations import LANGUAGES
-from rosic.container.archive import NOBODY, Archive, Author
+from rosic.container.archive import NOBODY, Archive, MessageAuthor
 from rosic.container.files import FileQuota, FileStore
-from rosic.container.preferences import IMPERIAL, Caps, PreferenceBook
+from rosic.container.preferences import IMPERIAL, PreferenceBook, SpeedLimits
 from rosic.container.preferences import KIND as PREFERENCE
 from rosic.container.shared_data import SharedData
 from rosic.core.identity import Address, Principal
@@ -318,7 +318,7 @@ def preferences_of(
 ) -> PreferenceBook:
     """Return what people have set for themselves: their speed is a limit of all their rights."""
     skills = {profile.id: skills_of(profile) for profile in profiles}
-    preferences = PreferenceBook(clock, Caps(skills, unit_converter(units)), LANGUAGES)
+    preferences = PreferenceBook(clock, SpeedLimits(skills, unit_converter(units)), LANGUAGES)
     preferences.restore(memory.facts.get(PREFERENCE, ()))
     return preferences
 
@@ -390,6 +390,6 @@ def _called(authoriser: Authoriser, name: str) -> tuple[PrincipalId, ...]:
     return tuple(person.id for person in found if directory.has_good_key(person.id))
 
 
-def _author_of(authoriser: Authoriser, address: Address) -> Author:
+def _author_of(authoriser: Authoriser, address: Address) -> MessageAuthor:
     found = authoriser.directory.at(address)
-    return NOBODY if found is None else Author(found[0].id, found[0].name)
+    return NOBODY if found is None else MessageAuthor(found[0].id, found[0].name)

@@ -12,7 +12,7 @@ from rosic.app.alert_feature import painter
 from rosic.app.closing import close_in_time, on_signals
 from rosic.app.console import console_of, mind_console, read_at
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.app.runtime import PIPED, face_of, until_done, until_quiet
 from rosic.config.plugins import robot_factory
 from rosic.config.profiles import known_units, read_profile, shipped_profiles
@@ -128,7 +128,7 @@ def gateway_of(
 ) -> Gateway:
     """Make the gateway. Its one person may do everything, and is whoever started it."""
     address = Address(messenger.platform, messenger.account)
-    you = Seed(name=YOU, addresses=(address,), roles=("admin",))
+    you = ConfiguredPerson(name=YOU, addresses=(address,), roles=("admin",))
     parts = GatewayParts(
         messengers=(messenger,),
         robot_factory=robot_factory,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from rosic.contracts.messenger import catching_up
 from rosic.core.fleet import events as e
 from rosic.core.fleet.state import STANDING, TASK
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.core.records import Refused, Told
 from rosic.core.robot.skill import SkillClass
 from rosic.errors import Repeated, StoreFault
@@ -20,7 +20,7 @@ from rosic.features.benchmarks.evaluation import (
     follow,
 )
 from rosic.features.dashboard.commands import DashboardCommands
-from rosic.features.dashboard.fleet_dashboard import FLEET_CARD, FleetCards
+from rosic.features.dashboard.fleet_dashboard import FLEET_CARD, FleetDashboards
 from rosic.features.fleet.attempt import TaskAttempts, TaskRecall, attempt_id
 from rosic.features.fleet.dispatch_state import KIND as LETTER
 from rosic.features.fleet.dispatcher import TaskDispatcher
@@ -62,11 +62,11 @@ if TYPE_CHECKING:
 # ---- the fleet ----
 
 _ENDS = {
-    Ending.DONE.value: e.End.DONE,
-    Ending.FAILED.value: e.End.FAILED,
-    Ending.CANCELLED.value: e.End.SHUT_DOWN,
-    Ending.REFUSED.value: e.End.BUSY,
-    Ending.SENT.value: e.End.SENT,
+    OrderEnding.DONE.value: e.AttemptEnd.DONE,
+    OrderEnding.FAILED.value: e.AttemptEnd.FAILED,
+    OrderEnding.CANCELLED.value: e.AttemptEnd.SHUT_DOWN,
+    OrderEnding.REFUSED.value: e.AttemptEnd.BUSY,
+    OrderEnding.SENT.value: e.AttemptEnd.SENT,
 }
 
 
@@ -142,7 +142,7 @@ class FleetFeature:
     ) -> None:
         """Let the fleet be shown like robots are, in cards of its own."""
         messengers = self._hands.reach.messengers
-        cards = FleetCards(self.overview, self._changes, messengers, self._clock, sides)
+        cards = FleetDashboards(self.overview, self._changes, messengers, self._clock, sides)
         cards.restore(memory.facts.get(FLEET_CARD, ()))
         robots.others = cards
         handler = DashboardCommands(
@@ -169,7 +169,9 @@ class FleetFeature:
         ends = {task.id: await self._end(task, known, store) for task in held}
         await self.dispatching.settle(lambda task: ends[task.id])
 
-    async def _end(self, task: Task, known: dict[bytes, str | None], store: Store) -> e.End | None:
+    async def _end(
+        self, task: Task, known: dict[bytes, str | None], store: Store
+    ) -> e.AttemptEnd | None:
         """Return what is known of the order of a task's newest attempt.
 
         What is not among the unfinished lives was told already, or never claimed. A refusal in its
@@ -187,7 +189,7 @@ class FleetFeature:
         except (Repeated, StoreFault):
             return None
         store.note(Told(cid, self._clock.wall_ns()))
-        return e.End.BUSY
+        return e.AttemptEnd.BUSY
 
     def end_all(self, principal: PrincipalId) -> tuple[Fact, ...]:
         """Return what lets go everything that somebody has said; nobody carries it out then."""

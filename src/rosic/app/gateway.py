@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.app.access import AccessFeature, MisuseFollower, admins_of, authoriser_of
+from rosic.app.access import AbuseResponse, AccessFeature, admins_of, authoriser_of
 from rosic.app.added_robots import KIND as ADDED
 from rosic.app.added_robots import newcomers_of, with_added
 from rosic.app.alert_feature import set_up_media
@@ -251,7 +251,7 @@ class Gateway(RunningGateway):
     def _pipeline(self, chat_sender: ChatSender, reach: Notifier) -> Pipeline:
         """Make the way of an order, with everything that decides beside it."""
         parts, access, organiser = self._parts, self.access, self.rooms.organiser
-        misuse = MisuseFollower(access, organiser, reach)
+        misuse = AbuseResponse(access, organiser, reach)
 
         def confirmation_of(resolver: Resolver) -> Confirmation:
             is_set_up = access.two_factor.is_set_up

@@ -29,7 +29,7 @@ _encode_card = msgspec.msgpack.Encoder().encode
 _decode_card = msgspec.msgpack.Decoder(PersonRecord).decode
 
 
-class Seed(msgspec.Struct, frozen=True):
+class ConfiguredPerson(msgspec.Struct, frozen=True):
     """A person as the configuration file names one."""
 
     name: str
@@ -56,7 +56,7 @@ def person_of(entry: Enrolled) -> Principal:
 
 
 async def seed(
-    people: Iterable[Seed],
+    people: Iterable[ConfiguredPerson],
     memory: Memory,
     authoriser: Authoriser,
     store: Store,
@@ -81,7 +81,7 @@ async def seed(
 
 
 def named_in_file(
-    people: Iterable[Seed], memory: Memory, authoriser: Authoriser
+    people: Iterable[ConfiguredPerson], memory: Memory, authoriser: Authoriser
 ) -> dict[str, PrincipalId]:
     """Return whom each name of the configuration file means, by the name without its case.
 
@@ -100,7 +100,7 @@ def named_in_file(
 
 
 def admitted(
-    person: Seed, clock: Clock, entropy: Entropy, by: PrincipalId = OPERATOR
+    person: ConfiguredPerson, clock: Clock, entropy: Entropy, by: PrincipalId = OPERATOR
 ) -> tuple[Principal, AuthorisationKey, list[Record]]:
     """Return who becomes known, under which key given by whom, and all that makes it so."""
     principal, now_ns = f"p{entropy.token(RECORD_ID_BYTES).hex()}", clock.wall_ns()
@@ -126,6 +126,6 @@ def admitted(
     )
 
 
-def _digest(person: Seed) -> bytes:
+def _digest(person: ConfiguredPerson) -> bytes:
     """Return what stands for a person of the file: the name; addresses may be corrected later."""
     return blake2b(person.name.casefold().encode(), digest_size=16).digest()

@@ -23,7 +23,7 @@ log = logging.getLogger("rosic.record")
 
 
 @runtime_checkable
-class OnFiles(Protocol):
+class FileBackedRecord(Protocol):
     """A record that is kept in files, and notices when one of them is taken away."""
 
     def lost_file(self) -> str:
@@ -32,7 +32,7 @@ class OnFiles(Protocol):
 
 
 @runtime_checkable
-class Mending(Protocol):
+class RepairableStopFile(Protocol):
     """A stop file that can be written again from what is known."""
 
     async def mend(self) -> None:
@@ -49,7 +49,7 @@ def lost(file: str) -> str:
     )
 
 
-class RecordWatch:
+class RecordMonitor:
     """Looks every two seconds; each order is looked at besides, when it is written down.
 
     Args:
@@ -69,7 +69,7 @@ class RecordWatch:
 
     async def run(self) -> None:
         """Look until cancelled."""
-        while isinstance(self._store, OnFiles):
+        while isinstance(self._store, FileBackedRecord):
             self.say(await asyncio.to_thread(self._store.lost_file))
             if self._said:
                 await self._mend()
@@ -77,7 +77,7 @@ class RecordWatch:
 
     async def _mend(self) -> None:
         """Write again what is known here; the mark the record itself writes again."""
-        if isinstance(self._latch, Mending):
+        if isinstance(self._latch, RepairableStopFile):
             try:
                 await self._latch.mend()
             except (OSError, RosicError) as error:
@@ -110,10 +110,10 @@ class RecordWatch:
 
 def record_watch_of(
     store: object, latch: object, clock: Clock, furnished: FeatureSetup
-) -> RecordWatch:
+) -> RecordMonitor:
     """Return what tells the admins when a file of the record is gone."""
 
     def tell(text: str) -> None:
         furnished.reach.tell(furnished.admins(), text, urgent=True)
 
-    return RecordWatch(store, latch, clock, tell)
+    return RecordMonitor(store, latch, clock, tell)

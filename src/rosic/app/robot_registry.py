@@ -12,12 +12,12 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.app.added_robots import KIND, Wanted, check_distinct, check_draft, fact_of
+from rosic.app.added_robots import KIND, AddRobotRequest, check_distinct, check_draft, fact_of
 from rosic.app.alert_feature import add_seen, read_rules
 from rosic.app.fleet_feature import add_judged
-from rosic.app.people import Seed, admitted
+from rosic.app.people import ConfiguredPerson, admitted
 from rosic.app.robot_startup import stops_of
-from rosic.app.settings import Completing
+from rosic.app.settings import SupportsCompletion
 from rosic.config.plugins import demand_good
 from rosic.contracts.robot import PeerRobot
 from rosic.core import messages as core_words
@@ -34,7 +34,7 @@ from rosic.features.fleet import robot_messages
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from rosic.app.added_robots import Draft
+    from rosic.app.added_robots import ProfileDraft
     from rosic.app.gateway_parts import RunningGateway
     from rosic.app.policy import PolicyOutlook
     from rosic.app.settings import GatewayParts, GatewaySettings
@@ -108,7 +108,7 @@ class RobotRegistry:
         self._closing = False
         gateway.access.changes.keep(KIND, lambda _fact: None)  # its effect follows: `_enlist`
 
-    async def add(self, draft: Draft, by: PrincipalId, role: str = "") -> str:
+    async def add(self, draft: ProfileDraft, by: PrincipalId, role: str = "") -> str:
         """Add a robot. Return what is said of it: that it is here, and what it can do.
 
         Whoever asked may go away; it goes on.
@@ -124,12 +124,12 @@ class RobotRegistry:
         """
         if self._closing:
             raise NotUnderstood(words.CLOSING)
-        task = asyncio.create_task(self._add(Wanted(draft, role), by))
+        task = asyncio.create_task(self._add(AddRobotRequest(draft, role), by))
         self._adding.add(task)
         task.add_done_callback(self._adding.discard)
         return await asyncio.shield(task)
 
-    async def check(self, draft: Draft, role: str = "") -> tuple[Profile, Sequence[str]]:
+    async def check(self, draft: ProfileDraft, role: str = "") -> tuple[Profile, Sequence[str]]:
         """Return the robot of a profile that nobody would take for another, and advice about it.
 
         Args:
@@ -164,7 +164,7 @@ class RobotRegistry:
 
     # ---- what can fail ----
 
-    async def _add(self, wanted: Wanted, by: PrincipalId) -> str:
+    async def _add(self, wanted: AddRobotRequest, by: PrincipalId) -> str:
         async with self._one:
             stops, _ = self._gateway.rooms.board.newest()
             profile, advice = await self.check(wanted.draft, wanted.role)
@@ -194,11 +194,11 @@ class RobotRegistry:
         """Return what gives a robot a key of its own and a role; nothing without one."""
         if not role:
             return []
-        peer = Seed(robot, (Address(ROBOT, robot),), (role,))
+        peer = ConfiguredPerson(robot, (Address(ROBOT, robot),), (role,))
         return admitted(peer, self._gateway.access.time, self._parts.entropy, by)[2]
 
     async def _decide(
-        self, newcomer: PendingRobot, wanted: Wanted, by: PrincipalId, stops: int
+        self, newcomer: PendingRobot, wanted: AddRobotRequest, by: PrincipalId, stops: int
     ) -> bool:
         """Write it down, then let it be so. Return whether it was stopped at once.
 
@@ -297,7 +297,7 @@ class RobotRegistry:
         if isinstance(newcomer.robot, PeerRobot):
             gateway.among.join(profile.id, newcomer.robot)
         for messenger in self._parts.messengers:
-            if isinstance(messenger, Completing):
+            if isinstance(messenger, SupportsCompletion):
                 messenger.know(gateway.profiles.values())
         return stopped
 

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
-    from rosic.core.message import Passing
+    from rosic.core.message import ChatEvent
     from rosic.core.records import Memory
     from rosic.core.robot.profile import Profile
     from rosic.gateway import Pipeline
@@ -94,7 +94,7 @@ class GroupsFeature:
             if (set_menus := menus_of(messenger)) is not None:
                 self.menus.show_on(messenger.platform, set_menus)
 
-    def _passed(self, messenger: Messenger, passing: Passing) -> None:
+    def _passed(self, messenger: Messenger, passing: ChatEvent) -> None:
         if not passing.chat.id:  # it listens, so it can be reached
             self.menus.look()
         self.groups.passed(messenger, passing)

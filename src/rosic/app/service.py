@@ -11,7 +11,7 @@ from rosic.app import runtime
 from rosic.app.admin.api import books_of
 from rosic.app.admin.control_socket import ControlServer, socket_path
 from rosic.app.admin.dispatch import AdminApi, AdminDispatcher
-from rosic.app.builder import ConfigurationCheck, latch_of, parts_of, settings_of
+from rosic.app.builder import AccountProbe, latch_of, parts_of, settings_of
 from rosic.app.closing import CLOSE_WITHIN_S, close_in_time, on_signals
 from rosic.app.console import Console, console_of, mind_console
 from rosic.app.gateway import Gateway, GatewayParts
@@ -221,7 +221,7 @@ async def check_accounts(messengers: Iterable[Messenger]) -> list[str]:
     """
     bots: list[str] = []
     for messenger in messengers:
-        if isinstance(messenger, ConfigurationCheck):
+        if isinstance(messenger, AccountProbe):
             try:
                 async with asyncio.timeout(CHECK_WITHIN_S):
                     bots += bot_in(messenger.platform, await messenger.check())

@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 
 import msgspec
 
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.config.gateway_file import Keep
 from rosic.container.files import FileQuota
 from rosic.contracts.adapter import RobotFactory
@@ -24,7 +24,7 @@ from rosic.core.robot.profile import Profile, RobotId
 
 
 @runtime_checkable
-class Completing(Protocol):
+class SupportsCompletion(Protocol):
     """A messenger that helps people type, and wants to know the fleet for it."""
 
     def know(self, profiles: Iterable[Profile]) -> None:
@@ -48,7 +48,7 @@ class GatewaySettings(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     profiles: tuple[Profile, ...]
-    people: tuple[Seed, ...] = ()
+    people: tuple[ConfiguredPerson, ...] = ()
     rulebook: RoleRules = RoleRules(roles=DEFAULT_ROLES)
     place: str = "rosic"
     zone: str = "UTC"

@@ -54,7 +54,7 @@ class AbuseLimits(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     burst: Threshold = Threshold(300, 60.0)
 
 
-class Invalidate(msgspec.Struct, frozen=True):
+class InvalidateKey(msgspec.Struct, frozen=True):
     """The rule speaks: this principal's key is to be taken back, by ``RULE``.
 
     Attributes:
@@ -118,7 +118,7 @@ class AbuseDetector:
 
     def attempted(
         self, principal: PrincipalId, kind: SkillClass, refused: str = ""
-    ) -> Invalidate | None:
+    ) -> InvalidateKey | None:
         """Count one request and its end. Return what a rule says about it, if it says anything.
 
         Args:
@@ -152,14 +152,14 @@ class AbuseDetector:
                 self._windows.popitem(last=False)
         return found
 
-    def _speak(self, principal: PrincipalId, rule: str, what: str) -> Invalidate:
+    def _speak(self, principal: PrincipalId, rule: str, what: str) -> InvalidateKey:
         """Say it once: the count begins anew."""
         self.forget(principal)
         name = self._name(principal)
         if self._only_admin(principal):
-            return Invalidate(principal, rule, True, "", words.spared_admins(name, what))
+            return InvalidateKey(principal, rule, True, "", words.spared_admins(name, what))
         told = words.misuse_admins(name, what)
-        return Invalidate(principal, rule, False, words.misuse_person(what), told)
+        return InvalidateKey(principal, rule, False, words.misuse_person(what), told)
 
     def forget(self, principal: PrincipalId) -> None:
         """Begin to count anew: the key was ended, or an admin has looked."""

@@ -11,11 +11,11 @@ from rosic.authoriser.enrolment_records import (
     Answer,
     Applicant,
     Applicants,
-    Declined,
     EnrolmentAlarm,
+    EnrolmentDeclined,
     EnrolmentRecords,
+    EnrolmentRefused,
     PendingApplicant,
-    TurnedAway,
 )
 from rosic.authoriser.guessing import BruteForceGuard, GuessLimits
 from rosic.authoriser.invitations import ADMIN, KIND, PEPPER, Invitations, InvitationState
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rosic.authoriser.directory import Directory
     from rosic.authoriser.enrolment_records import CodeRedeemed
     from rosic.authoriser.invitations import Invitation, InvitedRights, NewInvitation
-    from rosic.authoriser.locks import Locks
+    from rosic.authoriser.locks import AccountLocks
     from rosic.authoriser.monotonic_clock import MonotonicWallClock
     from rosic.contracts.clock import Entropy
     from rosic.core.identity import Address, PrincipalId
@@ -72,7 +72,7 @@ class Enrolment:
     def __init__(
         self,
         directory: Directory,
-        locks: Locks,
+        locks: AccountLocks,
         time: MonotonicWallClock,
         entropy: Entropy,
         counters: Counters,
@@ -129,7 +129,7 @@ class Enrolment:
             name: How the messenger shows them.
         """
         found = self.look(code, address, private=private)
-        if isinstance(found, TurnedAway):
+        if isinstance(found, EnrolmentRefused):
             return found
         self._guessing.right(address)
         applicant = self._newcomers.applicant(found, address, name)
@@ -138,7 +138,7 @@ class Enrolment:
             return self._newcomers.waits(applicant, used)
         return self._newcomers.comes_in(applicant, found.issuer, used)
 
-    def look(self, code: str, address: Address, *, private: bool) -> Invitation | TurnedAway:
+    def look(self, code: str, address: Address, *, private: bool) -> Invitation | EnrolmentRefused:
         """Return what a code would give, without using it up; a wrong one counts as wrong."""
         if not private:
             return self._in_group(code, address)
@@ -160,19 +160,19 @@ class Enrolment:
         made = self.invitations
         return tuple(code for code in made.shown_in(text) if not self._fault(made.find(code)))
 
-    def leaked(self, code: str, address: Address) -> TurnedAway | None:
+    def leaked(self, code: str, address: Address) -> EnrolmentRefused | None:
         """Return what burns a code that a group was shown; None where it is not good any more."""
         good = not self._fault(self.invitations.find(code))
         return self._in_group(code, address) if good else None
 
-    def _in_group(self, code: str, address: Address) -> TurnedAway:
+    def _in_group(self, code: str, address: Address) -> EnrolmentRefused:
         """Burn the code, if it is one. Nobody in the group learns whether it was."""
         found = self.invitations.find(code)
         if found is None or self._fault(found):
             if self._not_now(address) is None:
                 wrong = self._wrong(address, "code-unknown")
                 return msgspec.structs.replace(wrong, sentence=words.IN_GROUP)
-            return TurnedAway("code-paused", words.IN_GROUP)
+            return EnrolmentRefused("code-paused", words.IN_GROUP)
         self._counters.count("code-in-group")
         made = self.invitations
         records = (
@@ -180,9 +180,9 @@ class Enrolment:
             made.ended(found, InvitationState.BURNT),
         )
         alarm = EnrolmentAlarm("code-in-group", words.shown_in_group(found.given.words))
-        return TurnedAway("code-in-group", words.IN_GROUP, alarm, records)
+        return EnrolmentRefused("code-in-group", words.IN_GROUP, alarm, records)
 
-    def _not_now(self, address: Address) -> TurnedAway | None:
+    def _not_now(self, address: Address) -> EnrolmentRefused | None:
         """Return why an address may hand in no code at all, whatever the code."""
         now_ns = self._time.monotonic_ns()
         own_s = self._guessing.pause_s(address, now_ns)
@@ -222,7 +222,7 @@ class Enrolment:
             return False
         return self._newcomers.is_good(known[1])
 
-    def _wrong(self, address: Address, kind: str) -> TurnedAway:
+    def _wrong(self, address: Address, kind: str) -> EnrolmentRefused:
         limits = self._guessing.limits
         opened = self._guessing.wrong(address, self._time.monotonic_ns())
         alarm = None
@@ -231,9 +231,9 @@ class Enrolment:
             alarm = EnrolmentAlarm("code-breaker", words.guessing(limits))
         return msgspec.structs.replace(self._counted(kind, words.NOT_GOOD), alarm=alarm)
 
-    def _counted(self, kind: str, sentence: str) -> TurnedAway:
+    def _counted(self, kind: str, sentence: str) -> EnrolmentRefused:
         self._counters.count(kind)
-        return TurnedAway(kind, sentence)
+        return EnrolmentRefused(kind, sentence)
 
     def reopen(self, by: PrincipalId) -> tuple[Record, ...]:
         """Let everybody hand in codes again, at once. Return the act to be written."""
@@ -267,7 +267,7 @@ class Enrolment:
             raise Expired(words.SETTLED)
         return self._newcomers.comes_in(applicant, by, self.applicants.gone(pending))
 
-    def decline(self, pending: str, by: PrincipalId, *, may_admit: bool) -> Declined:
+    def decline(self, pending: str, by: PrincipalId, *, may_admit: bool) -> EnrolmentDeclined:
         """Return what turns an applicant away; their own wish counts, too.
 
         Raises:
@@ -289,15 +289,15 @@ class Enrolment:
             raise self._counters.refuse("confirm-late", Expired(words.SETTLED))
         return applicant
 
-    def _ends(self, applicant: Applicant, by: PrincipalId, sentence: str) -> Declined:
+    def _ends(self, applicant: Applicant, by: PrincipalId, sentence: str) -> EnrolmentDeclined:
         asked = applicant.pending
         records = (self._decided("decline", by, asked.id), self.applicants.gone(asked.id))
         newcomer = self._directory.person(asked.principal) is None
-        return Declined(asked.principal, applicant.address, newcomer, records, sentence)
+        return EnrolmentDeclined(asked.principal, applicant.address, newcomer, records, sentence)
 
     # ---- time passes ----
 
-    def lapsed(self) -> tuple[Declined, ...]:
+    def lapsed(self) -> tuple[EnrolmentDeclined, ...]:
         """Return everybody for whom no admin tapped in time; to be asked for now and then."""
         late = [a for a in self.applicants.all() if self._too_late(a.pending)]
         return tuple(self._ends(a, a.pending.principal, words.lapsed()) for a in late)

@@ -85,7 +85,7 @@ class Applicant(msgspec.Struct, frozen=True):
         return words.wants_in(self.name, asked.given.words, self.words, returning=asked.returning)
 
 
-class ApplicantWaits(msgspec.Struct, frozen=True):
+class ApprovalPending(msgspec.Struct, frozen=True):
     """The code was good and is used up; an admin has to tap.
 
     Attributes:
@@ -109,7 +109,7 @@ class EnrolmentAlarm(msgspec.Struct, frozen=True):
     sentence: str
 
 
-class TurnedAway(msgspec.Struct, frozen=True):
+class EnrolmentRefused(msgspec.Struct, frozen=True):
     """Nobody came in.
 
     Attributes:
@@ -125,7 +125,7 @@ class TurnedAway(msgspec.Struct, frozen=True):
     records: tuple[Record, ...] = ()
 
 
-class Declined(msgspec.Struct, frozen=True):
+class EnrolmentDeclined(msgspec.Struct, frozen=True):
     """An admin did not let somebody in, or nobody answered.
 
     Attributes:
@@ -141,7 +141,7 @@ class Declined(msgspec.Struct, frozen=True):
     sentence: str
 
 
-Answer: TypeAlias = CodeRedeemed | ApplicantWaits | TurnedAway
+Answer: TypeAlias = CodeRedeemed | ApprovalPending | EnrolmentRefused
 
 
 # ---- making somebody known ----
@@ -186,7 +186,7 @@ class EnrolmentRecords:
         )
         return Applicant(asked, shown, address)
 
-    def waits(self, applicant: Applicant, used: Fact) -> ApplicantWaits:
+    def waits(self, applicant: Applicant, used: Fact) -> ApprovalPending:
         """Return the question to the admins, with words that no other open question shows."""
         while applicant.words in self._applicants.words():
             asked = msgspec.structs.replace(applicant.pending, id=self._new_id("w"))
@@ -194,7 +194,7 @@ class EnrolmentRecords:
         asked = applicant.pending
         decided = self._decided("apply", asked.principal, asked.invitation)
         records = (decided, used, self._applicants.fact(applicant))
-        return ApplicantWaits(applicant, records, words.waiting(applicant.words, PENDING_S))
+        return ApprovalPending(applicant, records, words.waiting(applicant.words, PENDING_S))
 
     def comes_in(self, applicant: Applicant, by: PrincipalId, settled: Fact) -> CodeRedeemed:
         """Return the records that make somebody known, or that give a known person more."""

@@ -25,7 +25,7 @@ UNKNOWN: Final = "somebody"
 _log = logging.getLogger(__name__)
 
 
-class Lock(msgspec.Struct, frozen=True):
+class AccountLock(msgspec.Struct, frozen=True):
     """The body of the fact; its key is the principal.
 
     Attributes:
@@ -38,10 +38,10 @@ class Lock(msgspec.Struct, frozen=True):
 
 
 _encode = msgspec.msgpack.Encoder().encode
-_decode = msgspec.msgpack.Decoder(Lock).decode
+_decode = msgspec.msgpack.Decoder(AccountLock).decode
 
 
-class Locks:
+class AccountLocks:
     """Every lock, by principal.
 
     A lock that cannot be written is applied all the same: the caller applies the fact whether or
@@ -50,7 +50,7 @@ class Locks:
 
     def __init__(self, time: MonotonicWallClock) -> None:
         self._time = time
-        self._locks: dict[PrincipalId, Lock] = {}
+        self._locks: dict[PrincipalId, AccountLock] = {}
 
     def locked(self, principal: PrincipalId) -> bool:
         """Whether somebody is locked; one look-up."""
@@ -60,14 +60,14 @@ class Locks:
         """Return a live view of who is locked, for a decision."""
         return self._locks.keys()
 
-    def all(self) -> dict[PrincipalId, Lock]:
+    def all(self) -> dict[PrincipalId, AccountLock]:
         """Return every lock."""
         return dict(self._locks)
 
     def lock(self, principal: PrincipalId, by: PrincipalId) -> tuple[Record, ...]:
         """Return what makes somebody locked. Anybody may lock themselves; twice is no mistake."""
         now_ns = self._time.wall_ns()
-        body = _encode(Lock(by, now_ns))
+        body = _encode(AccountLock(by, now_ns))
         decided = Decided(act="lock", by=by, about=principal, at_ns=now_ns, digest=_digest(body))
         return (decided, Fact(kind=KIND, key=principal, body=body))
 
@@ -99,7 +99,7 @@ class Locks:
             self._locks[fact.key] = _decode(fact.body)
         except msgspec.MsgspecError:
             _log.warning("a lock cannot be read; it holds")
-            self._locks[fact.key] = Lock(UNKNOWN, 0)
+            self._locks[fact.key] = AccountLock(UNKNOWN, 0)
 
 
 def _digest(body: bytes) -> bytes:

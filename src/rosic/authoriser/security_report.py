@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.authoriser.counters import Counters
     from rosic.authoriser.enrolment import Enrolment
     from rosic.authoriser.keys import KeyRing
-    from rosic.authoriser.locks import Locks
+    from rosic.authoriser.locks import AccountLocks
     from rosic.authoriser.monotonic_clock import MonotonicWallClock
 
 
@@ -77,7 +77,7 @@ class SecurityReports:
         authoriser: Authoriser,
         enrolment: Enrolment,
         keys: KeyRing,
-        locks: Locks,
+        locks: AccountLocks,
         counters: Counters,
         time: MonotonicWallClock,
     ) -> None:

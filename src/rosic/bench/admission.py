@@ -10,8 +10,8 @@ from time import perf_counter_ns
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.app import runtime
-from rosic.bench.report import Case, quantile
-from rosic.bench.sites import KINDS, LARGE, SMALL, Size, fill, gateway_over
+from rosic.bench.report import BenchCase, quantile
+from rosic.bench.sites import KINDS, LARGE, SMALL, SiteSize, fill, gateway_over
 from rosic.core.policy.evaluate import decide
 from rosic.core.policy.query import Deny, Query
 from rosic.organiser.organiser import NOTHING
@@ -39,10 +39,10 @@ METHOD = (
 )
 
 
-class DecidingSite:
+class AdmissionSite:
     """An open gateway of a size, and who is asked about in it."""
 
-    def __init__(self, gateway: Gateway, size: Size, asked: int = ASKED) -> None:
+    def __init__(self, gateway: Gateway, size: SiteSize, asked: int = ASKED) -> None:
         lot = Random(11)  # noqa: S311 - the same people every time
         # As many of each kind in either place.
         span = 2 * len(KINDS)
@@ -87,10 +87,10 @@ def _nothing(_number: int) -> Call:
     return partial(bool)
 
 
-ASKING = {"decide": DecidingSite.rules, "decide, all looked up": DecidingSite.whole}
+ASKING = {"decide": AdmissionSite.rules, "decide, all looked up": AdmissionSite.whole}
 
 
-async def _open(size: Size) -> Gateway:
+async def _open(size: SiteSize) -> Gateway:
     store = MemoryStore()
     await fill(store, size)
     gateway = gateway_over(size, store)
@@ -108,7 +108,7 @@ def _times_ns(prepare: Callable[[int], Call], first: int, count: int) -> list[in
     return taken
 
 
-def measure(*, quick: bool = False) -> tuple[str, tuple[Case, ...]]:
+def measure(*, quick: bool = False) -> tuple[str, tuple[BenchCase, ...]]:
     """Measure the rules alone and with everything looked up, in both places, in turns.
 
     Returns:
@@ -117,9 +117,9 @@ def measure(*, quick: bool = False) -> tuple[str, tuple[Case, ...]]:
     runs, calls = (1, QUICK_CALLS) if quick else (RUNS, CALLS)
     small, large = (runtime.run(_open(size)) for size in (SMALL, LARGE))
     sites = {
-        str(SMALL): DecidingSite(small, SMALL),
-        str(LARGE): DecidingSite(large, LARGE),
-        f"{LARGE}, {SPREAD} of them in turn": DecidingSite(large, LARGE, SPREAD),
+        str(SMALL): AdmissionSite(small, SMALL),
+        str(LARGE): AdmissionSite(large, LARGE),
+        f"{LARGE}, {SPREAD} of them in turn": AdmissionSite(large, LARGE, SPREAD),
     }
     for place in sites.values():
         place.check()
@@ -146,13 +146,13 @@ def measure(*, quick: bool = False) -> tuple[str, tuple[Case, ...]]:
     return METHOD.format(runs=runs, turn=TURN_CALLS, asked=ASKED, spread=SPREAD), cases
 
 
-def _case(name: str, runs: list[list[int]], clock_ns: float) -> Case:
+def _case(name: str, runs: list[list[int]], clock_ns: float) -> BenchCase:
     p50_ns = median(min(quantile(turn, 0.50) for turn in _turns(times)) for times in runs)
     p99_ns = median(quantile(times, 0.99) for times in runs)
     rate = median(
         len(times) / (max(1.0, sum(times) - clock_ns * len(times)) / 1e9) for times in runs
     )
-    return Case(
+    return BenchCase(
         name=name,
         rate_per_s=round(rate, 1),
         p50_us=round(max(1.0, p50_ns - clock_ns) / 1e3, 3),

@@ -12,7 +12,7 @@ import msgspec
 
 from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.bench.bot_api_process import TOKEN
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.core.identity import Address
@@ -41,7 +41,7 @@ SPARE = "spare"
 ENDED = "done "
 
 
-class Batch(msgspec.Struct, frozen=True, kw_only=True):
+class CommandBatch(msgspec.Struct, frozen=True, kw_only=True):
     """One batch.
 
     Attributes:
@@ -86,7 +86,7 @@ class BatchFigures(NamedTuple):
 class BatchSite:
     """People with a chat each, at a server that has just been told its limits."""
 
-    def __init__(self, control: Control, batch: Batch) -> None:
+    def __init__(self, control: Control, batch: CommandBatch) -> None:
         self.control = control
         self.batch = batch
         self.people: list[int] = []
@@ -249,7 +249,7 @@ def _after_burst(
 # ---- ROSIC ----
 
 
-async def through_rosic(control: Control, batch: Batch) -> BatchFigures:
+async def through_rosic(control: Control, batch: CommandBatch) -> BatchFigures:
     """Have a gateway with its record on disk follow a batch.
 
     What came to nothing, and what came twice, is said in what is returned.
@@ -325,7 +325,7 @@ def _gateway(place: BatchSite, store: DatabaseStore, latch: FileLatch) -> Gatewa
     )
     messenger = TelegramMessenger("bench", settings, CLOCK, rates=PUBLISHED.times(batch.faster))
     people = [
-        Seed(f"person {person}", (Address("telegram", str(person)),), ("operator",))
+        ConfiguredPerson(f"person {person}", (Address("telegram", str(person)),), ("operator",))
         for person in place.people
     ]
     robots = [f"robot{number}" for number in range(batch.chats)]

@@ -8,7 +8,7 @@ from time import perf_counter_ns
 from typing import TYPE_CHECKING
 
 from rosic.app.gateway import Gateway, GatewaySettings
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.senders import BenchMessenger
 from rosic.core.identity import Address
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Tell
     from rosic.contracts.store import StopLatch, Store
     from rosic.core.message import Outbound
-    from rosic.core.order import Order, Outcome, Rest, Stop
+    from rosic.core.order import Order, Outcome, RestReport, Stop
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.profile import RobotId
 
@@ -64,7 +64,7 @@ class BusyRobot(MemoryRobot):
         finally:
             self.hungry.set()
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         """Note the time before anything else."""
         self.handed_ns = perf_counter_ns()
         self.acted_before = len(self.acted)
@@ -126,7 +126,7 @@ class WatchedMessenger(BenchMessenger):
             self.told.set_result((perf_counter_ns(), outbound.text))
 
 
-class Crowd:
+class OrderSenders:
     """One person for each robot, who sends it another order whenever one has left its mailbox."""
 
     def __init__(self, gateway: Gateway, messenger: Messenger, queued: int) -> None:
@@ -213,9 +213,10 @@ class Crowd:
 def crowded_gateway(messenger: Messenger, store: Store, latch: StopLatch, queued: int) -> Gateway:
     """Return a gateway for the crowd; nothing is opened."""
     people = [
-        Seed(f"person {n}", (Address("bench", str(n)),), ("operator",)) for n in range(ROBOTS)
+        ConfiguredPerson(f"person {n}", (Address("bench", str(n)),), ("operator",))
+        for n in range(ROBOTS)
     ]
-    people.append(Seed("the watcher", (Address("bench", WATCHER),), ("operator",)))
+    people.append(ConfiguredPerson("the watcher", (Address("bench", WATCHER),), ("operator",)))
     settings = GatewaySettings(
         profiles=tuple(_profile(f"robot{number}", queued) for number in range(ROBOTS)),
         people=tuple(people),

@@ -6,55 +6,55 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from rosic.bench.report import Report, as_json, as_text
+from rosic.bench.report import BenchReport, as_json, as_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
 
-def _pipeline(quick: bool) -> Report:
+def _pipeline(quick: bool) -> BenchReport:
     from rosic.bench.pipeline import measure  # noqa: PLC0415 - only the bench that runs is loaded
 
     return measure(quick=quick)
 
 
-def _stop(quick: bool) -> Report:
+def _stop(quick: bool) -> BenchReport:
     from rosic.bench.stop import measure  # noqa: PLC0415 - only the bench that runs is loaded
 
     return measure(quick=quick)
 
 
-def _schedule(quick: bool) -> Report:
+def _schedule(quick: bool) -> BenchReport:
     from rosic.bench.schedule import measure  # noqa: PLC0415 - only the bench that runs is loaded
 
     return measure(quick=quick)
 
 
-def _start(quick: bool) -> Report:
+def _start(quick: bool) -> BenchReport:
     from rosic.bench.start import measure  # noqa: PLC0415 - only the bench that runs is loaded
 
     return measure(quick=quick)
 
 
-def _strangers(quick: bool) -> Report:
+def _strangers(quick: bool) -> BenchReport:
     from rosic.bench.strangers import measure  # noqa: PLC0415 - only the bench that runs is loaded
 
     return measure(quick=quick)
 
 
-def _telegram(quick: bool) -> Report:
+def _telegram(quick: bool) -> BenchReport:
     from rosic.bench.telegram import measure  # noqa: PLC0415 - only the bench that runs is loaded
 
     return measure(quick=quick)
 
 
-def _fleet(quick: bool) -> Report:
+def _fleet(quick: bool) -> BenchReport:
     from rosic.bench.fleet import measure  # noqa: PLC0415 - only the bench that runs is loaded
 
     return measure(quick=quick)
 
 
-BENCHES: dict[str, Callable[[bool], Report]] = {
+BENCHES: dict[str, Callable[[bool], BenchReport]] = {
     "fleet": _fleet,
     "pipeline": _pipeline,
     "schedule": _schedule,
@@ -66,7 +66,7 @@ BENCHES: dict[str, Callable[[bool], Report]] = {
 
 
 def main(
-    arguments: Sequence[str], benches: Mapping[str, Callable[[bool], Report]] = BENCHES
+    arguments: Sequence[str], benches: Mapping[str, Callable[[bool], BenchReport]] = BENCHES
 ) -> int:
     """Run one bench and print its report, then what did not hold. Return the exit status."""
     parser = argparse.ArgumentParser(prog="rosic bench", description="Measure ROSIC here.")

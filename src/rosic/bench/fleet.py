@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.bench import scaling
-from rosic.bench.report import Case, Report, case_of, machine
+from rosic.bench.report import BenchCase, BenchReport, case_of, machine
 from rosic.core.fleet.candidates import RobotGlance, by_priority, cost, nearest_idle
-from rosic.core.fleet.events import Given
+from rosic.core.fleet.events import TaskGiven
 from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import Task
 from rosic.core.fleet.transitions import react
@@ -38,7 +38,7 @@ METHOD = (
 )
 
 
-class Assigned(Case, frozen=True, kw_only=True):
+class AssignmentCase(BenchCase, frozen=True, kw_only=True):
     """One way of assigning, and what it chose.
 
     Attributes:
@@ -48,7 +48,7 @@ class Assigned(Case, frozen=True, kw_only=True):
     pairs: float
 
 
-class Floor(msgspec.Struct, frozen=True):
+class AssignmentLoad(msgspec.Struct, frozen=True):
     """Tasks that wait, and robots that are free."""
 
     fleet: FleetState
@@ -60,7 +60,7 @@ class Floor(msgspec.Struct, frozen=True):
         return mean(cost(tasks[task], glances[robot], NOW_NS) for task, robot in pairs)
 
 
-def floor(seed: int, tasks: int, robots: int) -> Floor:
+def floor(seed: int, tasks: int, robots: int) -> AssignmentLoad:
     """Return a floor; the same seed gives the same."""
     chance = Random(seed)  # noqa: S311 - a made-up floor, nothing to guess
     names = [f"robot{n}" for n in range(robots)]
@@ -84,12 +84,12 @@ def floor(seed: int, tasks: int, robots: int) -> Floor:
             given_ns=NOW_NS - chance.randrange(10**11),
             place=(chance.uniform(0, SIDE_M), chance.uniform(0, SIDE_M)),
         )
-        for fact in fleet.facts(react(fleet, Given(task), NOW_NS)):
+        for fact in fleet.facts(react(fleet, TaskGiven(task), NOW_NS)):
             fleet.apply(fact)
-    return Floor(fleet, glances)
+    return AssignmentLoad(fleet, glances)
 
 
-def best_pairs(small: Floor) -> list[tuple[TaskId, RobotId]]:
+def best_pairs(small: AssignmentLoad) -> list[tuple[TaskId, RobotId]]:
     """Try every way of assigning as many tasks as there are robots; return the cheapest."""
     [tasks] = by_priority(small.fleet, small.glances, NOW_NS)
     ways = (
@@ -100,19 +100,19 @@ def best_pairs(small: Floor) -> list[tuple[TaskId, RobotId]]:
     return min(ways, key=small.cost_m)
 
 
-def _nearest(one: Floor) -> list[tuple[TaskId, RobotId]]:
+def _nearest(one: AssignmentLoad) -> list[tuple[TaskId, RobotId]]:
     [tasks] = by_priority(one.fleet, one.glances, NOW_NS)
     return nearest_idle(one.fleet, tasks, one.glances, NOW_NS)
 
 
-def _solved(one: Floor) -> list[tuple[TaskId, RobotId]]:
+def _solved(one: AssignmentLoad) -> list[tuple[TaskId, RobotId]]:
     return assign(one.fleet, by_priority(one.fleet, one.glances, NOW_NS), one.glances, NOW_NS).pairs
 
 
 WAYS = {"solver": _solved, "nearest idle": _nearest, "every way tried": best_pairs}
 
 
-def _case(name: str, way: str, floors: Sequence[Floor]) -> Assigned:
+def _case(name: str, way: str, floors: Sequence[AssignmentLoad]) -> AssignmentCase:
     times: list[int] = []
     pairs: list[int] = []
     costs: list[float] = []
@@ -124,10 +124,10 @@ def _case(name: str, way: str, floors: Sequence[Floor]) -> Assigned:
         costs.append(one.cost_m(found))
     case = case_of(f"{name}: {way}", [(1e9 / mean(times), times)])
     known = msgspec.structs.asdict(case) | {"cost_m": round(mean(costs), 3)}
-    return Assigned(**known, pairs=round(mean(pairs), 1))
+    return AssignmentCase(**known, pairs=round(mean(pairs), 1))
 
 
-def measure(*, quick: bool = False) -> Report:
+def measure(*, quick: bool = False) -> BenchReport:
     """Return what ``rosic bench fleet`` prints."""
     runs, small_runs = (QUICK_RUNS, QUICK_SMALL_RUNS) if quick else (RUNS, SMALL_RUNS)
     _solved(floor(0, 2, 2))  # the solver is loaded before anything is timed
@@ -139,9 +139,9 @@ def measure(*, quick: bool = False) -> Report:
     ]
     method = METHOD.format(runs=runs, small=len(small))
     how, crowded = scaling.measure(quick=quick)
-    return Report(machine=machine(), method=f"{method} {how}", cases=(*cases, *crowded))
+    return BenchReport(machine=machine(), method=f"{method} {how}", cases=(*cases, *crowded))
 
 
-def _full(one: Floor) -> bool:
+def _full(one: AssignmentLoad) -> bool:
     """Whether each task can have a robot, so that ways may be compared by what they cost."""
     return all(len(way(one)) == SMALL for way in (_solved, _nearest))

@@ -27,13 +27,13 @@ TICKS_PER_S = 100
 CONNECTING_S = 20.0
 
 
-class Beat(msgspec.Struct, array_like=True, tag=0, frozen=True, gc=False):
+class RobotHeartbeat(msgspec.Struct, array_like=True, tag=0, frozen=True, gc=False):
     """A robot lives."""
 
     robot: str
 
 
-class Values(msgspec.Struct, array_like=True, tag=1, frozen=True, gc=False):
+class ReportedValues(msgspec.Struct, array_like=True, tag=1, frozen=True, gc=False):
     """What a robot reports of itself."""
 
     robot: str
@@ -57,7 +57,7 @@ class FeedRequest(msgspec.Struct, array_like=True, tag=2, frozen=True, gc=False)
     spent_ns: int
 
 
-class Sent(msgspec.Struct, frozen=True):
+class SendFigures(msgspec.Struct, frozen=True):
     """What was sent, and what that cost the process that did.
 
     Attributes:
@@ -73,7 +73,7 @@ class Sent(msgspec.Struct, frozen=True):
 _encode = msgspec.msgpack.Encoder().encode
 
 
-def frame(said: Beat | Values | FeedRequest) -> bytes:
+def frame(said: RobotHeartbeat | ReportedValues | FeedRequest) -> bytes:
     """Return one message as it goes over the line: its length in two bytes, then itself."""
     body = _encode(said)
     return len(body).to_bytes(2, "big") + body
@@ -87,7 +87,7 @@ def robot_name(number: int) -> str:
 def reports(number: int, round_: int) -> bytes:
     """Return what a robot says of itself in its round."""
     along = (number * 7 + round_) % 1_000 / 10
-    return frame(Values(robot_name(number), 40.0 + along / 2, along, number % 100))
+    return frame(ReportedValues(robot_name(number), 40.0 + along / 2, along, number % 100))
 
 
 def ticks(robots: int) -> list[tuple[list[bytes], list[int]]]:
@@ -101,7 +101,7 @@ def ticks(robots: int) -> list[tuple[list[bytes], list[int]]]:
     for number in range(robots):
         phase = number * TICKS_PER_S // robots
         found[phase][1].append(number)
-        beat = frame(Beat(robot_name(number)))
+        beat = frame(RobotHeartbeat(robot_name(number)))
         for at in range(phase % every, TICKS_PER_S, every):
             found[at][0].append(beat)
     return found
@@ -134,7 +134,7 @@ def _wish(number: int, person: int, robot: str, spent: int) -> tuple[bytes, int]
     return frame(FeedRequest(number, person, robot, time.perf_counter_ns(), spent_ns)), 1
 
 
-def send(path: str, said: Iterator[tuple[float, Make]]) -> Sent:
+def send(path: str, said: Iterator[tuple[float, Make]]) -> SendFigures:
     """Send each when it is time, until the other side has heard enough."""
     messages, late_s = 0, 0.0
     with socket.socket(socket.AF_UNIX) as line:
@@ -151,7 +151,7 @@ def send(path: str, said: Iterator[tuple[float, Make]]) -> Sent:
                 words, number = make()
                 line.sendall(words)
                 messages += number
-    return Sent(messages, time.perf_counter() - began, time.process_time() - cpu_s, late_s)
+    return SendFigures(messages, time.perf_counter() - began, time.process_time() - cpu_s, late_s)
 
 
 def main(who: str, path: str, *numbers: str) -> None:

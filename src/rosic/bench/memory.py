@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app import runtime
 from rosic.bench.parts import CLOCK
-from rosic.bench.report import Case, quantile
-from rosic.bench.sites import LARGE, Size, fill, gateway_over
+from rosic.bench.report import BenchCase, quantile
+from rosic.bench.sites import LARGE, SiteSize, fill, gateway_over
 from rosic.core.policy.roles import Grant
 from rosic.core.time_units import HOUR_NS
 from rosic.organiser.grants import fact_of
@@ -29,7 +29,7 @@ METHOD = (
 )
 
 
-class Kept(NamedTuple):
+class MemoryFigures(NamedTuple):
     """What was seen of a gateway over a record on disk.
 
     Attributes:
@@ -43,7 +43,7 @@ class Kept(NamedTuple):
     changes_ns: list[int]
 
 
-async def _kept(size: Size) -> Kept:
+async def _kept(size: SiteSize) -> MemoryFigures:
     with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
         path = Path(folder)
         await fill(DatabaseStore(path, clock=CLOCK), size)
@@ -63,7 +63,7 @@ async def _kept(size: Size) -> Kept:
         finally:
             tracemalloc.stop()
         await gateway.close()
-    return Kept(traced, opened_s, changes)
+    return MemoryFigures(traced, opened_s, changes)
 
 
 def _change_ns(gateway: Gateway, who: str) -> int:
@@ -74,13 +74,13 @@ def _change_ns(gateway: Gateway, who: str) -> int:
     return perf_counter_ns() - began_ns
 
 
-def measure() -> tuple[str, Case]:
+def measure() -> tuple[str, BenchCase]:
     """Return how it is measured, and what was seen."""
     people = LARGE.people
     many, none = (
         runtime.run(_kept(LARGE._replace(people=count, slots=0))) for count in (people, 0)
     )
-    case = Case(
+    case = BenchCase(
         name=f"a person's memory: {people} people, {LARGE.roles} roles",
         rate_per_s=round(people / many.opened_s, 1),
         p50_us=round(quantile(many.changes_ns, 0.50) / 1e3, 3),

@@ -18,10 +18,10 @@ import msgspec
 
 from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.bench import sites
 from rosic.bench.parts import CLOCK, parts_of
-from rosic.bench.senders import BenchMessenger, Lane, Sending, lanes_of
+from rosic.bench.senders import BenchMessenger, OrderSending, RobotLane, lanes_of
 from rosic.core.identity import Address
 from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.profile import Busy, Link, Profile
@@ -60,7 +60,7 @@ class OrderLoad(msgspec.Struct, frozen=True, kw_only=True):
     slots: int = 0
 
 
-class Ran(NamedTuple):
+class OrderRun(NamedTuple):
     """What was seen of one case in one run.
 
     Attributes:
@@ -82,14 +82,14 @@ class Ran(NamedTuple):
         return [seconds / orders for orders, seconds in self.slices]
 
 
-async def run(*loads: OrderLoad) -> list[Ran]:
+async def run(*loads: OrderLoad) -> list[OrderRun]:
     """Run a case once, or several in turns: a slow moment of the machine hits them alike.
 
     Raises:
         AssertionError: An order was not done, or not by one act: there is no result.
     """
     turns = SLICES if len(loads) > 1 else 1
-    found = [Ran([], []) for _ in loads]
+    found = [OrderRun([], []) for _ in loads]
     async with AsyncExitStack() as stack:
         opened = [await stack.enter_async_context(_opened(load)) for load in loads]
         runtime.settle()
@@ -111,7 +111,7 @@ async def run(*loads: OrderLoad) -> list[Ran]:
 
 
 @asynccontextmanager
-async def _opened(load: OrderLoad) -> AsyncIterator[tuple[Gateway, Sending, list[Lane]]]:
+async def _opened(load: OrderLoad) -> AsyncIterator[tuple[Gateway, OrderSending, list[RobotLane]]]:
     with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
         messenger = BenchMessenger()
         store: Store = (
@@ -122,7 +122,7 @@ async def _opened(load: OrderLoad) -> AsyncIterator[tuple[Gateway, Sending, list
         try:
             _book(gateway, load)
             hands = load.in_flight if load.durable else 1
-            sending = Sending(gateway.pipeline, messenger, load.people, CLOCK.wall_ns, hands)
+            sending = OrderSending(gateway.pipeline, messenger, load.people, CLOCK.wall_ns, hands)
             yield gateway, sending, _lanes(load)
         finally:
             await gateway.close()
@@ -130,7 +130,7 @@ async def _opened(load: OrderLoad) -> AsyncIterator[tuple[Gateway, Sending, list
 
 def _book(gateway: Gateway, load: OrderLoad) -> None:
     people = [person.id for person in gateway.rooms.authoriser.directory.people()]
-    size = sites.Size(load.people, load.roles, ROBOTS, load.slots)
+    size = sites.SiteSize(load.people, load.roles, ROBOTS, load.slots)
     calendar = gateway.rooms.organiser.calendar
     for slot in sites.slots_of(size, CLOCK.wall_ns(), people.__getitem__):
         calendar.apply(slot.fact())
@@ -142,7 +142,7 @@ def _robots(gateway: Gateway) -> Iterator[MemoryRobot]:
             yield robot
 
 
-def _lanes(load: OrderLoad) -> list[Lane]:
+def _lanes(load: OrderLoad) -> list[RobotLane]:
     """Share what is in flight out among the robots."""
     robots = min(ROBOTS, load.skills, load.in_flight)
     return lanes_of(load.in_flight, [_texts(robot, load) for robot in range(robots)])
@@ -161,7 +161,7 @@ def _gateway(load: OrderLoad, messenger: BenchMessenger, store: Store, latch: St
     settings = GatewaySettings(
         profiles=tuple(_profile(robot, load) for robot in range(ROBOTS)),
         people=tuple(
-            Seed(f"person {n}", (Address("bench", str(n)),), (_role(n, load),))
+            ConfiguredPerson(f"person {n}", (Address("bench", str(n)),), (_role(n, load),))
             for n in range(load.people)
         ),
         rulebook=sites.rulebook_of(load.roles, sites.FREE),

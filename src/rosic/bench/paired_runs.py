@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, TypeVar, cast
 
 import msgspec
 
-from rosic.bench.load_generator import BEATS_PER_S, Beat, frame, reports, robot_name
-from rosic.bench.reporting_robots import Feed, Frames
+from rosic.bench.load_generator import BEATS_PER_S, RobotHeartbeat, frame, reports, robot_name
+from rosic.bench.reporting_robots import FrameProtocol, ReportDelivery
 
 if TYPE_CHECKING:
     from asyncio.subprocess import Process
@@ -39,7 +39,7 @@ REPORTS, COMMANDS, STOPS = "reports", "commands", "stops"
 
 
 async def take_turns(
-    feed: Feed, robots: int, ways: Mapping[str, Callable[[], Awaitable[object]]]
+    feed: ReportDelivery, robots: int, ways: Mapping[str, Callable[[], Awaitable[object]]]
 ) -> None:
     """Do what a line asks for, until none comes, and say in a line what it cost.
 
@@ -62,11 +62,13 @@ async def take_turns(
         sys.stdout.flush()
 
 
-def _bring(feed: Feed, numbers: Iterator[int]) -> float:
+def _bring(feed: ReportDelivery, numbers: Iterator[int]) -> float:
     """Return what one message costs, in ns, when so many wait that waking up costs nothing."""
     some = tuple(islice(numbers, MESSAGES // (BEATS_PER_S + 1)))
-    said = b"".join(frame(Beat(robot_name(n))) * BEATS_PER_S + reports(n, 1) for n in some)
-    frames, before, began_ns = Frames(feed.take), feed.messages, perf_counter_ns()
+    said = b"".join(
+        frame(RobotHeartbeat(robot_name(n))) * BEATS_PER_S + reports(n, 1) for n in some
+    )
+    frames, before, began_ns = FrameProtocol(feed.take), feed.messages, perf_counter_ns()
     frames.data_received(said)
     return (perf_counter_ns() - began_ns) / (feed.messages - before)
 
@@ -74,7 +76,7 @@ def _bring(feed: Feed, numbers: Iterator[int]) -> float:
 # ---- in the bench's process ----
 
 
-class Waiting:
+class PairedProcess:
     """A process that says what it saw, and then waits for its turns."""
 
     def __init__(self, process: Process) -> None:
@@ -99,7 +101,7 @@ class Waiting:
 
 
 @asynccontextmanager
-async def waiting(*command: str) -> AsyncIterator[Waiting]:
+async def waiting(*command: str) -> AsyncIterator[PairedProcess]:
     """Run a process that says a line and then takes turns; it ends when this is left."""
     process = await asyncio.create_subprocess_exec(
         *command,
@@ -108,7 +110,7 @@ async def waiting(*command: str) -> AsyncIterator[Waiting]:
         limit=LONGEST_LINE_BYTES,
     )
     try:
-        yield Waiting(process)
+        yield PairedProcess(process)
         await asyncio.wait_for(process.communicate(b""), WITHIN_S)
     finally:
         if process.returncode is None:
@@ -117,7 +119,7 @@ async def waiting(*command: str) -> AsyncIterator[Waiting]:
 
 
 async def in_turns(
-    processes: Sequence[Waiting], kind: str, turns: int, seen: type[Seen]
+    processes: Sequence[PairedProcess], kind: str, turns: int, seen: type[Seen]
 ) -> list[list[Seen]]:
     """Return what each process saw in its turns: one row for each.
 

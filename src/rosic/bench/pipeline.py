@@ -8,9 +8,9 @@ import msgspec
 
 from rosic.app import runtime
 from rosic.bench import admission, memory
-from rosic.bench.orders import ROBOTS, OrderLoad, Ran, run
+from rosic.bench.orders import ROBOTS, OrderLoad, OrderRun, run
 from rosic.bench.paired_runs import times_as_much
-from rosic.bench.report import Report, case_of, machine
+from rosic.bench.report import BenchReport, case_of, machine
 from rosic.bench.senders import TURN_MESSAGES
 
 if TYPE_CHECKING:
@@ -53,13 +53,13 @@ COMPARED = (
 )
 
 
-def measure(*, quick: bool = False) -> Report:
+def measure(*, quick: bool = False) -> BenchReport:
     """Run every case in turns, so that a slow moment of the machine hits all alike."""
     runs = 1 if quick else 5
     loads = tuple(map(_briefly, CASES)) if quick else CASES
     abreast = (loads[0], *(load for load in loads if load.name in COMPARED))
-    seen: dict[str, list[Ran]] = {load.name: [] for load in loads}
-    reference: list[Ran] = []
+    seen: dict[str, list[OrderRun]] = {load.name: [] for load in loads}
+    reference: list[OrderRun] = []
     for _ in range(runs):
         for load in loads:
             if load.name not in COMPARED:
@@ -72,7 +72,7 @@ def measure(*, quick: bool = False) -> Report:
     method = METHOD.format(turn=TURN_MESSAGES, robots=ROBOTS, runs=runs, loop=runtime.name())
     how, asked = admission.measure(quick=quick)
     how_weighed, weighed = memory.measure()
-    return Report(
+    return BenchReport(
         machine=machine(),
         method=f"{method} {how} {how_weighed}",
         cases=(*orders, *asked, weighed),
@@ -84,7 +84,7 @@ def _briefly(load: OrderLoad) -> OrderLoad:
     return msgspec.structs.replace(load, orders=max(500, load.orders // 10))
 
 
-def _beside(name: str, runs: Sequence[Ran], reference: Sequence[Ran]) -> str:
+def _beside(name: str, runs: Sequence[OrderRun], reference: Sequence[OrderRun]) -> str:
     """Say how many times as much an order costs as in the first case, turn for turn."""
     some, others = ([each for ran in those for each in ran.each_s] for those in (runs, reference))
     times, usual = times_as_much(some, others), CASES[0]

@@ -18,7 +18,7 @@ from telegram.ext import Application, MessageHandler, filters
 
 from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.bench.bot_api_process import TOKEN
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.report import quantile
@@ -74,7 +74,7 @@ class WatchedRobot(MemoryRobot):
 WAITING: list[asyncio.Future[int]] = []
 
 
-class ScriptedLine(BotClient):
+class ScriptedBotClient(BotClient):
     """A line that gives out what it is handed, and takes whatever is said.
 
     Attributes:
@@ -209,7 +209,7 @@ async def _synced(file: Path, _number: int) -> int:
 @asynccontextmanager
 async def _rosic(store: Store) -> AsyncIterator[Callable[[int], Awaitable[int]]]:
     """Let a gateway run; yield what hands it one update and waits until the order is given."""
-    line = ScriptedLine()
+    line = ScriptedBotClient()
     messenger = TelegramMessenger(
         "bench", read_settings("bench", {"token": TOKEN}), CLOCK, line=line
     )
@@ -286,7 +286,8 @@ def _gateway(messenger: TelegramMessenger, store: Store) -> Gateway:
         GatewaySettings(
             profiles=(profile,),
             people=tuple(
-                Seed(f"person {n}", (Address("telegram", str(n)),), ("operator",)) for n in people
+                ConfiguredPerson(f"person {n}", (Address("telegram", str(n)),), ("operator",))
+                for n in people
             ),
             limit=RateLimit(burst=1e9, per_s=1e9),
             lease_idle_s=0.0,

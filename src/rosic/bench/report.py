@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 SHORT_US = 100.0  # below, a table shows nanoseconds
 
 
-class Case(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+class BenchCase(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """One measured case; the median of its runs.
 
     Attributes:
@@ -44,7 +44,7 @@ class Case(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
             yield f"costs {self.cost_m:.2f} m a pair"
 
 
-class Report(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+class BenchReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """Everything one bench saw.
 
     Attributes:
@@ -54,7 +54,7 @@ class Report(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
     machine: str
     method: str
-    cases: tuple[Case, ...]
+    cases: tuple[BenchCase, ...]
     findings: tuple[str, ...] = ()
     failures: tuple[str, ...] = ()
 
@@ -73,9 +73,9 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def case_of(name: str, runs: Sequence[tuple[float, Sequence[float]]]) -> Case:
+def case_of(name: str, runs: Sequence[tuple[float, Sequence[float]]]) -> BenchCase:
     """Return the medians over runs of (orders per second, latencies in nanoseconds)."""
-    return Case(
+    return BenchCase(
         name=name,
         rate_per_s=round(median(rate for rate, _ in runs), 1),
         p50_us=round(median(quantile(times, 0.50) for _, times in runs) / 1e3, 1),
@@ -89,12 +89,12 @@ def quantile(values: Sequence[float], share: float) -> float:
     return float(ranked[min(len(ranked) - 1, int(share * len(ranked)))])
 
 
-def as_json(report: Report) -> str:
+def as_json(report: BenchReport) -> str:
     """Return one JSON object."""
     return msgspec.json.encode(report).decode()
 
 
-def as_text(report: Report) -> str:
+def as_text(report: BenchReport) -> str:
     """Return a table for people; failures are no part of it."""
     width = max((len(case.name) for case in report.cases), default=0)
     lines = [report.machine, report.method, ""]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, cast
 
 import msgspec
 
-from rosic.bench.load_generator import Beat, FeedRequest, Values
+from rosic.bench.load_generator import FeedRequest, ReportedValues, RobotHeartbeat
 from rosic.core.robot.profile import Presence
 from rosic.core.robot.view import Pose
 from rosic.robots.memory import MemoryRobot
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from rosic.contracts.clock import Clock
-    from rosic.core.order import Rest, Stop
+    from rosic.core.order import RestReport, Stop
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.profile import Profile, RobotId
 
 LENGTH_BYTES = 2
 
 
-class Latest:
+class LatestReports:
     """What robots last said, as numbers side by side: told as more when somebody looks.
 
     A message touches one line of memory here, however many robots there are.
@@ -47,7 +47,7 @@ class Latest:
         return not isnan(self.reported[3 * place])
 
 
-class FedRobot(MemoryRobot):
+class ReportingRobot(MemoryRobot):
     """Knows of itself what it last said, and is absent when it has said nothing for too long.
 
     Attributes:
@@ -58,11 +58,11 @@ class FedRobot(MemoryRobot):
 
     def __init__(self, profile: Profile, gate: OrderGate, clock: Clock) -> None:
         super().__init__(profile, gate, clock)
-        self.latest, self.place = Latest((profile.id,)), 0
+        self.latest, self.place = LatestReports((profile.id,)), 0
         self.within_s = profile.link.heartbeat_s
         self.handed_ns = 0
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         """Note the time before anything else."""
         self.handed_ns = perf_counter_ns()
         return await super().stop(stop)
@@ -83,7 +83,7 @@ class FedRobot(MemoryRobot):
         )
 
 
-class Feed:
+class ReportDelivery:
     """Brings to each robot what it said.
 
     Attributes:
@@ -93,11 +93,11 @@ class Feed:
 
     def __init__(self, names: Iterable[RobotId]) -> None:
         self.messages = 0
-        self.robots: Mapping[RobotId, FedRobot] = {}
-        self.latest = Latest(names)
-        self._read = msgspec.msgpack.Decoder(Beat | Values).decode
+        self.robots: Mapping[RobotId, ReportingRobot] = {}
+        self.latest = LatestReports(names)
+        self._read = msgspec.msgpack.Decoder(RobotHeartbeat | ReportedValues).decode
 
-    def join(self, robots: Mapping[RobotId, FedRobot]) -> None:
+    def join(self, robots: Mapping[RobotId, ReportingRobot]) -> None:
         """Have robots know what was brought."""
         self.robots = robots
         for name, robot in robots.items():
@@ -108,7 +108,7 @@ class Feed:
         said, latest = self._read(words), self.latest
         place = latest.sites[said.robot]
         latest.heard_ns[place] = perf_counter_ns()
-        if type(said) is Values:
+        if type(said) is ReportedValues:
             at, reported = 3 * place, latest.reported
             reported[at], reported[at + 1], reported[at + 2] = said.battery, said.x_m, said.y_m
         self.messages += 1
@@ -121,7 +121,7 @@ class Feed:
 read_wish = msgspec.msgpack.Decoder(FeedRequest).decode
 
 
-class Frames(asyncio.Protocol):
+class FrameProtocol(asyncio.Protocol):
     """Cuts what arrives on a line into messages."""
 
     def __init__(self, take: Callable[[bytes], None]) -> None:

@@ -21,13 +21,13 @@ from rosic.bench.paired_runs import (
     REPORTS,
     STOPS,
     TURNS,
-    Waiting,
+    PairedProcess,
     in_turns,
     times_as_much,
     waiting,
 )
-from rosic.bench.report import Case, case_of, quantile
-from rosic.bench.scaling_process import STRETCHES, Commanded, Plan, ProcessFigures
+from rosic.bench.report import BenchCase, case_of, quantile
+from rosic.bench.scaling_process import STRETCHES, CommandFigures, ProcessFigures, ScalingPlan
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -58,7 +58,7 @@ SEEN = (
 )
 
 
-class Crowded(Case, frozen=True, kw_only=True):
+class ScalingCase(BenchCase, frozen=True, kw_only=True):
     """One thing seen at one size.
 
     Attributes:
@@ -89,9 +89,9 @@ class Crowded(Case, frozen=True, kw_only=True):
             yield f"{self.refused} refused"
 
 
-async def look(sizes: tuple[Plan, ...], runs: int) -> list[list[ProcessFigures]]:
+async def look(sizes: tuple[ScalingPlan, ...], runs: int) -> list[list[ProcessFigures]]:
     """Return what was seen of each size, run after run: slow moments hit all sizes alike."""
-    processes: list[Waiting] = []
+    processes: list[PairedProcess] = []
     found: list[ProcessFigures] = []
     async with AsyncExitStack() as stack:
         for plan in sizes * runs:
@@ -99,7 +99,7 @@ async def look(sizes: tuple[Plan, ...], runs: int) -> list[list[ProcessFigures]]
             process = waiting(sys.executable, "-m", "rosic.bench.scaling_process", words)
             processes.append(await stack.enter_async_context(process))
             found.append(msgspec.json.decode(await processes[-1].line(), type=ProcessFigures))
-        flat_out = await in_turns(processes, COMMANDS, STRETCHES, Commanded)
+        flat_out = await in_turns(processes, COMMANDS, STRETCHES, CommandFigures)
         each_ns = await in_turns(processes, REPORTS, TURNS, float)
         stops_ns = await in_turns(processes, STOPS, STOPPED, int)  # the last: they stay stopped
     whole = [
@@ -109,14 +109,14 @@ async def look(sizes: tuple[Plan, ...], runs: int) -> list[list[ProcessFigures]]
     return [whole[at :: len(sizes)] for at in range(len(sizes))]
 
 
-def plans(*, quick: bool) -> tuple[Plan, ...]:
+def plans(*, quick: bool) -> tuple[ScalingPlan, ...]:
     """Return what is looked at."""
     if quick:
-        return tuple(Plan(n, PEOPLE[:1], PER_S, 0.2, 0.3, 1, 500) for n in QUICK_SIZES)
-    return tuple(Plan(n, PEOPLE, PER_S, 1.0, 2.0, 4, 4_000) for n in SIZES)
+        return tuple(ScalingPlan(n, PEOPLE[:1], PER_S, 0.2, 0.3, 1, 500) for n in QUICK_SIZES)
+    return tuple(ScalingPlan(n, PEOPLE, PER_S, 1.0, 2.0, 4, 4_000) for n in SIZES)
 
 
-def measure(*, quick: bool) -> tuple[str, list[Case]]:
+def measure(*, quick: bool) -> tuple[str, list[BenchCase]]:
     """Return how it is measured, and what was seen."""
     runs = 1 if quick else RUNS
     sizes = plans(quick=quick)
@@ -192,7 +192,9 @@ def robot_us(seen: ProcessFigures) -> float:
     return seen.fed_cpu_s / seen.fed_s / seen.robots * 1e6
 
 
-def cases_of(runs: Sequence[ProcessFigures], smallest: Sequence[ProcessFigures]) -> Iterator[Case]:
+def cases_of(
+    runs: Sequence[ProcessFigures], smallest: Sequence[ProcessFigures]
+) -> Iterator[BenchCase]:
     """Yield what was seen of one size."""
     name = f"{runs[0].robots} robots"
     for several in zip(*(seen.commanded for seen in runs), strict=True):
@@ -223,5 +225,5 @@ def cases_of(runs: Sequence[ProcessFigures], smallest: Sequence[ProcessFigures])
     yield case_of(f"{name}: stop", stops)
 
 
-def _crowded(case: Case, **more: float | None) -> Crowded:
-    return Crowded(**(msgspec.structs.asdict(case) | more))
+def _crowded(case: BenchCase, **more: float | None) -> ScalingCase:
+    return ScalingCase(**(msgspec.structs.asdict(case) | more))

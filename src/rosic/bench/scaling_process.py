@@ -21,11 +21,11 @@ import msgspec
 
 from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
-from rosic.app.people import Seed
-from rosic.bench.load_generator import Sent, robot_name
+from rosic.app.people import ConfiguredPerson
+from rosic.bench.load_generator import SendFigures, robot_name
 from rosic.bench.paired_runs import COMMANDS, SETTLING_S, STOPS, take_turns
 from rosic.bench.parts import CLOCK, parts_of
-from rosic.bench.reporting_robots import FedRobot, Feed, Frames, read_wish
+from rosic.bench.reporting_robots import FrameProtocol, ReportDelivery, ReportingRobot, read_wish
 from rosic.bench.senders import BenchMessenger
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
@@ -51,7 +51,7 @@ STRETCHES = 10
 LOOK_S = 0.1
 
 
-class Plan(msgspec.Struct, frozen=True):
+class ScalingPlan(msgspec.Struct, frozen=True):
     """What one process is to see.
 
     Attributes:
@@ -70,7 +70,7 @@ class Plan(msgspec.Struct, frozen=True):
     flat_out: int
 
 
-class Commanded(msgspec.Struct, frozen=True):
+class CommandFigures(msgspec.Struct, frozen=True):
     """What was seen while so many people commanded.
 
     Attributes:
@@ -112,15 +112,15 @@ class ProcessFigures(msgspec.Struct, frozen=True):
     fed_cpu_s: float
     fed_s: float
     fed: int
-    commanded: tuple[Commanded, ...]
-    robots_sent: Sent
-    people_sent: tuple[Sent, ...]
-    flat_out: list[Commanded] = []
+    commanded: tuple[CommandFigures, ...]
+    robots_sent: SendFigures
+    people_sent: tuple[SendFigures, ...]
+    flat_out: list[CommandFigures] = []
     each_ns: list[float] = []
     stops_ns: list[int] = []
 
 
-class Listening(BenchMessenger):
+class SocketMessenger(BenchMessenger):
     """Listens for ever; what people say comes over a line of its own."""
 
     async def send(self, outbound: Outbound) -> str:
@@ -133,7 +133,7 @@ class Listening(BenchMessenger):
         await asyncio.Event().wait()
 
 
-class Stretch:
+class CpuInterval:
     """A stretch of time, and the processor time spent in it."""
 
     def __init__(self) -> None:
@@ -144,7 +144,7 @@ class Stretch:
         return process_time() - self._cpu_s, perf_counter() - self._began_s
 
 
-class ReceivedCrowd:
+class RemoteSenders:
     """The people: has the gateway receive what they send, and notes when its end was told."""
 
     def __init__(self, gateway: Gateway, messenger: BenchMessenger) -> None:
@@ -214,12 +214,12 @@ def inbound_of(person: str, text: str) -> Inbound:
 
 @asynccontextmanager
 async def line(
-    who: str, numbers: tuple[int, ...], take: Callable[[bytes], None], ended: list[Sent]
+    who: str, numbers: tuple[int, ...], take: Callable[[bytes], None], ended: list[SendFigures]
 ) -> AsyncIterator[None]:
     """Let a process of its own send while inside; afterwards it has said what it did."""
     with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
         path = f"{folder}/line"
-        frames = Frames(take)
+        frames = FrameProtocol(take)
         server = await asyncio.get_running_loop().create_unix_server(lambda: frames, path)
         process = await asyncio.create_subprocess_exec(
             sys.executable,
@@ -236,7 +236,7 @@ async def line(
             yield
             frames.transport.abort()
             said, _ = await asyncio.wait_for(process.communicate(), STARTING_S)
-            ended.append(msgspec.json.decode(said, type=Sent))
+            ended.append(msgspec.json.decode(said, type=SendFigures))
         finally:
             server.close()
             if process.returncode is None:
@@ -244,23 +244,25 @@ async def line(
                 await process.wait()
 
 
-async def see(plan: Plan) -> None:
+async def see(plan: ScalingPlan) -> None:
     """See what a gateway does with so many robots, and say it; then take turns."""
-    feed = Feed(map(robot_name, range(plan.robots)))
-    messenger, began_s = Listening(), perf_counter()
+    feed = ReportDelivery(map(robot_name, range(plan.robots)))
+    messenger, began_s = SocketMessenger(), perf_counter()
     gateway = gateway_over(plan.robots, max(plan.people), messenger)
     await gateway.open()
     start_s = perf_counter() - began_s
     running = asyncio.create_task(gateway.run())
     runtime.settle()
     try:
-        robots = {n: robot for n, robot in gateway.robots.items() if isinstance(robot, FedRobot)}
+        robots = {
+            n: robot for n, robot in gateway.robots.items() if isinstance(robot, ReportingRobot)
+        }
         feed.join(robots)
         seen = await _see(plan, gateway, messenger, feed, start_s)
         sys.stdout.write(msgspec.json.encode(seen).decode() + "\n")
         sys.stdout.flush()
         ways = {
-            COMMANDS: lambda: _flat_out(plan, ReceivedCrowd(gateway, messenger)),
+            COMMANDS: lambda: _flat_out(plan, RemoteSenders(gateway, messenger)),
             STOPS: lambda: _stop(gateway, messenger, robots.values()),
         }
         await take_turns(feed, plan.robots, ways)
@@ -272,23 +274,27 @@ async def see(plan: Plan) -> None:
 
 
 async def _see(
-    plan: Plan, gateway: Gateway, messenger: BenchMessenger, feed: Feed, start_s: float
+    plan: ScalingPlan,
+    gateway: Gateway,
+    messenger: BenchMessenger,
+    feed: ReportDelivery,
+    start_s: float,
 ) -> ProcessFigures:
-    stretch = Stretch()
+    stretch = CpuInterval()
     await asyncio.sleep(plan.quiet_s)
     quiet_cpu_s, quiet_s = stretch.end()
-    robots_sent: list[Sent] = []
-    people_sent: list[Sent] = []
+    robots_sent: list[SendFigures] = []
+    people_sent: list[SendFigures] = []
     async with line("robots", (plan.robots,), feed.take, robots_sent):
         await _all_heard(feed)
-        before, stretch = feed.messages, Stretch()
+        before, stretch = feed.messages, CpuInterval()
         await asyncio.sleep(plan.fed_s)
         fed_cpu_s, fed_s = stretch.end()
         fed = feed.messages - before
         people = min(max(plan.people), plan.robots)
-        await ReceivedCrowd(gateway, messenger).command(plan.robots, plan.robots, people)
+        await RemoteSenders(gateway, messenger).command(plan.robots, plan.robots, people)
         commanded = [
-            await _command(plan, people, ReceivedCrowd(gateway, messenger), people_sent)
+            await _command(plan, people, RemoteSenders(gateway, messenger), people_sent)
             for people in plan.people
         ]
     rss = rss_bytes()
@@ -306,36 +312,40 @@ async def _see(
     )
 
 
-async def _all_heard(feed: Feed) -> None:
+async def _all_heard(feed: ReportDelivery) -> None:
     async with asyncio.timeout(STARTING_S):
         while not feed.all_have_reported():  # noqa: ASYNC110 - they tell nobody
             await asyncio.sleep(LOOK_S)
 
 
-async def _command(plan: Plan, people: int, crowd: ReceivedCrowd, ended: list[Sent]) -> Commanded:
+async def _command(
+    plan: ScalingPlan, people: int, crowd: RemoteSenders, ended: list[SendFigures]
+) -> CommandFigures:
     async with line("people", (people, plan.robots, plan.per_s, os.getpid()), crowd.take, ended):
         await asyncio.sleep(SETTLING_S)  # what is said the first time is read once
         found: list[list[int]] = []
         own: list[list[int]] = []
-        stretch = Stretch()
+        stretch = CpuInterval()
         for _ in range(plan.commanding_s):
             crowd.latencies_ns, crowd.own_ns = [], []
             await asyncio.sleep(1.0)
             found.append(crowd.latencies_ns)
             own.append(crowd.own_ns)
         cpu_s, seconds = stretch.end()
-    return Commanded(people, found, own, await crowd.told(), cpu_s, seconds)
+    return CommandFigures(people, found, own, await crowd.told(), cpu_s, seconds)
 
 
-async def _flat_out(plan: Plan, crowd: ReceivedCrowd) -> Commanded:
+async def _flat_out(plan: ScalingPlan, crowd: RemoteSenders) -> CommandFigures:
     people = min(max(plan.people), plan.robots)  # each robot has one person: nobody is in the way
-    stretch = Stretch()
+    stretch = CpuInterval()
     await crowd.command(plan.flat_out // STRETCHES, plan.robots, people)
     cpu_s, seconds = stretch.end()
-    return Commanded(people, [crowd.latencies_ns], [crowd.own_ns], 0, cpu_s, seconds)
+    return CommandFigures(people, [crowd.latencies_ns], [crowd.own_ns], 0, cpu_s, seconds)
 
 
-async def _stop(gateway: Gateway, messenger: BenchMessenger, robots: Iterable[FedRobot]) -> int:
+async def _stop(
+    gateway: Gateway, messenger: BenchMessenger, robots: Iterable[ReportingRobot]
+) -> int:
     """Stop everybody; return how long it took until the last one was told, in ns."""
     began_ns = perf_counter_ns()
     await gateway.pipeline.receive(messenger, inbound_of("0", "stop"))
@@ -353,12 +363,13 @@ def gateway_over(robots: int, people: int, messenger: BenchMessenger) -> Gateway
     settings = GatewaySettings(
         profiles=tuple(profile_of(number) for number in range(robots)),
         people=tuple(
-            Seed(f"person {n}", (Address("bench", str(n)),), ("operator",)) for n in range(people)
+            ConfiguredPerson(f"person {n}", (Address("bench", str(n)),), ("operator",))
+            for n in range(people)
         ),
         limit=RateLimit(burst=1e9, per_s=1e9),
         lease_idle_s=0.0,
     )
-    return Gateway(settings, parts_of(MemoryStore(), messenger, robot=FedRobot))
+    return Gateway(settings, parts_of(MemoryStore(), messenger, robot=ReportingRobot))
 
 
 def profile_of(number: int) -> Profile:
@@ -383,7 +394,7 @@ def profile_of(number: int) -> Profile:
 
 def main(text: str) -> None:
     """See what a plan asks for, say it, and take turns."""
-    runtime.run(see(msgspec.json.decode(text, type=Plan)))
+    runtime.run(see(msgspec.json.decode(text, type=ScalingPlan)))
 
 
 if __name__ == "__main__":

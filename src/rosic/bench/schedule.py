@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
 
-from rosic.bench.report import Case, Report, case_of, machine
+from rosic.bench.report import BenchCase, BenchReport, case_of, machine
 from rosic.core.time_units import MINUTE_NS
 from rosic.organiser.planning.figures import PlanMetrics, figures_of
 from rosic.organiser.planning.greedy import first_come_first_served
@@ -51,7 +51,7 @@ METHOD = (
 )
 
 
-class Week(msgspec.Struct, frozen=True, kw_only=True):
+class PlanningWeek(msgspec.Struct, frozen=True, kw_only=True):
     """One generated week, planned in two ways.
 
     Attributes:
@@ -69,7 +69,7 @@ class Week(msgspec.Struct, frozen=True, kw_only=True):
     same_wait_min: tuple[float, float]
 
 
-class Planned(Case, frozen=True, kw_only=True):
+class PlanningCase(BenchCase, frozen=True, kw_only=True):
     """One way of planning: how long it took, and the mean of each figure over the weeks."""
 
     figures: dict[str, float]
@@ -127,7 +127,7 @@ def _window(
     return opens[day], opens[last] + open_min
 
 
-def compare(seed: int, *, limit_s: float = LIMIT_S, wishes: int = WISHES) -> Week:
+def compare(seed: int, *, limit_s: float = LIMIT_S, wishes: int = WISHES) -> PlanningWeek:
     """Plan one generated week in both ways, on the same grid."""
     problem = generated_week(seed, wishes=wishes)
     began = perf_counter_ns()
@@ -135,7 +135,7 @@ def compare(seed: int, *, limit_s: float = LIMIT_S, wishes: int = WISHES) -> Wee
     solved = perf_counter_ns()
     arrival = first_come_first_served(problem, grid_s=proposal.grid_s)
     served = perf_counter_ns()
-    return Week(
+    return PlanningWeek(
         seed=seed,
         grid_s=proposal.grid_s,
         arrival=figures_of(problem, arrival),
@@ -153,16 +153,18 @@ def _same_wait_min(arrival: Proposal, proposal: Proposal) -> tuple[float, float]
     return mean(first[wish] for wish in both), mean(second[wish] for wish in both)
 
 
-def report(seeds: Iterable[int] = range(SEEDS), *, limit_s: float = LIMIT_S) -> tuple[Week, ...]:
+def report(
+    seeds: Iterable[int] = range(SEEDS), *, limit_s: float = LIMIT_S
+) -> tuple[PlanningWeek, ...]:
     """Plan generated weeks in both ways."""
     return tuple(compare(seed, limit_s=limit_s) for seed in seeds)
 
 
-def measure(*, quick: bool = False) -> Report:
+def measure(*, quick: bool = False) -> BenchReport:
     """Return what ``rosic bench schedule`` prints."""
     seeds, limit_s = (QUICK_SEEDS, QUICK_LIMIT_S) if quick else (SEEDS, LIMIT_S)
     weeks = report(range(seeds), limit_s=limit_s)
-    cases: list[Case] = []
+    cases: list[BenchCase] = []
     for name, index in (("order of arrival", 0), ("proposed plan", 1)):
         times = [week.took_ns[index] for week in weeks]
         case = case_of(name, [(1e9 / mean(times), times)])
@@ -171,14 +173,14 @@ def measure(*, quick: bool = False) -> Report:
             figure: round(mean(getattr(plan, figure) for plan in plans), 4)
             for figure in PlanMetrics.__struct_fields__
         }
-        cases.append(Planned(**msgspec.structs.asdict(case), figures=averages))
+        cases.append(PlanningCase(**msgspec.structs.asdict(case), figures=averages))
     method = METHOD.format(
         wishes=WISHES, people=PEOPLE, robots=len(ROBOTS), weeks=seeds, limit_s=limit_s
     )
-    return Report(machine=machine(), method=method, cases=tuple(cases))
+    return BenchReport(machine=machine(), method=method, cases=tuple(cases))
 
 
-class Row(msgspec.Struct, frozen=True):
+class FigureRow(msgspec.Struct, frozen=True):
     """How one figure is shown."""
 
     figure: str
@@ -189,23 +191,23 @@ class Row(msgspec.Struct, frozen=True):
 
 
 ROWS = (
-    Row("granted", "wishes granted", True, 1),
-    Row("use", "use of the open hours, %", True, 1, 100),
-    Row("idle_h", "idle, robot hours", False, 1),
-    Row("between_h", "of it between slots, hours", False, 1),
-    Row("breaks", "separate stretches of use", False, 1),
-    Row("wait_mean_min", "mean waiting of all it grants, min", False, 0),
-    Row("wait_worst_min", "worst waiting, min", False, 0),
-    Row("fairness", "fairness (Jain)", True, 3),
-    Row("least_share", "share of whoever gets least", True, 2),
-    Row("score", "score", True, 0),
-    Row("conflicts", "conflicts", False, 0),
+    FigureRow("granted", "wishes granted", True, 1),
+    FigureRow("use", "use of the open hours, %", True, 1, 100),
+    FigureRow("idle_h", "idle, robot hours", False, 1),
+    FigureRow("between_h", "of it between slots, hours", False, 1),
+    FigureRow("breaks", "separate stretches of use", False, 1),
+    FigureRow("wait_mean_min", "mean waiting of all it grants, min", False, 0),
+    FigureRow("wait_worst_min", "worst waiting, min", False, 0),
+    FigureRow("fairness", "fairness (Jain)", True, 3),
+    FigureRow("least_share", "share of whoever gets least", True, 2),
+    FigureRow("score", "score", True, 0),
+    FigureRow("conflicts", "conflicts", False, 0),
 )
-SAME = Row("", "mean waiting of what both grant, min", False, 0)
+SAME = FigureRow("", "mean waiting of what both grant, min", False, 0)
 CLOSE = 1e-9
 
 
-def as_table(weeks: Sequence[Week]) -> str:
+def as_table(weeks: Sequence[PlanningWeek]) -> str:
     """Return the means over the weeks, and in how many weeks which way was the better one."""
     lines = [
         "| mean of the weeks | by arrival | proposed | better by arrival | better proposed |",
@@ -218,7 +220,7 @@ def as_table(weeks: Sequence[Week]) -> str:
     return "\n".join(lines)
 
 
-def _line(row: Row, pairs: Sequence[tuple[float, float]]) -> str:
+def _line(row: FigureRow, pairs: Sequence[tuple[float, float]]) -> str:
     sign = 1 if row.more_is_better else -1
     arrival, proposed = (mean(pair[i] for pair in pairs) * row.factor for i in (0, 1))
     better = [sum(sign * (one - other) > CLOSE for one, other in pairs) for sign in (sign, -sign)]

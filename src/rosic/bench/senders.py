@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterator, Sequence
 
     from rosic.contracts.messenger import Receive
-    from rosic.core.message import Enclosure, Outbound
+    from rosic.core.message import IncomingFile, Outbound
     from rosic.gateway.pipeline import Pipeline
 
 TURN_MESSAGES = 4
 
 
-class Awaited(Protocol):
+class EndWaiter(Protocol):
     """Whoever waits for the end of an order; a future, say."""
 
     def set_result(self, result: None, /) -> None:
@@ -47,7 +47,7 @@ class BenchMessenger:
     pins = False
 
     def __init__(self) -> None:
-        self.ended: dict[str, Awaited] = {}
+        self.ended: dict[str, EndWaiter] = {}
 
     async def run(self, receive: Receive) -> None:
         """Nothing to listen to: the load calls ``receive`` itself."""
@@ -79,12 +79,12 @@ class BenchMessenger:
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Nobody taps."""
 
-    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+    def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
         """Nobody sends a file."""
         raise NotImplementedError
 
 
-class Lane:
+class RobotLane:
     """The messages in flight at one robot, all of one person until that person's turn is over.
 
     Attributes:
@@ -97,13 +97,13 @@ class Lane:
     __slots__ = ("chat", "left", "sender", "slots", "texts")
 
     def __init__(self, width: int, texts: Iterator[str]) -> None:
-        self.slots = [Slot(self) for _ in range(width)]
+        self.slots = [InFlightSlot(self) for _ in range(width)]
         self.left = width
         self.texts = texts
         self.sender, self.chat = address_of(0)
 
 
-class Slot:
+class InFlightSlot:
     """One message in flight after another.
 
     Attributes:
@@ -114,9 +114,9 @@ class Slot:
 
     __slots__ = ("began_ns", "lane", "left", "sending")
 
-    sending: Sending
+    sending: OrderSending
 
-    def __init__(self, lane: Lane) -> None:
+    def __init__(self, lane: RobotLane) -> None:
         self.lane = lane
         self.left = 0
         self.began_ns = 0
@@ -130,7 +130,7 @@ class Slot:
         self.sending.fail(exception)
 
 
-class Sending:
+class OrderSending:
     """Keeps messages under way until so many orders have ended.
 
     Args:
@@ -158,11 +158,11 @@ class Sending:
         self._numbers = count(1)
         self._wall_ns = wall_ns
         self._times = array("q")
-        self._ready: deque[Slot] = deque()
+        self._ready: deque[InFlightSlot] = deque()
         self._idle: list[asyncio.Future[None]] = []
         self._over: asyncio.Future[None] | None = None
 
-    async def send(self, lanes: list[Lane], orders: int) -> tuple[list[int], float]:
+    async def send(self, lanes: list[RobotLane], orders: int) -> tuple[list[int], float]:
         """Send until so many orders have ended, and those under way then, too.
 
         Returns:
@@ -200,7 +200,7 @@ class Sending:
         if self._over is not None and not self._over.done():
             self._over.set_exception(error)
 
-    def _begin(self, lane: Lane) -> None:
+    def _begin(self, lane: RobotLane) -> None:
         """Let somebody else have the turn."""
         lane.left = len(lane.slots)
         lane.sender, lane.chat = next(self._people)
@@ -208,7 +208,7 @@ class Sending:
             slot.left = TURN_MESSAGES
         self._ready.extend(lane.slots)
 
-    def _end_turn(self, lane: Lane) -> None:
+    def _end_turn(self, lane: RobotLane) -> None:
         """Begin the next turn once everybody in a lane has had their share, if there is one."""
         lane.left -= 1
         if lane.left:
@@ -250,7 +250,7 @@ class Sending:
             self._idle.append(idle)
             await idle
 
-    def ended(self, slot: Slot) -> None:
+    def ended(self, slot: InFlightSlot) -> None:
         """Count one order; whoever has had their share waits for the others of their lane."""
         self._times.append(perf_counter_ns() - slot.began_ns)
         slot.left -= 1
@@ -262,10 +262,10 @@ class Sending:
             self._idle.pop().set_result(None)
 
 
-def lanes_of(in_flight: int, texts: Sequence[Iterator[str]]) -> list[Lane]:
+def lanes_of(in_flight: int, texts: Sequence[Iterator[str]]) -> list[RobotLane]:
     """Share messages out among robots, each asked for what its texts say."""
     share, more = divmod(in_flight, len(texts))
-    return [Lane(share + (robot < more), asked) for robot, asked in enumerate(texts)]
+    return [RobotLane(share + (robot < more), asked) for robot, asked in enumerate(texts)]
 
 
 def address_of(person: int) -> tuple[Address, Chat]:

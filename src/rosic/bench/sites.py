@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 SHARED = 256  # records that are written together
 
 
-class Size(NamedTuple):
+class SiteSize(NamedTuple):
     """How much there is of everything."""
 
     people: int
@@ -41,8 +41,8 @@ class Size(NamedTuple):
         return f"{self.people} people, {self.roles} roles, {self.robots} robots, {self.slots} slots"
 
 
-SMALL = Size(10, 5, 3, 0)
-LARGE = Size(10_000, 100, 50, 50_000)
+SMALL = SiteSize(10, 5, 3, 0)
+LARGE = SiteSize(10_000, 100, 50, 50_000)
 # A role of a kind is the same in either place; what differs is how many others lie around it.
 KINDS = (
     Role(scopes=("*:*",)),
@@ -71,7 +71,7 @@ def rulebook_of(roles: int, kinds: tuple[Role, ...] = KINDS) -> RoleRules:
     return RoleRules(roles={**DEFAULT_ROLES, **own})
 
 
-def records_of(size: Size, now_ns: int) -> Iterator[Record]:
+def records_of(size: SiteSize, now_ns: int) -> Iterator[Record]:
     """Yield everything that is on record in a place of a size."""
     for n in range(size.people):
         who = f"p{n}"
@@ -90,7 +90,9 @@ def records_of(size: Size, now_ns: int) -> Iterator[Record]:
     yield from (slot.fact() for slot in slots_of(size, now_ns, "p{}".format))
 
 
-def slots_of(size: Size, now_ns: int, principal_of: Callable[[int], str]) -> Iterator[BookedSlot]:
+def slots_of(
+    size: SiteSize, now_ns: int, principal_of: Callable[[int], str]
+) -> Iterator[BookedSlot]:
     """Yield slots of an hour, one after another on each robot, the first of them in an hour."""
     for n in range(size.slots):
         start_ns = now_ns + (1 + n // size.robots) * HOUR_NS
@@ -105,7 +107,7 @@ def slots_of(size: Size, now_ns: int, principal_of: Callable[[int], str]) -> Ite
         )
 
 
-def gateway_over(size: Size, store: Store) -> Gateway:
+def gateway_over(size: SiteSize, store: Store) -> Gateway:
     """Return a gateway without messengers; nothing is opened."""
     settings = GatewaySettings(
         profiles=tuple(
@@ -117,7 +119,7 @@ def gateway_over(size: Size, store: Store) -> Gateway:
     return Gateway(settings, parts_of(store))
 
 
-async def fill(store: Store, size: Size) -> None:
+async def fill(store: Store, size: SiteSize) -> None:
     """Write the record of a place."""
     await store.open()
     waiting: list[Record] = []

@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 import msgspec
 from msgspec.structs import replace
 
-from rosic.bench.report import Case, Report, machine, quantile
+from rosic.bench.report import BenchCase, BenchReport, machine, quantile
 from rosic.config.profiles import load_profile, shipped_profiles
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.core.order_gate import OrderGate
 from rosic.core.synchronised_start import TOGETHER_NS, TOO_LATE_NS, misses_start
 from rosic.core.time_units import SECOND_NS
@@ -32,7 +32,7 @@ from rosic.robots.ros2.robot import Ros2Robot
 from rosic.system import SystemClock
 from rosic.testing.factories import OrderBook
 from rosic.testing.ros2.graph import RosGraph
-from rosic_sim.ros2.realtime_priority import Urgency
+from rosic_sim.ros2.realtime_priority import RealtimePriority
 
 if TYPE_CHECKING:
     from asyncio.subprocess import Process
@@ -70,7 +70,7 @@ WITHIN = (
 )
 
 
-class Round(NamedTuple):
+class StartRound(NamedTuple):
     """One common start.
 
     Attributes:
@@ -87,11 +87,11 @@ def spread_ns(moments_ns: Sequence[int]) -> int:
     return max(moments_ns) - min(moments_ns)
 
 
-def measure(*, quick: bool, robots: int = ROBOTS, rounds: int = 0) -> Report:
+def measure(*, quick: bool, robots: int = ROBOTS, rounds: int = 0) -> BenchReport:
     """Let robots begin together, again and again."""
     rounds = rounds or (QUICK_ROUNDS if quick else ROUNDS)
     granted = _granted()
-    cases: list[Case] = []
+    cases: list[BenchCase] = []
     findings: list[str] = []
     failures: list[str] = []
     for name, options in (("ordinary", ()), ("punctual", ("--punctual",))):
@@ -115,7 +115,7 @@ def measure(*, quick: bool, robots: int = ROBOTS, rounds: int = 0) -> Report:
         rounds=rounds,
         granted="yes" if granted else "no",
     )
-    return Report(
+    return BenchReport(
         machine=machine(),
         method=method,
         cases=tuple(cases),
@@ -128,7 +128,7 @@ def _granted() -> bool:
     """Tell whether this machine grants real-time priority, to a thread that ends at once."""
 
     def ask() -> bool:
-        urgency = Urgency(wanted=True)
+        urgency = RealtimePriority(wanted=True)
         urgency.be(True)
         return urgency.wanted
 
@@ -136,7 +136,7 @@ def _granted() -> bool:
         return pool.submit(ask).result()
 
 
-def _seen(robots: int, rounds: int, options: Sequence[str]) -> list[Round]:
+def _seen(robots: int, rounds: int, options: Sequence[str]) -> list[StartRound]:
     """Return so many common starts of so many robots."""
     with TemporaryDirectory(prefix="rosic-start-") as folder, RosGraph(Path(folder)) as graph:
         names = [f"omni{number}" for number in range(1, robots + 1)]
@@ -147,7 +147,7 @@ def _seen(robots: int, rounds: int, options: Sequence[str]) -> list[Round]:
         return asyncio.run(_measure(file, names, rounds))
 
 
-def _cases(name: str, seen: Sequence[Round], rate: float) -> Iterator[Case]:
+def _cases(name: str, seen: Sequence[StartRound], rate: float) -> Iterator[BenchCase]:
     """Yield what robots and plain processes made of the same moments."""
     for who, rows in (
         ("robots", [one.robots_ns for one in seen]),
@@ -157,7 +157,7 @@ def _cases(name: str, seen: Sequence[Round], rate: float) -> Iterator[Case]:
         yield _case(f"{name}: {who}, agreed to begun", [ns for row in rows for ns in row], rate)
 
 
-def _within(name: str, seen: Sequence[Round]) -> str:
+def _within(name: str, seen: Sequence[StartRound]) -> str:
     """Return in a sentence how often all was as promised, and how often the machine let it be."""
     robots = {at for at, one in enumerate(seen) if spread_ns(one.robots_ns) < PROMISED_NS}
     sleepers = {at for at, one in enumerate(seen) if max(one.sleepers_ns) < PROMISED_NS}
@@ -171,8 +171,8 @@ def _within(name: str, seen: Sequence[Round]) -> str:
     )
 
 
-def _case(name: str, taken_ns: Sequence[int], rate: float) -> Case:
-    return Case(
+def _case(name: str, taken_ns: Sequence[int], rate: float) -> BenchCase:
+    return BenchCase(
         name=name,
         rate_per_s=rate,
         p50_us=quantile(taken_ns, 0.5) / 1e3,
@@ -180,10 +180,10 @@ def _case(name: str, taken_ns: Sequence[int], rate: float) -> Case:
     )
 
 
-async def _measure(file: Path, names: Sequence[str], rounds: int) -> list[Round]:
+async def _measure(file: Path, names: Sequence[str], rounds: int) -> list[StartRound]:
     """Return so many rounds that were seen whole; fewer where too many were not."""
     clock = SystemClock()
-    seen: list[Round] = []
+    seen: list[StartRound] = []
     async with AsyncExitStack() as stack:
         sleepers = [await stack.enter_async_context(sleeping()) for _ in range(PROCESSES)]
         sides = [_Side(one_more(name), clock) for name in names]
@@ -205,12 +205,12 @@ async def _measure(file: Path, names: Sequence[str], rounds: int) -> list[Round]
             woke = await waking
             moments = began(file, before)
             if any(side.late for side in sides):  # no start together: it counts as one so far apart
-                seen.append(Round([0, TOO_LATE_NS], [woke_ns - start_ns for woke_ns in woke]))
+                seen.append(StartRound([0, TOO_LATE_NS], [woke_ns - start_ns for woke_ns in woke]))
                 continue
             if not all(done) or set(moments) != set(names):
                 continue  # one held, as it did not hear of us for a second: a round of fewer
             robots = [moment_ns - agreed_ns for moment_ns in moments.values()]
-            seen.append(Round(robots, [woke_ns - start_ns for woke_ns in woke]))
+            seen.append(StartRound(robots, [woke_ns - start_ns for woke_ns in woke]))
     return seen
 
 
@@ -283,7 +283,7 @@ class _Side:
         except OrderVoid:
             self.late = misses_start(order, self._clock.monotonic_ns(), self._clock.wall_ns())
             return False
-        return outcome.ending is Ending.DONE
+        return outcome.ending is OrderEnding.DONE
 
 
 def one_more(name: str) -> Profile:

@@ -22,7 +22,7 @@ PACE_NS = 7_000_000
 """What `pace_of_machine` takes for its work on the machine for which figures are promised."""
 
 
-class Step(NamedTuple):
+class LoopStep(NamedTuple):
     """One step of the loop.
 
     Attributes:
@@ -42,12 +42,12 @@ class MeteredLoop(asyncio.SelectorEventLoop):
     """
 
     def __init__(self) -> None:
-        self.longest = Step(0, "")
+        self.longest = LoopStep(0, "")
         super().__init__()
 
     def reset(self) -> None:
         """Begin anew."""
-        self.longest = Step(0, "")
+        self.longest = LoopStep(0, "")
 
     def call_soon(
         self, callback: Callable[..., object], *args: object, context: Context | None = None
@@ -84,7 +84,7 @@ class MeteredLoop(asyncio.SelectorEventLoop):
         finally:
             took_ns = thread_time_ns() - began_ns
             if took_ns > self.longest.cpu_ns:
-                self.longest = Step(took_ns, _named(callback))
+                self.longest = LoopStep(took_ns, _named(callback))
 
 
 def _named(callback: Callable[..., object]) -> str:

@@ -17,12 +17,12 @@ from rosic.bench.busy_robots import (
     ROBOTS,
     WATCHER,
     WORK_S,
-    Crowd,
+    OrderSenders,
     TimedLatch,
     WatchedMessenger,
     crowded_gateway,
 )
-from rosic.bench.report import Report, case_of, machine
+from rosic.bench.report import BenchReport, case_of, machine
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore
 from rosic.stores.stop_latch import FileLatch, MemoryLatch
@@ -83,7 +83,7 @@ class StopFigures(msgspec.Struct):
     wrong: list[str] = msgspec.field(default_factory=list)
 
 
-def measure(*, quick: bool = False) -> Report:
+def measure(*, quick: bool = False) -> BenchReport:
     """Stop robots with the record in memory, then with the record and the latch on disk."""
     load = QUICK if quick else FULL
     runs = [
@@ -115,7 +115,7 @@ def measure(*, quick: bool = False) -> Report:
         together=load.together,
         loop=runtime.name(),
     )
-    return Report(machine=machine(), method=method, cases=cases, failures=failures)
+    return BenchReport(machine=machine(), method=method, cases=cases, failures=failures)
 
 
 async def _run(load: StopLoad, *, durable: bool) -> tuple[float, dict[str, StopFigures]]:
@@ -131,7 +131,7 @@ async def _run(load: StopLoad, *, durable: bool) -> tuple[float, dict[str, StopF
             await gateway.open()
             runtime.settle()
             try:
-                crowd = Crowd(gateway, messenger, load.queued)
+                crowd = OrderSenders(gateway, messenger, load.queued)
                 return await _stops(_Bench(crowd, messenger, latch, load.queued), load)
             finally:
                 await gateway.close()
@@ -164,7 +164,7 @@ class _Bench:
     """Stops robots, and looks at everybody's watches."""
 
     def __init__(
-        self, crowd: Crowd, messenger: WatchedMessenger, latch: TimedLatch, queued: int
+        self, crowd: OrderSenders, messenger: WatchedMessenger, latch: TimedLatch, queued: int
     ) -> None:
         self.crowd = crowd
         self._messenger = messenger

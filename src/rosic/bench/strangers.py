@@ -13,11 +13,11 @@ import msgspec
 
 from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.bench.bot_api_process import TOKEN, stand_in
 from rosic.bench.parts import CLOCK, parts_of
-from rosic.bench.report import Report, case_of, machine, quantile
-from rosic.bench.steps import MeteredLoop, Step, pace_of_machine, undisturbed
+from rosic.bench.report import BenchReport, case_of, machine, quantile
+from rosic.bench.steps import LoopStep, MeteredLoop, pace_of_machine, undisturbed
 from rosic.core.identity import Address
 from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Skill
@@ -31,7 +31,7 @@ from rosic.stores.stop_latch import FileLatch
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from rosic.core.order import Rest, Stop
+    from rosic.core.order import RestReport, Stop
     from rosic.testing.telegram import Control
 
 LONGEST: Final = 4_096
@@ -89,7 +89,7 @@ class StrangerFigures(NamedTuple):
 
     quiet: list[int]
     flooded: list[int]
-    longest: Step
+    longest: LoopStep
     took_s: float
 
 
@@ -98,14 +98,14 @@ class StopWatcher(MemoryRobot):
 
     awaited: asyncio.Future[int] | None = None
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         """Note the time before anything else."""
         if StopWatcher.awaited is not None and not StopWatcher.awaited.done():
             StopWatcher.awaited.set_result(perf_counter_ns())
         return await super().stop(stop)
 
 
-def measure(*, quick: bool = False) -> Report:
+def measure(*, quick: bool = False) -> BenchReport:
     """Stop a robot without strangers and behind their floods, in turns."""
     load = QUICK if quick else FULL
     found = runtime.run(_run(load))
@@ -122,7 +122,7 @@ def measure(*, quick: bool = False) -> Report:
     kept = (above_s <= ABOVE_QUIET_S, step_s <= STEP_S * pace)
     rate = load.samples / found.took_s
     worst = ", ".join(ascii(sign) for sign in SIGNS)
-    return Report(
+    return BenchReport(
         machine=machine(),
         method=METHOD.format(
             samples=load.samples,
@@ -167,7 +167,7 @@ async def _samples(bench: _Bench, load: StrangerLoad) -> StrangerFigures:
         quiet.append(await bench.stop())
         await bench.flood(number, load.flood)
         flooded.append(await bench.stop())
-    longest = Step(0, "") if meter is None else meter.longest
+    longest = LoopStep(0, "") if meter is None else meter.longest
     return StrangerFigures(quiet, flooded, longest, perf_counter() - began_s)
 
 
@@ -206,7 +206,7 @@ async def _gateway(folder: Path, control: Control, admin: int) -> AsyncIterator[
     messenger = TelegramMessenger("bench", settings, CLOCK, rates=PUBLISHED.times(1_000))
     latch = FileLatch(folder / "stops")
     profile = Profile(id="omni", link=Link(kind="memory"), skills={"go": Skill(id="go")})
-    people = (Seed("Ada", (Address("telegram", str(admin)),), ("admin",)),)
+    people = (ConfiguredPerson("Ada", (Address("telegram", str(admin)),), ("admin",)),)
     store = DatabaseStore(folder, clock=CLOCK)
     gateway = Gateway(
         GatewaySettings(profiles=(profile,), people=people),

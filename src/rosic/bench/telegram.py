@@ -9,10 +9,17 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from rosic.app import runtime
-from rosic.bench.batches import ENDED, ROUND_TRIP_S, Batch, BatchFigures, BatchSite, through_rosic
+from rosic.bench.batches import (
+    ENDED,
+    ROUND_TRIP_S,
+    BatchFigures,
+    BatchSite,
+    CommandBatch,
+    through_rosic,
+)
 from rosic.bench.bot_api_process import TOKEN, stand_in
 from rosic.bench.receiving import findings, received
-from rosic.bench.report import Case, Report, case_of, machine
+from rosic.bench.report import BenchCase, BenchReport, case_of, machine
 from rosic.messengers.telegram.bot_client import BotClient
 from rosic.messengers.telegram.errors import ErrorKind, TelegramError
 from rosic.messengers.telegram.settings import read_settings
@@ -26,7 +33,7 @@ if TYPE_CHECKING:
 # ---- the naive sender ----
 
 
-async def through_a_loop(control: Control, batch: Batch) -> BatchFigures:
+async def through_a_loop(control: Control, batch: CommandBatch) -> BatchFigures:
     """Have a plain loop answer the same commands: it sends at once, and waits when it is told to.
 
     It has no commands to follow and nothing to write down; each outcome is one message.
@@ -69,10 +76,10 @@ async def _send_at_once(line: BotClient, person: int, message: int) -> None:
 AT_LEAST = 0.95
 SIZES = (10, 50, 100, 500)
 FULL = (
-    *(Batch(name=f"{size} commands, 10 chats", commands=size) for size in SIZES),
-    Batch(name="500 commands, 50 chats", commands=500, chats=50),
+    *(CommandBatch(name=f"{size} commands, 10 chats", commands=size) for size in SIZES),
+    CommandBatch(name="500 commands, 50 chats", commands=500, chats=50),
 )
-QUICK = (Batch(name="50 commands, 10 chats, 1.5 times as fast", commands=50, faster=1.5),)
+QUICK = (CommandBatch(name="50 commands, 10 chats, 1.5 times as fast", commands=50, faster=1.5),)
 METHOD = (
     "Algorithm 11: each batch is said at once, in equal shares, by people in chats of their own to "
     "robots in memory, through a gateway with its record on disk, over a stand-in for Telegram's "
@@ -93,7 +100,7 @@ METHOD = (
 )
 
 
-class Asked(NamedTuple):
+class TelegramLoad(NamedTuple):
     """What is measured.
 
     Attributes:
@@ -101,17 +108,17 @@ class Asked(NamedTuple):
         at_least: Share of the permitted rate that is promised.
     """
 
-    batches: tuple[Batch, ...]
+    batches: tuple[CommandBatch, ...]
     orders: int
     at_least: float = AT_LEAST
 
 
-def measure(*, quick: bool = False) -> Report:
+def measure(*, quick: bool = False) -> BenchReport:
     """Run every batch through ROSIC and through the naive sender, then measure receiving."""
-    return measured(Asked(QUICK, 200) if quick else Asked(FULL, 2_000))
+    return measured(TelegramLoad(QUICK, 200) if quick else TelegramLoad(FULL, 2_000))
 
 
-def measured(asked: Asked) -> Report:
+def measured(asked: TelegramLoad) -> BenchReport:
     """Measure all that is asked, whatever did not hold of it."""
     log = logging.getLogger("rosic")
     level = log.level
@@ -123,7 +130,7 @@ def measured(asked: Asked) -> Report:
     method = METHOD.format(
         round_trip_ms=ROUND_TRIP_S * 1e3, loop=runtime.name(), orders=asked.orders
     )
-    return Report(
+    return BenchReport(
         machine=machine(),
         method=method,
         cases=tuple(cases),
@@ -132,8 +139,8 @@ def measured(asked: Asked) -> Report:
     )
 
 
-async def _run(asked: Asked) -> tuple[list[Case], list[str], tuple[str, ...]]:
-    cases: list[Case] = []
+async def _run(asked: TelegramLoad) -> tuple[list[BenchCase], list[str], tuple[str, ...]]:
+    cases: list[BenchCase] = []
     failures: list[str] = []
     async with stand_in() as control:
         for batch in asked.batches:
@@ -155,12 +162,12 @@ async def _run(asked: Asked) -> tuple[list[Case], list[str], tuple[str, ...]]:
     return cases, failures, findings(times_of)
 
 
-def _cases(batch: Batch, found: BatchFigures) -> list[Case]:
+def _cases(batch: CommandBatch, found: BatchFigures) -> list[BenchCase]:
     stops = [(1e9 * len(found.stop_ns) / sum(found.stop_ns), found.stop_ns)]
     return [_case(batch.name, found), case_of(f"{batch.name}: stops meanwhile", stops)]
 
 
-def _case(name: str, found: BatchFigures) -> Case:
+def _case(name: str, found: BatchFigures) -> BenchCase:
     case = case_of(name, [(found.rate_per_s, found.waited_ns)])
     return msgspec.structs.replace(case, permitted_share=round(found.share, 3))
 

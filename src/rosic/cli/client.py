@@ -17,7 +17,7 @@ from rosic.system import SystemClock, SystemEntropy
 if TYPE_CHECKING:
     import argparse
 
-    from rosic.app.admin.api import Ask
+    from rosic.app.admin.api import AdminRequest
 
 CONFIG = "rosic.toml"
 DATA = "rosic-data"
@@ -47,7 +47,7 @@ def data_of(options: argparse.Namespace) -> Path:
     return (path.parent / Path(named).expanduser()).absolute()
 
 
-def ask(data: Path, request: Ask) -> int:
+def ask(data: Path, request: AdminRequest) -> int:
     """Ask the gateway and print its answers as they come. Return the exit status.
 
     Raises:
@@ -56,7 +56,7 @@ def ask(data: Path, request: Ask) -> int:
     return asyncio.run(_ask(data, request))
 
 
-async def _ask(data: Path, request: Ask) -> int:
+async def _ask(data: Path, request: AdminRequest) -> int:
     good = True
     async for answer in ask_gateway(data, request, _warn):
         good = good and answer.good
@@ -64,7 +64,7 @@ async def _ask(data: Path, request: Ask) -> int:
     return 0 if good else 1
 
 
-def answers(data: Path, request: Ask) -> tuple[str, ...]:
+def answers(data: Path, request: AdminRequest) -> tuple[str, ...]:
     """Ask the gateway and return its answers.
 
     Raises:
@@ -74,7 +74,7 @@ def answers(data: Path, request: Ask) -> tuple[str, ...]:
     return asyncio.run(_answers(data, request))
 
 
-async def _answers(data: Path, request: Ask) -> tuple[str, ...]:
+async def _answers(data: Path, request: AdminRequest) -> tuple[str, ...]:
     texts: list[str] = []
     async for answer in ask_gateway(data, request, _warn):
         if not answer.good:
@@ -103,7 +103,7 @@ def people(options: argparse.Namespace, *, json: bool) -> tuple[str, ...]:
 
 
 def do(
-    options: argparse.Namespace, ask: Ask, seeding: OfflineSeeding, *, robots: bool = False
+    options: argparse.Namespace, ask: AdminRequest, seeding: OfflineSeeding, *, robots: bool = False
 ) -> tuple[str, ...]:
     """Do what is asked and return the answers.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.cli.client import add_where
 from rosic.cli.desk import changed
 
@@ -30,5 +30,5 @@ def run(arguments: Sequence[str]) -> int:
     add_where(parser)
     options = parser.parse_args(arguments)
     names = ("accept",) if options.accept else ()
-    print("\n".join(changed(options, Ask(Verb.CLOCK, names))))
+    print("\n".join(changed(options, AdminRequest(AdminVerb.CLOCK, names))))
     return 0

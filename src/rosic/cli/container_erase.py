@@ -6,7 +6,7 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.cli.client import add_where
 from rosic.cli.desk import changed
 from rosic.errors import ConfigurationError
@@ -34,7 +34,7 @@ def run(arguments: Sequence[str]) -> int:
         raise ConfigurationError(
             "Nothing was erased.", hint=f"rosic container erase {options.name} --yes does not ask."
         )
-    print("\n".join(changed(options, Ask(Verb.ERASE, (options.name,)), robots=True)))
+    print("\n".join(changed(options, AdminRequest(AdminVerb.ERASE, (options.name,)), robots=True)))
     return 0
 
 

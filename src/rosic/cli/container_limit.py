@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.cli.client import add_where
 from rosic.cli.desk import changed
 from rosic.errors import OutOfBounds
@@ -41,7 +41,11 @@ def run(arguments: Sequence[str]) -> int:
         "most_bytes": None if options.size is None else _count("--size", options.size),
     }
     body = msgspec.Raw(msgspec.json.encode(asked))
-    print("\n".join(changed(options, Ask(Verb.LIMIT, (options.name,), body), robots=True)))
+    print(
+        "\n".join(
+            changed(options, AdminRequest(AdminVerb.LIMIT, (options.name,), body), robots=True)
+        )
+    )
     return 0
 
 

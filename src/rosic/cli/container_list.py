@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up
 from rosic.features.personal_data.operator_view import ListedContainer, table
@@ -29,7 +29,7 @@ def run(arguments: Sequence[str]) -> int:
     parser.add_argument("--json", action="store_true", help="one list, for programs")
     add_where(parser)
     options = parser.parse_args(arguments)
-    answers = looked_up(options, Ask(Verb.CONTAINERS), robots=True)
+    answers = looked_up(options, AdminRequest(AdminVerb.CONTAINERS), robots=True)
     found = [
         one for text in answers for one in msgspec.json.decode(text, type=list[ListedContainer])
     ]

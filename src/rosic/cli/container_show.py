@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up
 from rosic.features.personal_data.operator_view import ShownContainer, shown
@@ -30,6 +30,6 @@ def run(arguments: Sequence[str]) -> int:
     parser.add_argument("--json", action="store_true", help="one object, for programs")
     add_where(parser)
     options = parser.parse_args(arguments)
-    [text] = looked_up(options, Ask(Verb.CONTAINER, (options.name,)), robots=True)
+    [text] = looked_up(options, AdminRequest(AdminVerb.CONTAINER, (options.name,)), robots=True)
     print(text if options.json else shown(msgspec.json.decode(text, type=ShownContainer)))
     return 0

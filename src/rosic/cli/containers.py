@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up
 from rosic.container import export
@@ -38,7 +38,9 @@ def run(arguments: Sequence[str]) -> int:
     named = None if options.file is None else Path(options.file)
     if named is not None:
         _check_free(named)
-    container, *texts = looked_up(options, Ask(Verb.CONTENT, (options.name,)), robots=True)
+    container, *texts = looked_up(
+        options, AdminRequest(AdminVerb.CONTENT, (options.name,)), robots=True
+    )
     lines = [line for text in texts for line in text.split("\n")]
     content = _made(container, lines, options.form)
     path = named or Path(f"{container}.{export.ENDINGS[options.form]}")

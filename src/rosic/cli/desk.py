@@ -13,10 +13,12 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
-    from rosic.app.admin.api import Ask
+    from rosic.app.admin.api import AdminRequest
 
 
-def looked_up(options: argparse.Namespace, ask: Ask, *, robots: bool = False) -> tuple[str, ...]:
+def looked_up(
+    options: argparse.Namespace, ask: AdminRequest, *, robots: bool = False
+) -> tuple[str, ...]:
     """Return the answers to what changes nothing.
 
     Args:
@@ -30,7 +32,9 @@ def looked_up(options: argparse.Namespace, ask: Ask, *, robots: bool = False) ->
     return _answered(options, ask, changes=False, robots=robots)
 
 
-def changed(options: argparse.Namespace, ask: Ask, *, robots: bool = False) -> tuple[str, ...]:
+def changed(
+    options: argparse.Namespace, ask: AdminRequest, *, robots: bool = False
+) -> tuple[str, ...]:
     """Return the answers to what changes something.
 
     Args:
@@ -53,7 +57,7 @@ def printed(answers: Sequence[str], *, json: bool) -> str:
 
 
 def _answered(
-    options: argparse.Namespace, ask: Ask, *, changes: bool, robots: bool
+    options: argparse.Namespace, ask: AdminRequest, *, changes: bool, robots: bool
 ) -> tuple[str, ...]:
     try:
         return answers(data_of(options), ask)

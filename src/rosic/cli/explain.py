@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.app.admin.explain import says_no
 from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up
@@ -29,7 +29,7 @@ def run(arguments: Sequence[str]) -> int:
     parser.add_argument("line", metavar="LINE", nargs="+", help='"kuka1 grasp force=30"')
     add_where(parser)
     options = parser.parse_args(arguments)
-    ask = Ask(Verb.EXPLAIN, (options.person, " ".join(options.line)))
+    ask = AdminRequest(AdminVerb.EXPLAIN, (options.person, " ".join(options.line)))
     texts = looked_up(options, ask, robots=True)
     print("\n\n".join(texts))
     return 1 if any(map(says_no, texts)) else 0

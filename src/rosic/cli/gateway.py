@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.app.admin.schedule import (
-    BookAsk,
+    BookParameters,
+    KnownNames,
     ScheduleWindow,
     SlotBooking,
-    Taken,
-    Who,
+    TakenSlot,
     merged_who,
     not_over,
     openings_of,
@@ -69,26 +69,28 @@ def run(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _who(options: argparse.Namespace) -> Who:
+def _who(options: argparse.Namespace) -> KnownNames:
     # What is booked is booked for people of the record: the file's are taken over first.
     known = changed if options.book else looked_up
-    answered = known(options, Ask(Verb.WHO), robots=True)
-    who = merged_who(msgspec.json.decode(text, type=Who) for text in answered)
+    answered = known(options, AdminRequest(AdminVerb.WHO), robots=True)
+    who = merged_who(msgspec.json.decode(text, type=KnownNames) for text in answered)
     if not who.robots:
         raise ConfigurationError("There is no robot to plan for.")
     return who
 
 
-def _problem(options: argparse.Namespace, who: Who, wishes: tuple[Wish, ...]) -> PlanningProblem:
+def _problem(
+    options: argparse.Namespace, who: KnownNames, wishes: tuple[Wish, ...]
+) -> PlanningProblem:
     openings: tuple[Span, ...] = ()
     if options.open is not None:
         openings = openings_of(options.open, wishes, zone_named(who.zone))
     if not wishes:
         return problem_of(wishes, who, ())
     window = ScheduleWindow(min(w.earliest_ns for w in wishes), max(w.latest_ns for w in wishes))
-    ask = Ask(Verb.TAKEN, body=msgspec.Raw(msgspec.json.encode(window)))
+    ask = AdminRequest(AdminVerb.TAKEN, body=msgspec.Raw(msgspec.json.encode(window)))
     answered = looked_up(options, ask, robots=True)
-    taken = [msgspec.json.decode(text, type=Taken) for text in answered]
+    taken = [msgspec.json.decode(text, type=TakenSlot) for text in answered]
     return problem_of(wishes, who, taken, openings)
 
 
@@ -97,5 +99,5 @@ def _book(options: argparse.Namespace, proposal: Proposal) -> str:
         SlotBooking(a.wish.principal, a.robot, a.start_ns, a.wish.length_s)
         for a in proposal.allocations
     )
-    body = msgspec.Raw(msgspec.json.encode(BookAsk(slots)))
-    return "\n".join(changed(options, Ask(Verb.BOOK, body=body), robots=True))
+    body = msgspec.Raw(msgspec.json.encode(BookParameters(slots)))
+    return "\n".join(changed(options, AdminRequest(AdminVerb.BOOK, body=body), robots=True))

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.api import Ask, Verb
-from rosic.app.admin.history import AT_MOST, HistoryAsk
+from rosic.app.admin.api import AdminRequest, AdminVerb
+from rosic.app.admin.history import AT_MOST, HistoryParameters
 from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up, printed
 from rosic.cli.spans import joined, seconds
@@ -37,13 +37,13 @@ def run(arguments: Sequence[str]) -> int:
     parser.add_argument("--json", action="store_true", help="one list, for programs")
     add_where(parser)
     options = parser.parse_args(joined(arguments, ("--since",)))
-    asked = HistoryAsk(
+    asked = HistoryParameters(
         robot=options.robot,
         person=options.person,
         since_s=None if options.since is None else seconds("--since", options.since),
         limit=NEWEST if options.since is None else AT_MOST,
         json=options.json,
     )
-    request = Ask(Verb.HISTORY, body=msgspec.Raw(msgspec.json.encode(asked)))
+    request = AdminRequest(AdminVerb.HISTORY, body=msgspec.Raw(msgspec.json.encode(asked)))
     print(printed(looked_up(options, request, robots=bool(options.robot)), json=options.json))
     return 0

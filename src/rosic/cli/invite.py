@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.cli.client import add_where
 from rosic.cli.desk import changed
 from rosic.cli.people import show
@@ -38,7 +38,7 @@ def run(arguments: Sequence[str]) -> int:
         "name": options.name,
         "confirm": options.confirm,
     }
-    ask = Ask(Verb.INVITE, body=msgspec.Raw(msgspec.json.encode(body)))
+    ask = AdminRequest(AdminVerb.INVITE, body=msgspec.Raw(msgspec.json.encode(body)))
     sentence, payload = changed(options, ask, robots=bool(options.robot or options.limit))
     show(sentence, payload, picture=not options.plain)
     return 0

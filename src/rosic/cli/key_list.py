@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.api import AS_JSON, NOTHING, Ask, Verb
+from rosic.app.admin.api import AS_JSON, NOTHING, AdminRequest, AdminVerb
 from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up, printed
 
@@ -28,5 +28,5 @@ def run(arguments: Sequence[str]) -> int:
     options = parser.parse_args(arguments)
     names = () if options.name is None else (options.name,)
     body = AS_JSON if options.json else NOTHING
-    print(printed(looked_up(options, Ask(Verb.KEYS, names, body)), json=options.json))
+    print(printed(looked_up(options, AdminRequest(AdminVerb.KEYS, names, body)), json=options.json))
     return 0

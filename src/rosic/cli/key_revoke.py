@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.cli.client import add_where
 from rosic.cli.desk import changed
 
@@ -26,5 +26,5 @@ def run(arguments: Sequence[str]) -> int:
     parser.add_argument("name", metavar="NAME", help="a person, or the id of a key")
     add_where(parser)
     options = parser.parse_args(arguments)
-    print("\n".join(changed(options, Ask(Verb.TAKE_KEY, (options.name,)))))
+    print("\n".join(changed(options, AdminRequest(AdminVerb.TAKE_KEY, (options.name,)))))
     return 0

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.cli.client import add_where
 from rosic.cli.desk import changed
 from rosic.cli.spans import joined, seconds
@@ -32,5 +32,5 @@ def run(arguments: Sequence[str]) -> int:
     options = parser.parse_args(joined(arguments, ("--grace",)))
     grace_s = seconds("--grace", options.grace, zero=True)
     body = msgspec.Raw(msgspec.json.encode({"grace_s": grace_s}))
-    print("\n".join(changed(options, Ask(Verb.ROTATE, (options.name,), body))))
+    print("\n".join(changed(options, AdminRequest(AdminVerb.ROTATE, (options.name,), body))))
     return 0

@@ -6,7 +6,7 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.api import AS_JSON, NOTHING, Ask, Verb
+from rosic.app.admin.api import AS_JSON, NOTHING, AdminRequest, AdminVerb
 from rosic.app.admin.control_client import NotRunning
 from rosic.cli.client import add_where, answers, data_of
 from rosic.cli.desk import printed
@@ -32,7 +32,7 @@ def run(arguments: Sequence[str]) -> int:
     add_where(parser)
     options = parser.parse_args(arguments)
     try:
-        request = Ask(Verb.PEOPLE, body=AS_JSON if options.json else NOTHING)
+        request = AdminRequest(AdminVerb.PEOPLE, body=AS_JSON if options.json else NOTHING)
         found = answers(data_of(options), request)
     except NotRunning:
         from rosic.cli import client  # noqa: PLC0415 - a database, which a running gateway has open

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.app.admin.dispatch import ALL
 from rosic.cli.client import add_where, ask, data_of
 from rosic.errors import OutOfBounds
@@ -31,4 +31,4 @@ def run(arguments: Sequence[str]) -> int:
     if options.everything and options.robots:
         raise OutOfBounds(f"Name robots, or say {ALL}.")
     names = (ALL,) if options.everything else tuple(options.robots)
-    return ask(data_of(options), Ask(Verb.RESUME, names))
+    return ask(data_of(options), AdminRequest(AdminVerb.RESUME, names))

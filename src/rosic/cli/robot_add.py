@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.added_robots import Draft, Wanted
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.added_robots import AddRobotRequest, ProfileDraft
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.app.admin.control_client import NotRunning
 from rosic.cli.client import add_where, ask, data_of
 from rosic.config.profiles import find_profile, known_units, read_profile
@@ -46,10 +46,10 @@ def run(arguments: Sequence[str]) -> int:
         for error in errors:
             print(error, file=sys.stderr)
         return 2
-    draft = Draft(text=read_text(path), name=path.name, link=options.link)
-    body = msgspec.Raw(msgspec.json.encode(Wanted(draft, options.role)))
+    draft = ProfileDraft(text=read_text(path), name=path.name, link=options.link)
+    body = msgspec.Raw(msgspec.json.encode(AddRobotRequest(draft, options.role)))
     try:
-        return ask(data, Ask(Verb.ADD_ROBOT, body=body))
+        return ask(data, AdminRequest(AdminVerb.ADD_ROBOT, body=body))
     except NotRunning as alone:
         sentence = f"{alone} Without one, name the robot in the configuration: [[robot]]"
         raise Fault(f'{sentence} profile = "{options.profile}".') from alone

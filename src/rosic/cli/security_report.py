@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up
 
@@ -26,6 +26,6 @@ def run(arguments: Sequence[str]) -> int:
     parser.add_argument("--json", action="store_true", help="one object, with ids, no names")
     add_where(parser)
     options = parser.parse_args(arguments)
-    ask = Ask(Verb.SECURITY, ("json",) if options.json else ())
+    ask = AdminRequest(AdminVerb.SECURITY, ("json",) if options.json else ())
     print("\n".join(looked_up(options, ask)))
     return 0

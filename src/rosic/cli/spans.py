@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from rosic.core.language.time_tokens import TimeTokens, Unclear
+from rosic.core.language.time_tokens import TimeTokens, UnclearTime
 from rosic.errors import OutOfBounds
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def seconds(option: str, text: str, *, zero: bool = False) -> float:
         raise OutOfBounds(f"{option} {text} is less than no time. Nothing was done.")
     try:
         said = TimeTokens(text)
-    except Unclear:
+    except UnclearTime:
         said = None
     length_s = None if said is None or not _alone(said) else said.length_s
     if length_s is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.api import AS_JSON, NOTHING, Ask, Verb
+from rosic.app.admin.api import AS_JSON, NOTHING, AdminRequest, AdminVerb
 from rosic.cli.client import add_where, ask, data_of
 
 if TYPE_CHECKING:
@@ -22,4 +22,4 @@ def run(arguments: Sequence[str]) -> int:
     add_where(parser)
     options = parser.parse_args(arguments)
     body = AS_JSON if options.json else NOTHING
-    return ask(data_of(options), Ask(Verb.STATUS, tuple(options.robots), body))
+    return ask(data_of(options), AdminRequest(AdminVerb.STATUS, tuple(options.robots), body))

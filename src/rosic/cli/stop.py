@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.cli.client import add_where, ask, data_of
 
 if TYPE_CHECKING:
@@ -21,4 +21,4 @@ def run(arguments: Sequence[str]) -> int:
     parser.add_argument("robots", metavar="ROBOT", nargs="*")
     add_where(parser)
     options = parser.parse_args(arguments)
-    return ask(data_of(options), Ask(Verb.STOP, tuple(options.robots)))
+    return ask(data_of(options), AdminRequest(AdminVerb.STOP, tuple(options.robots)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.cli.client import add_where
 from rosic.cli.desk import changed
 
@@ -25,5 +25,5 @@ def run(arguments: Sequence[str]) -> int:
     parser.add_argument("name", metavar="NAME", help="as rosic people shows it, or the id")
     add_where(parser)
     options = parser.parse_args(arguments)
-    print("\n".join(changed(options, Ask(Verb.UNLOCK, (options.name,)))))
+    print("\n".join(changed(options, AdminRequest(AdminVerb.UNLOCK, (options.name,)))))
     return 0

@@ -9,7 +9,7 @@ from msgspec import inspect
 
 from rosic.config.mission_validation import MissionCheck, quantity_findings, unused_findings
 from rosic.config.profile_fields import NAMED
-from rosic.config.validation import Walker
+from rosic.config.validation import SourceValidator
 from rosic.config.yaml_source import read_yaml
 from rosic.contracts.file_rules import Field, FieldForm, NumberBounds, Rules, ValidationFinding
 from rosic.core.fleet.mission import InvalidMission, Mission, MissionPart, lay_out
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
 
-    from rosic.config.source_map import Source
+    from rosic.config.source_map import SourceMap
     from rosic.core.language import UnitTable
     from rosic.core.policy.roles import Role, SkillPrecondition
     from rosic.core.robot.profile import Profile
@@ -55,7 +55,7 @@ class Missions:
         self.errors: list[ConfigurationError] = []
         self._units = units
         self._vocabulary = Vocabulary.build(robots, units)
-        self._read: list[tuple[Source, Mission]] = []
+        self._read: list[tuple[SourceMap, Mission]] = []
 
     def read(self, path: Path) -> None:
         """Read one file."""
@@ -64,7 +64,7 @@ class Missions:
         except ConfigurationError as error:
             self.errors.append(error)
             return
-        walker = Walker(source, _RULES)
+        walker = SourceValidator(source, _RULES)
         walker.check(source.data, inspect.type_info(Mission), ())
         self.errors += walker.errors
         if not walker.errors:
@@ -84,7 +84,7 @@ class Missions:
             self._note(source, self._findings(mission, known))
         return tuple(known.values())
 
-    def _note(self, source: Source, findings: Iterable[ValidationFinding]) -> None:
+    def _note(self, source: SourceMap, findings: Iterable[ValidationFinding]) -> None:
         self.errors += [source.error(*finding) for finding in findings]
 
     def _findings(self, mission: Mission, known: dict[str, Mission]) -> Iterator[ValidationFinding]:

@@ -12,7 +12,7 @@ from msgspec import inspect
 
 from rosic.config.profile_validation import advice, clash, profile_rules
 from rosic.config.units import compile_units
-from rosic.config.validation import Walker
+from rosic.config.validation import SourceValidator
 from rosic.config.yaml_source import parse_yaml, read_yaml
 from rosic.contracts.file_rules import Place, ValidationFinding, nearest
 from rosic.core.robot.profile import Profile
@@ -21,7 +21,7 @@ from rosic.errors import ConfigurationError
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
-    from rosic.config.source_map import Data, Source
+    from rosic.config.source_map import Data, SourceMap
     from rosic.core.language import UnitTable
 
 SUFFIXES = (".yaml", ".yml")
@@ -90,14 +90,14 @@ def read_profile_text(
     return _read(lambda: parse_yaml(text, name), units, link)
 
 
-def _read(read: Callable[[], Source], units: UnitTable | None, link: str) -> ReadProfile:
+def _read(read: Callable[[], SourceMap], units: UnitTable | None, link: str) -> ReadProfile:
     try:
         source = read()
     except ConfigurationError as error:
         return ReadProfile(None, [error], [])
     if link:
         _reach_by(source.data, link)
-    walker = Walker(source, profile_rules(known_units() if units is None else units))
+    walker = SourceValidator(source, profile_rules(known_units() if units is None else units))
     walker.check(source.data, _form(), ())
     if walker.errors:
         return ReadProfile(None, walker.errors, [])

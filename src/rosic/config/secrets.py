@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.config.source_map import Data, Source, read_text, readable_by_others
+from rosic.config.source_map import Data, SourceMap, read_text, readable_by_others
 from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
 
@@ -25,7 +25,7 @@ CONFIDENTIAL = re.compile(r"(?:.*_)?(?:token|password|passphrase|secret|key|cred
 class SecretSettings:
     """Takes the references out of one messenger's table."""
 
-    def __init__(self, source: Source, folder: Path, environ: Mapping[str, str]) -> None:
+    def __init__(self, source: SourceMap, folder: Path, environ: Mapping[str, str]) -> None:
         self.errors: list[ConfigurationError] = []
         self._source = source
         self._folder = folder

@@ -19,7 +19,7 @@ SIZE_LIMIT_BYTES = 1 << 20
 Data: TypeAlias = Any
 
 
-class Source:
+class SourceMap:
     """The content of a file, with marks.
 
     Attributes:

@@ -6,7 +6,7 @@ import re
 import tomllib
 from typing import TYPE_CHECKING
 
-from rosic.config.source_map import Source, read_text
+from rosic.config.source_map import SourceMap, read_text
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ _BARE_VALUE = re.compile(r"[^,\]}#\n]+")
 NONE_YET = "rosic init writes one; -c names another. rosic demo needs none."
 
 
-def read_toml(path: Path) -> Source:
+def read_toml(path: Path) -> SourceMap:
     """Read one file.
 
     Raises:
@@ -46,7 +46,7 @@ def read_toml(path: Path) -> Source:
     name = str(path)
     text = read_text(path, NONE_YET).replace("\r\n", "\n")
     try:
-        return Source(name, tomllib.loads(text), _Lines(text).found, LIST_HINT)
+        return SourceMap(name, tomllib.loads(text), _Lines(text).found, LIST_HINT)
     except tomllib.TOMLDecodeError as fault:
         raise _not_toml(name, text, str(fault)) from None
     except RecursionError:

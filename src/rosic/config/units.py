@@ -172,7 +172,7 @@ _UNITS: dict[str, dict[str, str]] = {
 _CASE_DECIDES = frozenset({"mm", "ms", "mN", "mV", "mA", "mg", "mrad", "Nm", "Ncm", "MHz", "K"})
 
 
-class Factors(msgspec.Struct, frozen=True, kw_only=True):
+class UnitFactors(msgspec.Struct, frozen=True, kw_only=True):
     """What pint said.
 
     Attributes:
@@ -203,17 +203,17 @@ def compile_units() -> UnitTable:
     return UnitTable(exact, _forgiving(exact))
 
 
-def shipped_factors(path: Path = SHIPPED) -> Factors | None:
+def shipped_factors(path: Path = SHIPPED) -> UnitFactors | None:
     """Return the factors that ship; None if another pint, or one asked otherwise, gave them."""
     try:
-        shipped = msgspec.json.decode(path.read_bytes(), type=Factors)
+        shipped = msgspec.json.decode(path.read_bytes(), type=UnitFactors)
         same = (shipped.pint, shipped.asked) == (version("pint"), digest())
     except (OSError, ValueError, PackageNotFoundError):
         return None
     return shipped if same else None
 
 
-def ask_pint() -> Factors:
+def ask_pint() -> UnitFactors:
     """Ask pint for the factor of every unit.
 
     Raises:
@@ -230,7 +230,7 @@ def ask_pint() -> Factors:
             offset = registry.Quantity(0.0, name).to(si).magnitude
             step = f"delta_{name}" if offset else name
             factors[name] = (_tidy(registry.Quantity(1.0, step).to(si).magnitude), offset)
-    return Factors(pint=version("pint"), asked=digest(), factors=factors)
+    return UnitFactors(pint=version("pint"), asked=digest(), factors=factors)
 
 
 def digest(definitions: str = _DEFINITIONS, units: Mapping[str, Iterable[str]] = _UNITS) -> str:

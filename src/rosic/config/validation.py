@@ -18,7 +18,7 @@ from rosic.contracts.file_rules import FieldForm, NumberBounds, Place, Rules, ne
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from rosic.config.source_map import Data, Source
+    from rosic.config.source_map import Data, SourceMap
     from rosic.errors import ConfigurationError
 
 
@@ -58,14 +58,14 @@ def label(place: Place) -> str:
     return f"'{last}'"
 
 
-class Walker:
+class SourceValidator:
     """Walks through one source and collects what is wrong.
 
     Attributes:
         errors: In the order of the walk.
     """
 
-    def __init__(self, source: Source, rules: Rules) -> None:
+    def __init__(self, source: SourceMap, rules: Rules) -> None:
         self.errors: list[ConfigurationError] = []
         self._source = source
         self._rules = rules

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import yaml
 
-from rosic.config.source_map import Data, Source, read_text
+from rosic.config.source_map import Data, SourceMap, read_text
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ _CONSTANTS: dict[str, bool | None] = {
 _FAST = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
-def read_yaml(path: Path) -> Source:
+def read_yaml(path: Path) -> SourceMap:
     """Read one file.
 
     Raises:
@@ -48,7 +48,7 @@ def read_yaml(path: Path) -> Source:
     return parse_yaml(read_text(path), str(path))
 
 
-def parse_yaml(text: str, name: str) -> Source:
+def parse_yaml(text: str, name: str) -> SourceMap:
     """Read what stands in a file.
 
     Raises:
@@ -61,7 +61,7 @@ def parse_yaml(text: str, name: str) -> Source:
         return _read_slowly(text, name)
 
 
-def _read_slowly(text: str, name: str) -> Source:
+def _read_slowly(text: str, name: str) -> SourceMap:
     try:
         return _Builder(name, yaml.parse(text, Loader=yaml.SafeLoader)).build()
     except yaml.reader.ReaderError as fault:
@@ -87,7 +87,7 @@ class _Builder:
         self._lines: dict[Place, int] = {}
         self._parts = 0
 
-    def build(self) -> Source:
+    def build(self) -> SourceMap:
         next(self._events)
         if isinstance(next(self._events), yaml.StreamEndEvent):
             raise ConfigurationError("The file is empty.", where=self._name)
@@ -96,7 +96,7 @@ class _Builder:
         extra = next(self._events)
         if not isinstance(extra, yaml.StreamEndEvent):
             raise self._error(extra, "A second document begins here.", "Keep one robot a file.")
-        return Source(self._name, data, self._lines)
+        return SourceMap(self._name, data, self._lines)
 
     def _error(self, event: yaml.Event, sentence: str, hint: str = "") -> ConfigurationError:
         where = f"{self._name}:{_line(event)}"

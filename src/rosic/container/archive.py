@@ -57,14 +57,14 @@ class ArchiveQuota(msgspec.Struct, frozen=True):
     most_bytes: int = 16 << 20
 
 
-class Author(msgspec.Struct, frozen=True):
+class MessageAuthor(msgspec.Struct, frozen=True):
     """Who wrote a message. An empty id: nobody known."""
 
     principal: PrincipalId = ""
     name: str = ""
 
 
-NOBODY: Final = Author()
+NOBODY: Final = MessageAuthor()
 
 
 class Archive:
@@ -147,7 +147,7 @@ class Archive:
 
     # ---- entries: taken in as they come ----
 
-    def hear(self, inbound: Inbound, author: Author) -> tuple[Fact, ...]:
+    def hear(self, inbound: Inbound, author: MessageAuthor) -> tuple[Fact, ...]:
         """Take in a message as it was received; return what is to be written: nothing if known.
 
         A gap comes before the message that shows it: the adapter had been interrupted since the
@@ -175,7 +175,7 @@ class Archive:
         return (*gaps, *self._add(key, known, entry, said))
 
     def say(
-        self, message: str, outbound: Outbound, reader: Author, account: str = ""
+        self, message: str, outbound: Outbound, reader: MessageAuthor, account: str = ""
     ) -> tuple[Fact, ...]:
         """Take in a message as it was sent, or as it looks after an edit.
 

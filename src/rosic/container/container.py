@@ -20,7 +20,7 @@ from rosic.container.bounded_writes import BoundedWriter
 from rosic.core.deferred import Deferred
 from rosic.core.i18n import said
 from rosic.core.language import bind, show
-from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, Permit, Request, Spoken
+from rosic.core.order import NEVER_BEGUN, Order, OrderEnding, Outcome, Permit, Request, SpokenValue
 from rosic.core.records import Claimed, Concluded, Letter, Placed, Refused, Resumed, Selected, Told
 from rosic.core.robot.skill import Argument
 from rosic.errors import RecordUnavailable, Refusal, Repeated, StoreFault
@@ -113,7 +113,7 @@ UNWRITTEN_KEPT = 10_000
 TOLD_TOGETHER = 500
 TOO_LATE = said("This was written down too late to be begun. Nothing was done.")
 # A member's own value is found by a method in Python, every time.
-_NAMED = {ending: ending.value for ending in Ending}
+_NAMED = {ending: ending.value for ending in OrderEnding}
 _digest_form = msgspec.json.Encoder(order="sorted").encode
 
 
@@ -149,7 +149,7 @@ class Containers:
         self._people: dict[PrincipalId, PersonContainer] = {}
         self._there: Counter[bytes] = Counter()
         self._unwritten: OrderedDict[CommandId, None] = OrderedDict()
-        self._completed: dict[tuple[RobotId, str, tuple[Spoken, ...]], CompletedOrders] = {}
+        self._completed: dict[tuple[RobotId, str, tuple[SpokenValue, ...]], CompletedOrders] = {}
         self._robots = {robot: RobotContainer(robot, n) for robot, n in numbers.items()}
 
     def complete(self, request: Request) -> CompletedOrders:
@@ -241,7 +241,9 @@ class Containers:
         for order in orders:
             letter = Letter(order.permit.principal, why.encode())
             self._store.note(
-                Concluded(cid=order.cid, ending=Ending.REFUSED.value, at_ns=at_ns, letter=letter)
+                Concluded(
+                    cid=order.cid, ending=OrderEnding.REFUSED.value, at_ns=at_ns, letter=letter
+                )
             )
 
     async def refuse(
@@ -325,7 +327,7 @@ class Containers:
     def stays_stopped(self, cid: bytes) -> None:
         """Note that a resume which is on disk let no robot go on."""
         at_ns = self._clock.wall_ns()
-        self._store.note(Concluded(cid=cid, ending=Ending.REFUSED.value, at_ns=at_ns))
+        self._store.note(Concluded(cid=cid, ending=OrderEnding.REFUSED.value, at_ns=at_ns))
 
     def told(self, *cids: bytes) -> None:
         """Note that the author knows how these ended; of a card's, all or none are on disk."""

@@ -205,7 +205,7 @@ def summary(belongings: Iterable[Fact]) -> tuple[ContainerSummary, ...]:
     return tuple(ContainerSummary(kind, *found[kind]) for kind in sorted(found))
 
 
-class ContainedThing(msgspec.Struct, frozen=True, omit_defaults=True):
+class ContainedItem(msgspec.Struct, frozen=True, omit_defaults=True):
     """One thing that a container holds, as far as it can be shown.
 
     Attributes:
@@ -219,20 +219,20 @@ class ContainedThing(msgspec.Struct, frozen=True, omit_defaults=True):
     sealed: Any = None
 
 
-read_thing = msgspec.json.Decoder(ContainedThing).decode
+read_thing = msgspec.json.Decoder(ContainedItem).decode
 
 
-def thing_of(fact: Fact) -> ContainedThing:
+def thing_of(fact: Fact) -> ContainedItem:
     """Return how one thing is shown; of a secret, only that there is one."""
     known = _readable(fact.body)
     if fact.letter is None:
-        return ContainedThing(fact.kind, fact.key, known)
+        return ContainedItem(fact.kind, fact.key, known)
     secret = fact.kind in SECRET
     sealed = "(a secret)" if secret else _readable(fact.letter.content)
-    return ContainedThing(fact.kind, fact.key, known, sealed)
+    return ContainedItem(fact.kind, fact.key, known, sealed)
 
 
-def container_as(form: str, things: Iterable[ContainedThing]) -> str | bytes:
+def container_as(form: str, things: Iterable[ContainedItem]) -> str | bytes:
     """Return what a container holds in one of the forms of an archive.
 
     Raises:
@@ -244,16 +244,16 @@ def container_as(form: str, things: Iterable[ContainedThing]) -> str | bytes:
     return "\n".join(map(as_line, things))
 
 
-def thing_as_json(thing: ContainedThing) -> str:
+def thing_as_json(thing: ContainedItem) -> str:
     """Return one thing as a line; `read_thing` reads it."""
     return _as_json(thing).decode()
 
 
-def _cells(thing: ContainedThing) -> tuple[str, ...]:
+def _cells(thing: ContainedItem) -> tuple[str, ...]:
     return thing.kind, thing.id, _shown(thing.known), _shown(thing.sealed)
 
 
-def _thing_line(thing: ContainedThing) -> str:
+def _thing_line(thing: ContainedItem) -> str:
     """Return one thing in the manner of the paper's line."""
     cells = zip(THINGS, _cells(thing), strict=True)
     return ", ".join(f"{heading}: {_one_line(cell)}" for heading, cell in cells if cell)

@@ -78,7 +78,7 @@ _encode = msgspec.msgpack.Encoder().encode
 _decode = msgspec.msgpack.Decoder(Preferences).decode
 
 
-class Caps:
+class SpeedLimits:
     """Turns one speed into the limits that it means for the robots here.
 
     What is no speed of that kind, an angle a second, is not touched by it: a limit in a unit that
@@ -89,10 +89,10 @@ class Caps:
         self._skills = skills
         self._convert = convert
 
-    def add_robot(self, robot: RobotId, skills: Mapping[str, Skill]) -> Caps:
+    def add_robot(self, robot: RobotId, skills: Mapping[str, Skill]) -> SpeedLimits:
         """Let a speed mean one more robot. Return what it means for that one alone."""
         self._skills = {**self._skills, robot: skills}
-        return Caps({robot: skills}, self._convert)
+        return SpeedLimits({robot: skills}, self._convert)
 
     def texts(self, said: str) -> tuple[str, ...]:
         """Return the limits, one for each parameter that is such a speed, however it is called."""
@@ -140,7 +140,7 @@ class PreferenceBook:
         languages: What is spoken here.
     """
 
-    def __init__(self, clock: Clock, caps: Caps, languages: Languages = ENGLISH) -> None:
+    def __init__(self, clock: Clock, caps: SpeedLimits, languages: Languages = ENGLISH) -> None:
         self.languages = languages
         self._clock = clock
         self._caps = caps

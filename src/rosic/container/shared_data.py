@@ -34,7 +34,7 @@ Owner: TypeAlias = str
 log = logging.getLogger("rosic.container")
 
 
-class Quota(msgspec.Struct, frozen=True):
+class SharedDataQuota(msgspec.Struct, frozen=True):
     """What one container may keep.
 
     Attributes:
@@ -78,7 +78,7 @@ class _Content(msgspec.Struct, frozen=True, array_like=True):
 _encode = msgspec.msgpack.Encoder().encode
 _read_body = msgspec.msgpack.Decoder(_Body).decode
 _read_content = msgspec.msgpack.Decoder(_Content).decode
-_read_quota = msgspec.msgpack.Decoder(Quota).decode
+_read_quota = msgspec.msgpack.Decoder(SharedDataQuota).decode
 
 
 def _nobody(_: PrincipalId, __: Owner) -> bool:
@@ -99,15 +99,17 @@ class SharedData:
         lending: Who lets whom read what of their own.
     """
 
-    def __init__(self, clock: Clock, entropy: Entropy, quota: Quota | None = None) -> None:
+    def __init__(
+        self, clock: Clock, entropy: Entropy, quota: SharedDataQuota | None = None
+    ) -> None:
         self.sees: Callable[[PrincipalId, Owner], bool] = _nobody
         self.works_with: Callable[[PrincipalId, Owner], bool] = _nobody
         self.is_robot: Callable[[Owner], bool] = lambda _: False
         self.shown: Callable[[Owner], str] = str
         self._clock = clock
         self._entropy = entropy
-        self._quota = quota or Quota()
-        self._quotas: dict[Owner, Quota] = {}
+        self._quota = quota or SharedDataQuota()
+        self._quotas: dict[Owner, SharedDataQuota] = {}
         self._kept: dict[Owner, dict[str, list[SharedValue]]] = {}
         self._sizes: dict[Owner, int] = {}
         self._at: dict[str, SharedValue] = {}
@@ -159,7 +161,7 @@ class SharedData:
         """Return how many names a container keeps, and how many bytes."""
         return len(self._kept.get(owner, ())), self._sizes.get(owner, 0)
 
-    def quota(self, owner: Owner) -> Quota:
+    def quota(self, owner: Owner) -> SharedDataQuota:
         """Return what a container may keep."""
         return self._quotas.get(owner, self._quota)
 
@@ -216,7 +218,7 @@ class SharedData:
             raise NotUnderstood(words.nothing_kept(self.shown(owner), name))
         return (*map(_no_more, found), *self.lending.end_name(owner, clean_name(name)))
 
-    def limit(self, owner: Owner, quota: Quota) -> tuple[Fact, ...]:
+    def limit(self, owner: Owner, quota: SharedDataQuota) -> tuple[Fact, ...]:
         """Decide on what one container may keep; the others are not touched."""
         return (Fact(kind=QUOTA, key=owner, body=_encode(quota)),)
 

@@ -6,13 +6,22 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequenc
 from typing import Protocol, TypeAlias, runtime_checkable
 
 from rosic.core.identity import Address
-from rosic.core.message import Chat, Enclosure, Inbound, Menu, Outbound, Passing, Reaction, Weight
+from rosic.core.message import (
+    Chat,
+    ChatEvent,
+    Inbound,
+    IncomingFile,
+    Menu,
+    Outbound,
+    Reaction,
+    SendPriority,
+)
 from rosic.errors import MessengerFault
 
 Receive: TypeAlias = Callable[[Inbound], Awaitable[None]]
-Turn: TypeAlias = Callable[[Chat, Weight], Awaitable[None]]
+Turn: TypeAlias = Callable[[Chat, SendPriority], Awaitable[None]]
 Alarm: TypeAlias = Callable[[MessengerFault], None]
-Passed: TypeAlias = Callable[[Passing], None]
+Passed: TypeAlias = Callable[[ChatEvent], None]
 Reacted: TypeAlias = Callable[[Reaction], None]
 Retract: TypeAlias = Callable[[Chat, str], Awaitable[None]]
 PutPicture: TypeAlias = Callable[[str, Outbound], Awaitable[None]]
@@ -102,7 +111,7 @@ class Messenger(Protocol):
         """Answer a tap at once; an empty text only ends the waiting. Never raises."""
         ...
 
-    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+    def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
         """Yield a file that somebody sent, piece by piece, byte for byte.
 
         Never more than ``fetch_bytes``, and never more than was said of it.
@@ -123,7 +132,7 @@ class Messenger(Protocol):
 class TakesTurns(Protocol):
     """Its platform takes only so much at a time; see `turn_of`."""
 
-    async def turn(self, chat: Chat, weight: Weight) -> None:
+    async def turn(self, chat: Chat, weight: SendPriority) -> None:
         """Wait until something of this weight may be said in this chat."""
 
 
@@ -391,7 +400,7 @@ def is_account(messenger: Messenger, account: str) -> bool:
 
 
 def watch_chats(messenger: Messenger, passed: Passed) -> None:
-    """Have a messenger with chats of many say what happens to them; see `Passing`.
+    """Have a messenger with chats of many say what happens to them; see `ChatEvent`.
 
     Called on the event loop while the messenger listens, each time at least once; first, after
     every start of listening, with whether this account hears everything in groups.

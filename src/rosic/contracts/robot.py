@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import AsyncGenerator, Awaitable, Callable
 from typing import TYPE_CHECKING, Final, Protocol, TypeAlias, runtime_checkable
 
-from rosic.core.order import Order, Outcome, Rest, StageReport, Stop
+from rosic.core.order import Order, Outcome, RestReport, StageReport, Stop
 
 if TYPE_CHECKING:
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.file_transfer import FileForRobot, Receipt
     from rosic.core.robot.profile import Presence, Profile, RobotId
-    from rosic.core.robot.view import Sight, View
+    from rosic.core.robot.view import View, ViewKind
 
 
 Tell: TypeAlias = Callable[[StageReport], None]
@@ -88,7 +88,7 @@ class Robot(Protocol):
         """
         ...
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         """Latch the gate before the first suspension, then bring the robot to rest.
 
         Cancels what is under way, sends zero, calls the robot's own stop, together, and repeats
@@ -108,7 +108,7 @@ class Robot(Protocol):
         """Return what its side last said; no I/O."""
         ...
 
-    def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+    def look(self, sight: ViewKind) -> AsyncGenerator[View, None]:
         """Yield what can be seen, each time newer than before, as fast as it is asked for.
 
         Looking moves nothing and hinders nobody. What it needs from the robot's side is taken up

@@ -18,7 +18,7 @@ STOOD_STILL: Final = "stood-still"
 BROKEN_OFF: Final = frozenset({INTERRUPTED, STOOD_STILL})
 
 
-class Cause(enum.Enum):
+class BreakCause(enum.Enum):
     """What broke a motion off."""
 
     LATE = "late"
@@ -41,7 +41,7 @@ class Cause(enum.Enum):
     """The robot came to rest by itself, though it was to move."""
 
 
-class Break(NamedTuple):
+class MotionBreak(NamedTuple):
     """A motion is over before its time.
 
     Attributes:
@@ -49,13 +49,13 @@ class Break(NamedTuple):
         seconds: How long we, or the robot's side, were silent, or it has rested.
     """
 
-    cause: Cause
+    cause: BreakCause
     seconds: float
 
     @property
     def code(self) -> str:
         """Return what the outcome is marked with."""
-        return STOOD_STILL if self.cause is Cause.LATE else INTERRUPTED
+        return STOOD_STILL if self.cause is BreakCause.LATE else INTERRUPTED
 
 
 class DeadMan:
@@ -78,7 +78,7 @@ class DeadMan:
         self.last_ns = now_ns
         self._watchdog_s = watchdog_s
         self._heard_within_s = heard_within_s
-        self._broken: Break | None = None
+        self._broken: MotionBreak | None = None
         self._rested_ns: int | None = None
 
     def look(
@@ -88,9 +88,9 @@ class DeadMan:
         *,
         heard: bool = False,
         there: bool = True,
-        another: Cause | None = None,
+        another: BreakCause | None = None,
         rests: bool = False,
-    ) -> Break | None:
+    ) -> MotionBreak | None:
         """Return why the next message must not be sent; None: it may, now.
 
         Args:
@@ -99,16 +99,17 @@ class DeadMan:
                 heard at all.
             heard: It was heard of otherwise meanwhile.
             there: Whether anybody takes our messages.
-            another: `Cause.REBORN` when the robot's side has begun anew since the motion began,
-                `Cause.NAMELESS` when it may have.
+            another: `BreakCause.REBORN` when the robot's side has begun anew since the motion
+            began,
+                `BreakCause.NAMELESS` when it may have.
             rests: It has moved, and is measured at rest.
         """
         if self._broken is None:
             self._broken = self._look(now_ns, age_s, there=there, rests=rests)
             if self._broken is None and another is not None:
-                self._broken = Break(another, (now_ns - self.last_ns) / SECOND_NS)
-            if self._broken is not None and heard and self._broken.cause is Cause.SILENT:
-                self._broken = self._broken._replace(cause=Cause.UNMEASURED)
+                self._broken = MotionBreak(another, (now_ns - self.last_ns) / SECOND_NS)
+            if self._broken is not None and heard and self._broken.cause is BreakCause.SILENT:
+                self._broken = self._broken._replace(cause=BreakCause.UNMEASURED)
         if self._broken is None:
             self.last_ns = now_ns
         return self._broken
@@ -117,18 +118,20 @@ class DeadMan:
         """Tell whether the last look is too long ago for a message to follow from it."""
         return now_ns - self.last_ns > self._watchdog_s * SECOND_NS
 
-    def _look(self, now_ns: int, age_s: float | None, *, there: bool, rests: bool) -> Break | None:
+    def _look(
+        self, now_ns: int, age_s: float | None, *, there: bool, rests: bool
+    ) -> MotionBreak | None:
         gap_s = (now_ns - self.last_ns) / SECOND_NS
         if gap_s > self._watchdog_s:
-            return Break(Cause.LATE, gap_s)
+            return MotionBreak(BreakCause.LATE, gap_s)
         if age_s is not None and age_s > self._heard_within_s:
-            return Break(Cause.SILENT, age_s)
+            return MotionBreak(BreakCause.SILENT, age_s)
         if not there:
-            return Break(Cause.GONE, gap_s)
+            return MotionBreak(BreakCause.GONE, gap_s)
         if not rests:
             self._rested_ns = None
             return None
         if self._rested_ns is None:
             self._rested_ns = now_ns
         rested_s = (now_ns - self._rested_ns) / SECOND_NS
-        return Break(Cause.RESTED, rested_s) if rested_s > self._heard_within_s else None
+        return MotionBreak(BreakCause.RESTED, rested_s) if rested_s > self._heard_within_s else None

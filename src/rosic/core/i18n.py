@@ -84,7 +84,7 @@ class MeasuredQuantity(str):
 
     def read_in(self, catalogue: Catalogue) -> str:
         """Return it as whoever reads this catalogue reads it."""
-        text = self.imperial if isinstance(catalogue, Imperial) else str(self)
+        text = self.imperial if isinstance(catalogue, ImperialCatalogue) else str(self)
         return text.replace(".", ",") if writes_commas(catalogue) else text
 
 
@@ -109,7 +109,7 @@ class _Comma(float):
 
 
 @final
-class Titled(str):
+class LocalisedName(str):
     """What somebody has named in several languages; as it stands, in those it has no name in."""
 
     __slots__ = ("titles",)
@@ -125,13 +125,13 @@ def titled(text: str, titles: Mapping[str, str]) -> str:
     """Return a name that reads differently by language code: ``{"de": "Abheben"}``."""
     if not titles:
         return text
-    named = Titled(text)
+    named = LocalisedName(text)
     named.titles = titles
     return named
 
 
 @final
-class Imperial:
+class ImperialCatalogue:
     """A catalogue for whoever reads feet and pounds; its words are another's, or English."""
 
     def __init__(self, words: Catalogue | None) -> None:
@@ -154,7 +154,7 @@ class Imperial:
 
 
 @final
-class Capital(str):
+class Capitalised(str):
     """A sentence that begins with a capital letter, in whatever language."""
 
     __slots__ = ("text",)
@@ -187,7 +187,7 @@ def joined(separator: str, texts: Iterable[str | int]) -> str:
 
 def capital(text: str) -> str:
     """Begin a sentence with a capital letter, in whatever language."""
-    begun = Capital(f"{text[:1].upper()}{text[1:]}")
+    begun = Capitalised(f"{text[:1].upper()}{text[1:]}")
     begun.text = text
     return begun
 
@@ -201,9 +201,9 @@ def in_language(text: str, catalogue: Catalogue | None) -> str:
     if isinstance(text, Sentences):
         separator = in_language(text.separator, catalogue)
         return separator.join([in_language(part, catalogue) for part in text.rest])
-    if isinstance(text, (MeasuredQuantity, Titled)):
+    if isinstance(text, (MeasuredQuantity, LocalisedName)):
         return text.read_in(catalogue)
-    if isinstance(text, Capital):
+    if isinstance(text, Capitalised):
         plain = in_language(text.text, catalogue)
         return f"{plain[:1].upper()}{plain[1:]}"
     return text
@@ -211,7 +211,7 @@ def in_language(text: str, catalogue: Catalogue | None) -> str:
 
 def language_of(catalogue: Catalogue) -> str:
     """Return the code of a catalogue's language; empty where it does not say."""
-    if isinstance(catalogue, Imperial):
+    if isinstance(catalogue, ImperialCatalogue):
         return catalogue.language
     return catalogue.info().get("language", "") if isinstance(catalogue, NullTranslations) else ""
 

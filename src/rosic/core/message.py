@@ -26,7 +26,7 @@ class ChatKind(enum.Enum):
     CHANNEL = "channel"
 
 
-class Standing(enum.Enum):
+class MessageValidity(enum.Enum):
     """Whether a message may change anything (I17). Only a fresh one may; any of them may stop."""
 
     __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
@@ -39,7 +39,7 @@ class Standing(enum.Enum):
     ANONYMOUS = "anonymous"
 
 
-class Weight(enum.IntEnum):
+class SendPriority(enum.IntEnum):
     """What goes first where a platform does not take everything at once: the lowest."""
 
     STOP = 0
@@ -64,7 +64,7 @@ class Chat(msgspec.Struct, frozen=True, gc=False):
     topic: str = ""
 
 
-class Enclosure(msgspec.Struct, frozen=True, gc=False, kw_only=True):
+class IncomingFile(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     """A file that somebody sent, as the platform describes it. None of it is checked yet.
 
     Attributes:
@@ -83,7 +83,7 @@ class Enclosure(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         return f"Enclosure({self.size} bytes)"
 
 
-class Spot(msgspec.Struct, frozen=True, gc=False):
+class GeoPoint(msgspec.Struct, frozen=True, gc=False):
     """A place on Earth that somebody sent: degrees, WGS 84."""
 
     latitude: float
@@ -128,7 +128,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     sent_ns: int
     received_ns: int
     listening_since_ns: int = 0
-    standing: Standing = Standing.FRESH
+    standing: MessageValidity = MessageValidity.FRESH
     nonce: str | None = None
     tap: str = ""
     under: str = ""
@@ -136,8 +136,8 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     shown_as: str = ""
     locale: str = ""
     addressed: bool = False
-    enclosed: Enclosure | None = None
-    place: Spot | None = None
+    enclosed: IncomingFile | None = None
+    place: GeoPoint | None = None
     account: str = ""
     shared: str = ""
     network_away: bool = False
@@ -150,7 +150,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         return self.enclosed is not None or self.place is not None
 
 
-class Passage(enum.Enum):
+class ChatEventKind(enum.Enum):
     """What happens to a chat besides what is said in it."""
 
     __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
@@ -163,7 +163,7 @@ class Passage(enum.Enum):
     MOVED = "moved"
 
 
-class Passing(msgspec.Struct, frozen=True, gc=False, kw_only=True):
+class ChatEvent(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     """Something that happened to a chat, as an adapter heard of it. It changes nobody's rights.
 
     Attributes:
@@ -178,7 +178,7 @@ class Passing(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     """
 
     chat: Chat
-    what: Passage
+    what: ChatEventKind
     who: Address | None = None
     title: str = ""
     deaf: bool = False
@@ -219,7 +219,7 @@ class Button(msgspec.Struct, frozen=True, gc=False):
     act: bytes = b""
 
 
-class Pieces(msgspec.Struct, frozen=True):
+class StreamedContent(msgspec.Struct, frozen=True):
     """A content that is read while it is sent, so that it is never in memory as a whole.
 
     Attributes:
@@ -245,7 +245,7 @@ class Attachment(msgspec.Struct, frozen=True):
     name: str
     media_type: str
     content: bytes = b""
-    pieces: Pieces | None = None
+    pieces: StreamedContent | None = None
 
     def __post_init__(self) -> None:
         if bool(self.content) == (self.pieces is not None) or not self.size:
@@ -295,14 +295,14 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     text: str
     reply_to: str = ""
     buttons: tuple[tuple[Button, ...], ...] = ()
-    weight: Weight = Weight.QUESTION
+    weight: SendPriority = SendPriority.QUESTION
     attachment: Attachment | None = None
     lies_in: str = ""
 
     @property
     def urgent(self) -> bool:
         """Whether it waits for nothing else in its own chat (a stop's answer, an alarm)."""
-        return self.weight <= Weight.ALARM
+        return self.weight <= SendPriority.ALARM
 
 
 # ---- menus of commands ----

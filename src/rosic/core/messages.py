@@ -13,7 +13,7 @@ from rosic.core.units import bound_in_words, measured
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from rosic.core.order import Rest
+    from rosic.core.order import RestReport
     from rosic.core.robot.profile import Presence, Profile
     from rosic.core.robot.skill import Parameter, Skill
 
@@ -212,7 +212,7 @@ def _values(profile: Profile, values: Mapping[str, float | str]) -> Iterable[str
             yield joined(" ", (shown_name(name), measured(text, value, described.unit)))
 
 
-def rests(profiles: Mapping[str, Profile], found: Iterable[Rest]) -> str:
+def rests(profiles: Mapping[str, Profile], found: Iterable[RestReport]) -> str:
     """Return the answer to a stop, once everything was measured or given up on."""
     rests = tuple(found)
     if len(rests) > NAMED_AT_MOST:
@@ -232,7 +232,7 @@ def rests(profiles: Mapping[str, Profile], found: Iterable[Rest]) -> str:
     return joined("", ("STOP: ", joined(" ", [*missing, *confirmed, *answers])))
 
 
-def _counted(profiles: Mapping[str, Profile], rests: Sequence[Rest]) -> Iterable[str]:
+def _counted(profiles: Mapping[str, Profile], rests: Sequence[RestReport]) -> Iterable[str]:
     """Yield the answer to a stop of more robots than can be named: those that matter by name."""
     missing = [rest for rest in rests if not rest.confirmed]
     yield from (_unconfirmed(profiles[rest.robot].shown) for rest in missing[:NAMED_AT_MOST])
@@ -254,12 +254,12 @@ def _unconfirmed(shown: str) -> str:
     return said("{shown} has not confirmed the stop. Use its own stop button.", shown=shown)
 
 
-def _odd(rest: Rest) -> bool:
+def _odd(rest: RestReport) -> bool:
     """Tell whether something has to be said of its own stop; a robot not at rest is said enough."""
     return bool(rest.declined) or (rest.unanswered and rest.confirmed)
 
 
-def _own_stop(shown: str, rest: Rest) -> str:
+def _own_stop(shown: str, rest: RestReport) -> str:
     if not rest.declined:
         return said("{shown}'s own stop did not answer.", shown=shown)
     return said(

@@ -15,7 +15,7 @@ from rosic.core.robot.skill import Argument, Skill
 FOREVER_NS: Final = 2**63 - 1
 
 
-class Spoken(msgspec.Struct, frozen=True, gc=False, cache_hash=True):
+class SpokenValue(msgspec.Struct, frozen=True, gc=False, cache_hash=True):
     """One value as it was said: ``50 cm``, ``force=20``, ``left``.
 
     Attributes:
@@ -46,7 +46,7 @@ class Request(msgspec.Struct, frozen=True, gc=False):
     cid: CommandId
     robot: RobotId
     skill: Skill
-    spoken: tuple[Spoken, ...]
+    spoken: tuple[SpokenValue, ...]
     text: str
     sent_ns: int
     age_ns: int
@@ -116,7 +116,7 @@ class Order(msgspec.Struct, frozen=True):
         return now_ns > self.deadline_ns or wall_ns > self.expires_ns
 
 
-class Stage(enum.Enum):
+class OrderStage(enum.Enum):
     """Where an order is in its life. ``RECEIVED`` and later are said by the robot side only."""
 
     __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
@@ -136,12 +136,12 @@ class StageReport(msgspec.Struct, frozen=True, gc=False):
         note: The robot's words; inert, may be empty.
     """
 
-    stage: Stage
+    stage: OrderStage
     fraction: float | None = None
     note: str = ""
 
 
-class Ending(enum.Enum):
+class OrderEnding(enum.Enum):
     """How a life ends (I7).
 
     ``DONE`` and ``FAILED``, ``CANCELLED`` come from the robot side. ``SENT`` is all that can be
@@ -168,7 +168,7 @@ class Outcome(msgspec.Struct, frozen=True):
         code: For a refusal, the error's stable code; for an end that is in doubt, too.
     """
 
-    ending: Ending
+    ending: OrderEnding
     note: str = ""
     facts: dict[str, float] = {}
     code: str = ""
@@ -188,7 +188,7 @@ class Stop(msgspec.Struct, frozen=True, gc=False):
     generation: int
 
 
-class Rest(msgspec.Struct, frozen=True, gc=False):
+class RestReport(msgspec.Struct, frozen=True, gc=False):
     """The robot side's answer to a stop.
 
     Attributes:

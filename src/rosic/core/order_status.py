@@ -9,7 +9,7 @@ from typing import TypeAlias, TypeVar
 import msgspec
 
 from rosic.core.i18n import Catalogue, in_language, joined, said
-from rosic.core.order import Ending, Outcome, Stage, StageReport
+from rosic.core.order import OrderEnding, OrderStage, Outcome, StageReport
 from rosic.core.units import in_units_of
 
 Face: TypeAlias = Callable[[int], str]
@@ -19,22 +19,22 @@ BETWEEN = " · "
 K = TypeVar("K")
 
 # To look a member up in its class costs as much as three calls, and lives ask for every order.
-RUNNING, UNKNOWN, REFUSED = Stage.RUNNING, Ending.UNKNOWN, Ending.REFUSED
+RUNNING, UNKNOWN, REFUSED = OrderStage.RUNNING, OrderEnding.UNKNOWN, OrderEnding.REFUSED
 
 _STEP = {
-    Stage.ACCEPTED: said("accepted"),
-    Stage.QUEUED: said("waiting its turn"),
-    Stage.SENT: said("sent"),
-    Stage.RECEIVED: said("received by the robot"),
+    OrderStage.ACCEPTED: said("accepted"),
+    OrderStage.QUEUED: said("waiting its turn"),
+    OrderStage.SENT: said("sent"),
+    OrderStage.RECEIVED: said("received by the robot"),
 }
-_BRIEFLY = _STEP | {Stage.RECEIVED: said("received")}
+_BRIEFLY = _STEP | {OrderStage.RECEIVED: said("received")}
 _ENDED = {
-    Ending.DONE: said("done"),
-    Ending.FAILED: said("failed"),
-    Ending.CANCELLED: said("stopped before it ended"),
-    Ending.SENT: said("sent; this robot does not acknowledge"),
-    Ending.UNKNOWN: said("not known whether it was carried out"),
-    Ending.REFUSED: said("not done"),
+    OrderEnding.DONE: said("done"),
+    OrderEnding.FAILED: said("failed"),
+    OrderEnding.CANCELLED: said("stopped before it ended"),
+    OrderEnding.SENT: said("sent; this robot does not acknowledge"),
+    OrderEnding.UNKNOWN: said("not known whether it was carried out"),
+    OrderEnding.REFUSED: said("not done"),
 }
 _RUNNING = said("running")
 _LOOK = said("Please look.")
@@ -52,15 +52,15 @@ class StatusTexts(msgspec.Struct, frozen=True):
     """
 
     catalogue: Catalogue | None
-    step: Mapping[Stage, str]
-    ended: Mapping[Ending, str]
+    step: Mapping[OrderStage, str]
+    ended: Mapping[OrderEnding, str]
     running: str
     look: str
 
 
 def ended_as(ending: str) -> str:
     """Return how an end reads, from its name on the record."""
-    return _ENDED[Ending(ending)]
+    return _ENDED[OrderEnding(ending)]
 
 
 @lru_cache(maxsize=32)
@@ -172,7 +172,7 @@ class OrderStatus:
         # That it was accepted says nothing more once it was sent.
         steps = self._steps
         if not steps:
-            steps = f"{self.words.step[Stage.ACCEPTED]} {self._face(self._accepted_ns)}"
+            steps = f"{self.words.step[OrderStage.ACCEPTED]} {self._face(self._accepted_ns)}"
         begun = f"{self.title}\n{steps}"
         if self._ending:
             return f"{begun}\n{self._ending}" if ending else begun
@@ -181,9 +181,9 @@ class OrderStatus:
 
     def line(self, report: StageReport) -> str:
         """Return one step as a line of its own, for a messenger that cannot edit."""
-        if report.stage is Stage.ACCEPTED:
-            return f"{self.title}: {self.words.step[Stage.ACCEPTED]}"
-        if report.stage is Stage.RUNNING:
+        if report.stage is OrderStage.ACCEPTED:
+            return f"{self.title}: {self.words.step[OrderStage.ACCEPTED]}"
+        if report.stage is OrderStage.RUNNING:
             return f"{self.where}: {self.progress()}"
         return f"{self.where}: {self.words.step[report.stage]}"
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.core.i18n import Imperial, figure, joined, said
+from rosic.core.i18n import ImperialCatalogue, figure, joined, said
 
 if TYPE_CHECKING:
     from rosic.core.i18n import Catalogue
@@ -95,7 +95,7 @@ def in_units_of(text: str, catalogue: Catalogue | None) -> str:
 
     A robot's own words are no sentence of ours: its quantities are found where they stand.
     """
-    if not isinstance(catalogue, Imperial):
+    if not isinstance(catalogue, ImperialCatalogue):
         return text
     return _QUANTITY.sub(_converted, text)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from rosic.core import messages
 from rosic.core.i18n import said
 from rosic.core.message import Button
-from rosic.core.robot.geography import GeographicFrame, TooFar, local_m
+from rosic.core.robot.geography import GeographicFrame, OutsidePlane, local_m
 from rosic.core.units import bound_in_words, measured
 from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.gateway.commands import Reply
@@ -61,7 +61,7 @@ class GoToLocation:
         shown = self._rooms.profiles[robot].shown
         try:
             exact = local_m(way.frame, inbound.place.latitude, inbound.place.longitude)
-        except TooFar:
+        except OutsidePlane:
             raise OutOfBounds(TOO_FAR) from None
         x, y = (round(value, 2) + 0.0 for value in exact)  # no minus before a nought
         for name, value in ((way.x, x), (way.y, y)):

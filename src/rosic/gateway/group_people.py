@@ -12,7 +12,7 @@ from collections import OrderedDict
 from typing import TYPE_CHECKING, Final
 
 from rosic.contracts.messenger import admins_of
-from rosic.core.message import ChatKind, Standing
+from rosic.core.message import ChatKind, MessageValidity
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessengerFault
 
@@ -107,4 +107,6 @@ class GroupChatPeople:
 
 def is_unnamed(inbound: Inbound) -> bool:
     """Whether the platform does not tell who wrote it."""
-    return inbound.standing is Standing.ANONYMOUS or inbound.standing is Standing.CHANNEL
+    return (
+        inbound.standing is MessageValidity.ANONYMOUS or inbound.standing is MessageValidity.CHANNEL
+    )

@@ -11,7 +11,7 @@ from rosic.core.language.formatting import beginning
 from rosic.core.message import Button
 from rosic.core.policy.scope import FLEET, GRANT, RESUME
 from rosic.core.robot.profile import Slots
-from rosic.core.robot.view import Sight
+from rosic.core.robot.view import ViewKind
 from rosic.core.units import measured
 from rosic.gateway.command_menus import ADMINS, EVERYBODY
 from rosic.gateway.command_words import TYPED
@@ -134,8 +134,8 @@ class HelpMenu:
         yield from _commands("robots", "status", "card", "history")
         shown = [self._profiles[robot] for robot in sorted(visible)]
         for verb, offered in (
-            ("picture", lambda p: p.offers(Sight.PICTURE)),
-            ("map", lambda p: p.offers(Sight.MAP)),
+            ("picture", lambda p: p.offers(ViewKind.PICTURE)),
+            ("map", lambda p: p.offers(ViewKind.MAP)),
             ("trajectory", lambda p: p.pose is not None),
             ("chart", lambda p: bool(p.telemetry)),
         ):

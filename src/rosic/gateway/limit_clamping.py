@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from rosic.core.i18n import joined, said
 from rosic.core.language.arguments import place
-from rosic.core.order import Request, Spoken
+from rosic.core.order import Request, SpokenValue
 from rosic.core.policy.limits import limit_in_words
 from rosic.core.policy.query import Deny, PolicyCode
 from rosic.core.policy.roles import Assurance
@@ -149,7 +149,7 @@ class _Open(NamedTuple):
     value: float
 
 
-def _for_all(name: str, robots: list[_Open], units: UnitTable) -> Spoken | None:
+def _for_all(name: str, robots: list[_Open], units: UnitTable) -> SpokenValue | None:
     """Return a value that is said to all robots of a line; None where no one value fits.
 
     Where one is lowered, nobody goes further than their own default; where one is raised, no
@@ -164,7 +164,7 @@ def _for_all(name: str, robots: list[_Open], units: UnitTable) -> Spoken | None:
     word = "" if all(one.unit == unit for one in robots) else unit.symbol
     if word and units.find(word) != unit:
         return None
-    return Spoken(name, float(f"{unit.from_si(value):.8g}"), word)
+    return SpokenValue(name, float(f"{unit.from_si(value):.8g}"), word)
 
 
 def _within(parameter: CompiledParameter, value: float, limit: Limit) -> float:

@@ -11,7 +11,7 @@ import msgspec
 from rosic.core.deadman import BROKEN_OFF
 from rosic.core.i18n import capital, joined, said
 from rosic.core.language import inert_text
-from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, StageReport
+from rosic.core.order import NEVER_BEGUN, Order, OrderEnding, Outcome, StageReport
 from rosic.errors import OrderVoid, Refusal, RobotUnreachable
 from rosic.linker.linker import Linker, PolicyMoved
 
@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 AT_MOST = 20_000
 NOTE_AT_MOST = 400
 
-REFUSED, UNKNOWN = Ending.REFUSED, Ending.UNKNOWN
+REFUSED, UNKNOWN = OrderEnding.REFUSED, OrderEnding.UNKNOWN
 AFTER_A_BREAK = said("What came before this was broken off, so this was not done.")
-FULL = Outcome(Ending.REFUSED, said("I have too much to do. This was not done."), code="full")
+FULL = Outcome(OrderEnding.REFUSED, said("I have too much to do. This was not done."), code="full")
 WENT_WRONG = said("Something went wrong here. Please look.")
 SHUT_DOWN = said("ROSIC was shut down")
 CANCELLED_BEFORE = said("You cancelled this before it could begin. Nothing was done.")
@@ -236,14 +236,14 @@ class OrderExecutor:
             return refused(refusal)
         except asyncio.CancelledError:
             reason, worker.cut_off = worker.cut_off, SHUT_DOWN
-            return Outcome(Ending.CANCELLED, reason)
+            return Outcome(OrderEnding.CANCELLED, reason)
         except RobotUnreachable as fault:
             log.warning("order %d of %s: %s", order.n, order.robot, fault)
             note = said("{fault} Please look.", fault=fault.sentence)
-            return Outcome(Ending.UNKNOWN, note, code=fault.code)
+            return Outcome(OrderEnding.UNKNOWN, note, code=fault.code)
         except Exception:
             log.exception("order %d of %s", order.n, order.robot)
-            return Outcome(Ending.UNKNOWN, WENT_WRONG, code="fault")
+            return Outcome(OrderEnding.UNKNOWN, WENT_WRONG, code="fault")
 
     async def _relay_anew(self, running: RunningOrder) -> Outcome:
         """Admit an order once more under the present policy, and relay it; its turn is kept."""
@@ -263,7 +263,7 @@ class OrderExecutor:
             self.after(running.order.robot)
         if self.watch is not None and running.begun:
             self.watch.ended(running.order, outcome)
-        if outcome.ending is Ending.CANCELLED:
+        if outcome.ending is OrderEnding.CANCELLED:
             who = self._organiser.why_stopped.by_another(running.order)
             note = joined("; ", filter(None, (outcome.note, who)))
             outcome = msgspec.structs.replace(outcome, note=note)
@@ -392,7 +392,7 @@ def not_done(reason: str) -> str:
 
 def refused(refusal: Refusal) -> Outcome:
     """Return the outcome of an order that came to nothing."""
-    return Outcome(Ending.REFUSED, refusal.sentence, code=refusal.code)
+    return Outcome(OrderEnding.REFUSED, refusal.sentence, code=refusal.code)
 
 
 def inert(outcome: Outcome) -> Outcome:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from rosic.core.language import Vocabulary
-    from rosic.core.order import Spoken
+    from rosic.core.order import SpokenValue
 
 TASK: Final = "/task "
 
@@ -52,7 +52,7 @@ def _words(line: Do, vocabulary: Vocabulary) -> Iterator[str]:
     yield from map(_value, line.spoken)
 
 
-def _value(value: Spoken) -> str:
+def _value(value: SpokenValue) -> str:
     name = joined("", (shown_name(value.name), "=")) if value.name else ""
     if value.number is None:
         return joined("", (name, shown_name(value.word)))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.message import Button
 from rosic.core.messages import headed
-from rosic.core.order import Stage, StageReport
+from rosic.core.order import OrderStage, StageReport
 from rosic.core.order_status import ENGLISH, Face, OrderStatus, StatusTexts
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ class OrderMessage:
         if self.in_place:
             self.dirty = True
             return not self.due and self.message != "" and not self.adopted
-        if news and (report.stage is not Stage.RUNNING or len(self.lines) < LINES_AT_MOST):
+        if news and (report.stage is not OrderStage.RUNNING or len(self.lines) < LINES_AT_MOST):
             self.lines += (status.line(report),)
         return bool(self.lines)
 
@@ -144,7 +144,7 @@ class OrderMessage:
         return "\n".join([status.text(ending=endings) for status in self._statuses])
 
 
-ACCEPTED = StageReport(Stage.ACCEPTED)
+ACCEPTED = StageReport(OrderStage.ACCEPTED)
 
 
 @lru_cache(maxsize=1024)

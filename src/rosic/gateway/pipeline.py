@@ -20,7 +20,7 @@ from rosic.core.language import (
     Use,
     kept_of,
 )
-from rosic.core.message import ChatKind, Standing
+from rosic.core.message import ChatKind, MessageValidity
 from rosic.core.order_status import ENGLISH, wording_in
 from rosic.core.synchronised_start import begin_together
 from rosic.errors import (
@@ -132,7 +132,7 @@ class ChatLocks:
 
 
 FOLLOWED_KEPT, LONG = 10_000, 1_000
-FRESH = Standing.FRESH
+FRESH = MessageValidity.FRESH
 FAULT = said("Something went wrong here. It is not known what was done; please look.")
 NOTHING_DONE = said("Nothing was done.")
 

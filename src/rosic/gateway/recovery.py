@@ -10,8 +10,8 @@ import msgspec
 from rosic.container.records import KeptAnswer, ReplyTo, read_answer, read_reply_to
 from rosic.core import messages, records
 from rosic.core.i18n import in_language, joined
-from rosic.core.message import Outbound, Weight
-from rosic.core.order import Ending
+from rosic.core.message import Outbound, SendPriority
+from rosic.core.order import OrderEnding
 from rosic.core.records import Concluded, Letter, Unfinished
 from rosic.errors import StoreFault
 from rosic.gateway.delivery.catch_up import SINGLY, together
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 log = logging.getLogger("rosic.recovery")
 
 
-class UntoldOrders(NamedTuple):
+class UnreportedOrders(NamedTuple):
     """Lives that one line gave, and where to say how they ended.
 
     Attributes:
@@ -89,7 +89,7 @@ class Recovery:
             await self._store.write(
                 Concluded(
                     cid=order.cid,
-                    ending=Ending.UNKNOWN.value,
+                    ending=OrderEnding.UNKNOWN.value,
                     at_ns=self._clock.wall_ns(),
                     letter=Letter(order.principal, b""),
                 )
@@ -99,10 +99,10 @@ class Recovery:
             return False
         return True
 
-    def _together(self, orders: Iterable[Unfinished]) -> Iterable[UntoldOrders]:
+    def _together(self, orders: Iterable[Unfinished]) -> Iterable[UnreportedOrders]:
         """Repeat answers; return the rest, robots that one line commanded together."""
         answers: dict[tuple[str, Chat], list[tuple[Unfinished, KeptAnswer]]] = {}
-        cards: dict[tuple[str, ...] | CommandId, UntoldOrders] = {}
+        cards: dict[tuple[str, ...] | CommandId, UnreportedOrders] = {}
         for order in orders:
             if order.claim is None:
                 self._let_go(order)  # erased with its container: there is nobody to tell
@@ -111,7 +111,9 @@ class Recovery:
                 # A refusal names no robot; an order that was refused later does.
                 if order.robot:
                     shown = (order.placed or b"").decode("utf-8", "replace")
-                    _put_together(cards, UntoldOrders(read_reply_to(order.claim), shown, [order]))
+                    _put_together(
+                        cards, UnreportedOrders(read_reply_to(order.claim), shown, [order])
+                    )
                 else:
                     answer = read_answer(order.claim)
                     answers.setdefault((answer.messenger, answer.chat), []).append((order, answer))
@@ -143,11 +145,11 @@ class Recovery:
         for order, answer in found:
             text = in_language(messages.said_again(answer.text), languages.of(order.principal))
             outbound = Outbound(
-                chat=chat, text=text, reply_to=answer.message, weight=Weight.OUTCOME
+                chat=chat, text=text, reply_to=answer.message, weight=SendPriority.OUTCOME
             )
             self._say(name, outbound, [order])
 
-    def _tell(self, told: UntoldOrders, exists: Callable[[str], bool]) -> None:
+    def _tell(self, told: UnreportedOrders, exists: Callable[[str], bool]) -> None:
         origin, orders = told.origin, told.orders
         shown = [
             self._linker.profile(order.robot).shown if exists(order.robot) else order.robot
@@ -170,7 +172,7 @@ class Recovery:
             text=in_language(text, catalogue),
             reply_to=reply_to,
             buttons=self._ends[asked_of, asked, catalogue] if asked else (),
-            weight=Weight.OUTCOME,
+            weight=SendPriority.OUTCOME,
         )
         self._say(origin.messenger, outbound, orders, edit_of=told.shown)
 
@@ -201,13 +203,13 @@ def _named_once(title: str) -> str:
 
 
 def _ended(title: str, order: Unfinished) -> str:
-    if order.ending is None or (order.ending == Ending.UNKNOWN.value and not order.words):
+    if order.ending is None or (order.ending == OrderEnding.UNKNOWN.value and not order.words):
         return messages.unknown_after_restart(title)
     return joined("\n", (title, (order.words or b"").decode("utf-8", "replace")))
 
 
 def _put_together(
-    cards: dict[tuple[str, ...] | CommandId, UntoldOrders], told: UntoldOrders
+    cards: dict[tuple[str, ...] | CommandId, UnreportedOrders], told: UnreportedOrders
 ) -> None:
     """Add a life to the card of its line, unless it is known to be shown in another message."""
     origin, shown, [order] = told

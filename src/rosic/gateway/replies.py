@@ -10,7 +10,7 @@ from rosic.authoriser.button_tokens import OPEN
 from rosic.container.records import KeptAnswer
 from rosic.core.i18n import in_language, joined, said
 from rosic.core.language import clean, hears_stop
-from rosic.core.message import Button, ChatKind, Outbound, Weight
+from rosic.core.message import Button, ChatKind, Outbound, SendPriority
 from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.time_units import MINUTE_NS
 from rosic.errors import Refusal, Repeated
@@ -204,7 +204,7 @@ class Replies:
             text=refusal.sentence,
             reply_to=reply_id(inbound),
             buttons=self._bind(inbound, caller, buttons),
-            weight=Weight.OUTCOME,
+            weight=SendPriority.OUTCOME,
         )
         told = translated(outbound, self._languages.of(caller.principal))
         note = OutgoingMessage(messenger, told, cid, edited_by(inbound), to=caller.principal)

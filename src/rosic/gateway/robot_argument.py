@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 from rosic.core.i18n import said
 from rosic.core.language.compiled import fold
 from rosic.core.language.keywords import FILLERS
-from rosic.core.language.syntax_errors import Misunderstanding
+from rosic.core.language.syntax_errors import SyntaxErrorBuilder
 from rosic.core.messages import NOTHING_VISIBLE
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 
@@ -94,7 +94,7 @@ class RobotArgument:
         if begin < len(low) and not nameless:
             heard = ([verb, *raw], [verb, *low])
             # What comes after the name is read by the verb.
-            trouble = Misunderstanding(heard, self._vocabulary, visible, lambda _: True)
+            trouble = SyntaxErrorBuilder(heard, self._vocabulary, visible, lambda _: True)
             wrong = trouble.no_such_robot(begin + 1)
             raise NotUnderstood(wrong.sentence, offers=wrong.offers)
         return self._unnamed(asked, verb, visible, text), text

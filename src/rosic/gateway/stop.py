@@ -13,8 +13,8 @@ from msgspec.structs import replace
 from rosic.authoriser.button_tokens import ANYBODY, MENU_LIFETIME_NS
 from rosic.core import messages
 from rosic.core.i18n import in_language, joined, said
-from rosic.core.message import Button, ChatKind, Inbound, Outbound, Weight
-from rosic.core.order import Rest
+from rosic.core.message import Button, ChatKind, Inbound, Outbound, SendPriority
+from rosic.core.order import RestReport
 from rosic.core.records import Stopped
 from rosic.errors import ChatGone, MessageGone, MessengerFault, Unrecognised
 from rosic.gateway.button_rows import rows
@@ -244,11 +244,11 @@ class StopLane:
         message = key = ""
         if by:
             plain = in_language(messages.stopped_unseen(shown), catalogue)
-            owed = Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP)
+            owed = Outbound(chat=inbound.chat, text=plain, weight=SendPriority.STOP)
             key = self._outbox.owe(by, messenger, owed)
         if messenger.edits:
             plain = in_language(messages.stopping(shown), catalogue)
-            sent = Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP)
+            sent = Outbound(chat=inbound.chat, text=plain, weight=SendPriority.STOP)
             message = await self._say(messenger, sent, "")
         rests = [await self._rest(robot, task) for robot, task in halting.rests.items()]
         text = messages.rests(self._profiles, rests)
@@ -257,7 +257,9 @@ class StopLane:
         who, asking = self._who_can(inbound, tuple(halting.rests), by)
         plain = in_language(joined("\n", filter(None, (text, who))), catalogue)
         buttons = self._buttons(inbound, tuple(halting.rests), by, catalogue, asking)
-        outbound = Outbound(chat=inbound.chat, text=plain, buttons=buttons, weight=Weight.STOP)
+        outbound = Outbound(
+            chat=inbound.chat, text=plain, buttons=buttons, weight=SendPriority.STOP
+        )
         told = await self._say(messenger, outbound, message)
         if told:
             self._chat_sender.on_buttons.emit(OutgoingMessage(messenger, outbound), told)
@@ -276,7 +278,9 @@ class StopLane:
             return
         text = messages.at_rest_now(self._profiles[robot].shown)
         plain = in_language(text, self._languages.of_sender(inbound))
-        await self._say(messenger, Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP), "")
+        await self._say(
+            messenger, Outbound(chat=inbound.chat, text=plain, weight=SendPriority.STOP), ""
+        )
 
     def _buttons(
         self,
@@ -336,12 +340,12 @@ class StopLane:
             ]
         )
 
-    async def _rest(self, robot: RobotId, task: asyncio.Task[Rest]) -> Rest:
+    async def _rest(self, robot: RobotId, task: asyncio.Task[RestReport]) -> RestReport:
         try:
             return await asyncio.shield(task)
         except Exception:
             log.exception("the stop of %s failed", robot)
-            return Rest(robot, confirmed=False, seconds=0.0)
+            return RestReport(robot, confirmed=False, seconds=0.0)
 
     async def _say(self, messenger: Messenger, outbound: Outbound, message: str) -> str:
         """Send or edit, with patience: the answer to a stop is worth trying again."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import said
 from rosic.core.language import Misunderstood
-from rosic.core.message import Button, ChatKind, Standing
+from rosic.core.message import Button, ChatKind, MessageValidity
 from rosic.errors import Refusal
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ class UnfollowedMessages:
         """Say, to somebody known, that a changed message does nothing. Never raises a refusal."""
         where = (messenger.name, inbound.chat.id, inbound.message)
         backlog = inbound.listening_since_ns > inbound.received_ns
-        if inbound.standing is not Standing.EDITED or backlog or where in self._answered:
+        if inbound.standing is not MessageValidity.EDITED or backlog or where in self._answered:
             return
         if not self._addressed(inbound) or self._reader.urgent(inbound.text) is not None:
             return  # a stop or a cancel in it was obeyed

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from rosic.contracts.robot import deliver_of
 from rosic.core import messages
 from rosic.core.i18n import said
-from rosic.core.order import Ending, Order, Outcome, Rest, Stop
+from rosic.core.order import Order, OrderEnding, Outcome, RestReport, Stop
 from rosic.core.order_gate import too_late
 from rosic.errors import RobotOffline, RobotUnreachable, RosicError, StoreFault
 from rosic.linker.pursuit import StopPursuit
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.robot.file_transfer import FileForRobot, Receipt
     from rosic.core.robot.profile import Presence, Profile, RobotId
-    from rosic.core.robot.view import Sight, View
+    from rosic.core.robot.view import View, ViewKind
     from rosic.core.stop_registry import StopRegistry
 
 
@@ -56,7 +56,7 @@ class StopInProgress:
     __slots__ = ("latched", "rests")
 
     def __init__(
-        self, rests: dict[RobotId, asyncio.Task[Rest]], latched: asyncio.Task[bool]
+        self, rests: dict[RobotId, asyncio.Task[RestReport]], latched: asyncio.Task[bool]
     ) -> None:
         self.rests = rests
         self.latched = latched
@@ -96,7 +96,7 @@ class Linker:
         self._clock = clock
         self._latching: set[asyncio.Task[bool]] = set()
         self._clearing: set[asyncio.Task[None]] = set()
-        self._resting: set[asyncio.Task[Rest]] = set()
+        self._resting: set[asyncio.Task[RestReport]] = set()
         self.pursuit = StopPursuit(self._robots, stops, clock)
 
     @property
@@ -172,7 +172,7 @@ class Linker:
             raise
         mailbox.running = None
         if task.cancelled():
-            return Outcome(Ending.CANCELLED, said("a later command took its place"))
+            return Outcome(OrderEnding.CANCELLED, said("a later command took its place"))
         return task.result()
 
     def stop(self, robots: Iterable[RobotId], by: PrincipalId) -> StopInProgress:
@@ -182,7 +182,7 @@ class Linker:
         """
         at_ns = self._clock.wall_ns()
         stops = [Stop(robot, self._stops.stop(robot, by, at_ns)) for robot in robots]
-        rests: dict[RobotId, asyncio.Task[Rest]] = {}
+        rests: dict[RobotId, asyncio.Task[RestReport]] = {}
         for stop in stops:
             robot = self._robots[stop.robot]
             robot.gate.apply_stop(stop)
@@ -195,7 +195,7 @@ class Linker:
         clearing.add_done_callback(self._clearing.discard)
         return StopInProgress(rests, latched)
 
-    def _brake(self, stop: Stop) -> asyncio.Task[Rest]:
+    def _brake(self, stop: Stop) -> asyncio.Task[RestReport]:
         """Hand a stop to its adapter, and go on with it until it is confirmed."""
         task = asyncio.create_task(self._robots[stop.robot].stop(stop))
         self._resting.add(task)  # whoever asked may be gone before it has come to rest
@@ -288,7 +288,7 @@ class Linker:
         entry = self.mailboxes[robot_id].current
         return None if entry is None else entry.order
 
-    def look(self, robot: RobotId, sight: Sight) -> AsyncGenerator[View, None]:
+    def look(self, robot: RobotId, sight: ViewKind) -> AsyncGenerator[View, None]:
         """Yield what can be seen of a robot; see ``contracts.robot.Robot``."""
         return self._robots[robot].look(sight)
 

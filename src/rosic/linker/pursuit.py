@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot
-    from rosic.core.order import Rest, Stop
+    from rosic.core.order import RestReport, Stop
     from rosic.core.robot.profile import RobotId
     from rosic.core.stop_registry import StopRegistry
 
@@ -36,9 +36,9 @@ class StopPursuit:
         self._robots = robots
         self._stops = stops
         self._clock = clock
-        self._under_way: dict[RobotId, asyncio.Task[Rest | None]] = {}
+        self._under_way: dict[RobotId, asyncio.Task[RestReport | None]] = {}
 
-    def begin(self, stop: Stop, first: asyncio.Task[Rest] | None) -> None:
+    def begin(self, stop: Stop, first: asyncio.Task[RestReport] | None) -> None:
         """Go on after a first try.
 
         Args:
@@ -61,7 +61,7 @@ class StopPursuit:
         """Whether the stop of a robot is not confirmed yet."""
         return robot in self._under_way
 
-    async def rested(self, robot: RobotId) -> Rest | None:
+    async def rested(self, robot: RobotId) -> RestReport | None:
         """Wait until a stop was confirmed. None: it was undone first, or it is not known any more.
 
         Cutting the wait off leaves the pursuit as it is.
@@ -77,11 +77,13 @@ class StopPursuit:
         for robot in tuple(self._under_way):
             self.end(robot)
 
-    def _over(self, robot: RobotId, task: asyncio.Task[Rest | None]) -> None:
+    def _over(self, robot: RobotId, task: asyncio.Task[RestReport | None]) -> None:
         if self._under_way.get(robot) is task:
             del self._under_way[robot]
 
-    async def _pursue(self, stop: Stop, first: asyncio.Task[Rest] | None) -> Rest | None:
+    async def _pursue(
+        self, stop: Stop, first: asyncio.Task[RestReport] | None
+    ) -> RestReport | None:
         robot = self._robots[stop.robot]
         asked = first is not None
         # Cut off, this leaves the first try be: its answer is waited for elsewhere, too.
@@ -103,7 +105,7 @@ class StopPursuit:
         return rest
 
 
-async def _come_of(stop: Stop, tried: Awaitable[Rest]) -> Rest | None:
+async def _come_of(stop: Stop, tried: Awaitable[RestReport]) -> RestReport | None:
     """Wait for what comes of a try; None: a fault of an adapter, which is not the end of it."""
     try:
         return await tried

@@ -7,7 +7,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Protocol
 
 from rosic.core.i18n import said
-from rosic.core.order import Order, Outcome, Stage, StageReport
+from rosic.core.order import Order, OrderStage, Outcome, StageReport
 from rosic.core.robot.profile import Busy
 from rosic.errors import OrderVoid, RobotBusy
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Robot
     from rosic.core.identity import CommandId, PrincipalId
 
-QUEUED = StageReport(Stage.QUEUED)
+QUEUED = StageReport(OrderStage.QUEUED)
 QUEUE, REFUSE, REPLACE = Busy.QUEUE, Busy.REFUSE, Busy.REPLACE
 REPLACED = said("A later command took its place. This was not done.")
 

@@ -14,12 +14,12 @@ from rosic.core.message import (
     Attachment,
     Button,
     Chat,
+    ChatEvent,
     ChatKind,
-    Enclosure,
     Inbound,
+    IncomingFile,
+    MessageValidity,
     Outbound,
-    Passing,
-    Standing,
 )
 from rosic.errors import (
     ChatGone,
@@ -145,7 +145,7 @@ class MemoryMessenger:
         account: str = "1",
         chat: str = "1",
         kind: ChatKind = ChatKind.PRIVATE,
-        standing: Standing = Standing.FRESH,
+        standing: MessageValidity = MessageValidity.FRESH,
         message: str | None = None,
         sent_ns: int | None = None,
         answers: str = "",
@@ -164,11 +164,11 @@ class MemoryMessenger:
         account: str = "1",
         chat: str = "1",
         kind: ChatKind = ChatKind.PRIVATE,
-        standing: Standing = Standing.FRESH,
+        standing: MessageValidity = MessageValidity.FRESH,
     ) -> Inbound:
         """Send a file, with something written beneath."""
         inbound = self._inbound(account, Chat(self.platform, chat, kind), None, None)
-        enclosure = Enclosure(id=f"file-{inbound.message}", name=name, size=len(content))
+        enclosure = IncomingFile(id=f"file-{inbound.message}", name=name, size=len(content))
         self._files[enclosure.id] = content
         while len(self._files) > FILES_KEPT:
             del self._files[next(iter(self._files))]
@@ -307,7 +307,7 @@ class MemoryMessenger:
         self.answers.append((inbound.tap, text))
         self._announce()
 
-    async def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+    async def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
         """Yield what somebody sent.
 
         Raises:
@@ -414,7 +414,7 @@ class MemoryMessenger:
         await self._changed.wait()
 
 
-def _nobody_watches(_passing: Passing) -> None:
+def _nobody_watches(_passing: ChatEvent) -> None:
     """Nobody wants to know what happens to chats."""
 
 

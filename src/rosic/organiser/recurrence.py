@@ -25,7 +25,7 @@ from rosic.organiser.timezones import zone_named
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rosic.core.language.time_parser import When
+    from rosic.core.language.time_parser import RequestedTime
     from rosic.core.robot.profile import RobotId
     from rosic.core.slot import Pattern
     from rosic.organiser.timezones import Zone
@@ -255,7 +255,7 @@ class Occurrence(msgspec.Struct, frozen=True):
     moved: bool = False
 
 
-def occasion(robot: RobotId, when: When, zone: Zone) -> SlotOccasion:
+def occasion(robot: RobotId, when: RequestedTime, zone: Zone) -> SlotOccasion:
     """Return when that is which was typed.
 
     Args:
@@ -277,7 +277,7 @@ def occasion(robot: RobotId, when: When, zone: Zone) -> SlotOccasion:
     return SlotOccasion(start_ns, (end_ns - start_ns) // SECOND_NS, note or end_note)
 
 
-def _moment(robot: RobotId, when: When, local: LocalTime, zone: Zone) -> tuple[int, str]:
+def _moment(robot: RobotId, when: RequestedTime, local: LocalTime, zone: Zone) -> tuple[int, str]:
     found = zone.instant(local)
     if found.kind == "never":
         start = found.possible if local is when.start else when.start

@@ -13,7 +13,7 @@ from rosic.rendering.style import ACCENT, ACCENT_SOFT, ALERT, FAINT, INK, PAPER,
 if TYPE_CHECKING:
     from PIL import Image
 
-    from rosic.core.robot.view import Curve
+    from rosic.core.robot.view import TimeSeries
     from rosic.rendering.style import Say
 
 SIZE, LOW_SIZE = (800, 420), (480, 270)
@@ -41,7 +41,7 @@ class Frame(NamedTuple):
         return x, y
 
 
-def chart(curve: Curve, *, low: bool, say: Say = str) -> Image.Image:
+def chart(curve: TimeSeries, *, low: bool, say: Say = str) -> Image.Image:
     """Draw a curve with its axes, its unit, and its newest value."""
     points = [point for point in curve.points[-MOST_POINTS:] if isfinite(point[1])]
     if not points:
@@ -60,7 +60,7 @@ def chart(curve: Curve, *, low: bool, say: Say = str) -> Image.Image:
     return sheet.finished()
 
 
-def _frame(curve: Curve, points: list[tuple[float, float]], width: int, height: int) -> Frame:
+def _frame(curve: TimeSeries, points: list[tuple[float, float]], width: int, height: int) -> Frame:
     values = [value for _, value in points]
     least, most = min(values), max(values)
     alert = curve.alert_below
@@ -75,7 +75,7 @@ def _frame(curve: Curve, points: list[tuple[float, float]], width: int, height: 
     return Frame(62, 52, width - 26, height - 40, from_s, least, most)
 
 
-def _axes(sheet: Sheet, frame: Frame, curve: Curve) -> None:
+def _axes(sheet: Sheet, frame: Frame, curve: TimeSeries) -> None:
     step = nice_step(frame.high - frame.low, 5)
     for value in ticks(frame.low, frame.high, 5):
         _, y = frame.at(0, value)

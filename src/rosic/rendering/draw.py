@@ -10,14 +10,14 @@ from PIL import Image
 from rosic.core.i18n import said
 from rosic.core.robot.view import (
     Clip,
-    Curve,
+    CompressedFrame,
     Drawing,
-    Encoded,
-    Grid,
+    OccupancyMap,
     PathsView,
     PathView,
-    Raster,
+    RawFrame,
     Scene,
+    TimeSeries,
 )
 from rosic.errors import NothingToSee
 from rosic.rendering.charts import chart
@@ -118,13 +118,13 @@ TALL = 0.625  # a scene's height for its width
 
 def draw(subject: Subject, *, low: bool = False, say: Say = str) -> Drawing:
     """Draw; `rosic.contracts.renderer.Painter` says what is promised."""
-    if isinstance(subject, Curve):
+    if isinstance(subject, TimeSeries):
         return graphic(chart(subject, low=low, say=say), low=low)
     if isinstance(subject, PathView):
         return graphic(way(subject, low=low, say=say), low=low)
     if isinstance(subject, PathsView):
         return graphic(ways_together(subject, low=low, say=say), low=low)
-    if isinstance(subject, Grid):
+    if isinstance(subject, OccupancyMap):
         return graphic(grid_map(subject, low=low, say=say), low=low)
     if isinstance(subject, Clip):
         return _clip(subject, low=low, say=say)
@@ -140,9 +140,9 @@ def _clip(clip: Clip, *, low: bool, say: Say) -> Drawing:
 
 
 def _still(content: Content, within: int, say: Say) -> Image.Image:
-    if isinstance(content, Encoded):
+    if isinstance(content, CompressedFrame):
         return shrunk(decoded(content, within), within)
-    if isinstance(content, Raster):
+    if isinstance(content, RawFrame):
         return shrunk(raster(content), within)
     if isinstance(content, Scene):
         return scene_image(content, within, round(within * TALL))

@@ -12,7 +12,7 @@ from rosic.core.i18n import said
 from rosic.errors import NothingToSee
 
 if TYPE_CHECKING:
-    from rosic.core.robot.view import Encoded, Raster
+    from rosic.core.robot.view import CompressedFrame, RawFrame
 
 FORMATS = ("JPEG", "PNG")
 MOST_BYTES = 16_000_000
@@ -32,7 +32,7 @@ DEEP_BYTES = 2
 FAINTEST = 40  # what is farthest is still seen; black is where nothing was measured
 
 
-def decoded(frame: Encoded, within: int) -> Image.Image:
+def decoded(frame: CompressedFrame, within: int) -> Image.Image:
     """Open a compressed frame.
 
     Args:
@@ -66,7 +66,7 @@ def _deep_or_plain(image: Image.Image) -> Image.Image:
     return image.convert("RGBA" if "A" in image.mode or "transparency" in image.info else "RGB")
 
 
-def raster(frame: Raster) -> Image.Image:
+def raster(frame: RawFrame) -> Image.Image:
     """Make a picture of bare pixels.
 
     Raises:
@@ -91,7 +91,7 @@ def raster(frame: Raster) -> Image.Image:
     )
 
 
-def _deep(frame: Raster) -> Image.Image:
+def _deep(frame: RawFrame) -> Image.Image:
     data = _rows(frame, DEEP_BYTES)
     raw = "I;16B" if frame.big_endian else "I;16"
     image = Image.frombuffer(
@@ -122,7 +122,7 @@ def _range(image: Image.Image) -> tuple[float, float]:
     return float(values[len(values) // 100]), float(values[-1 - len(values) // 100])
 
 
-def _rows(frame: Raster, size: int) -> bytes:
+def _rows(frame: RawFrame, size: int) -> bytes:
     if frame.step_bytes < frame.width * size:
         raise NothingToSee(said("The frame is broken: its rows are too short."))
     wanted = frame.step_bytes * frame.height

@@ -14,7 +14,7 @@ from rosic.rendering.paths import nose
 from rosic.rendering.style import ACCENT, ALERT, FAINT, INK, PAPER, Sheet
 
 if TYPE_CHECKING:
-    from rosic.core.robot.view import Grid
+    from rosic.core.robot.view import OccupancyMap
     from rosic.rendering.style import Say
 
 LARGEST, LOW_LARGEST = 900, 420
@@ -26,7 +26,7 @@ FULL = 100
 FOOT = 34
 
 
-def grid_map(grid: Grid, *, low: bool, say: Say = str) -> Image.Image:
+def grid_map(grid: OccupancyMap, *, low: bool, say: Say = str) -> Image.Image:
     """Draw a map.
 
     Raises:
@@ -59,7 +59,7 @@ def grid_map(grid: Grid, *, low: bool, say: Say = str) -> Image.Image:
 class _Place:
     """Where points of the map's frame are on the sheet."""
 
-    def __init__(self, grid: Grid, scale: float, left: int, height: int) -> None:
+    def __init__(self, grid: OccupancyMap, scale: float, left: int, height: int) -> None:
         self._origin = (grid.origin.x_m, grid.origin.y_m)
         self.yaw = grid.origin.yaw_rad or 0.0
         self._per_m = scale / grid.resolution_m
@@ -75,7 +75,7 @@ class _Place:
         return self._left + across * self._per_m, self._height - up * self._per_m
 
 
-def _check(grid: Grid) -> None:
+def _check(grid: OccupancyMap) -> None:
     count = grid.width * grid.height
     if grid.width < 1 or grid.height < 1 or not grid.cells:
         raise NothingToSee(said("The map is empty."))
@@ -100,7 +100,7 @@ def _check(grid: Grid) -> None:
         raise NothingToSee(said("The map is broken: its scale or its origin is no number."))
 
 
-def _cells(grid: Grid) -> Image.Image:
+def _cells(grid: OccupancyMap) -> Image.Image:
     shades = bytearray([UNKNOWN]) * 256
     for percent in range(FULL + 1):
         shades[percent] = round(FREE + (TAKEN - FREE) * percent / FULL)
@@ -108,7 +108,7 @@ def _cells(grid: Grid) -> Image.Image:
     return image.transpose(Image.Transpose.FLIP_TOP_BOTTOM).convert("RGB")
 
 
-def _path(sheet: Sheet, grid: Grid, place: _Place) -> None:
+def _path(sheet: Sheet, grid: OccupancyMap, place: _Place) -> None:
     every = max(1, ceil(len(grid.path) / MOST_POINTS))
     chosen = (*grid.path[::every], *grid.path[-1:])
     points = [point for x, y in chosen if (point := place.of(x, y)) is not None]
@@ -117,7 +117,7 @@ def _path(sheet: Sheet, grid: Grid, place: _Place) -> None:
         sheet.dot(points[-1], 6.0, ALERT, PAPER)
 
 
-def _foot(sheet: Sheet, grid: Grid, per_m: float) -> None:
+def _foot(sheet: Sheet, grid: OccupancyMap, per_m: float) -> None:
     """Write the scale below the map, and what is missing on it."""
     top = sheet.height - FOOT
     sheet.area(

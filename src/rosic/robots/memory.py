@@ -8,7 +8,7 @@ from types import coroutine
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
-from rosic.core.order import Ending, Order, Outcome, Rest, Stage, StageReport, Stop
+from rosic.core.order import Order, OrderEnding, OrderStage, Outcome, RestReport, StageReport, Stop
 from rosic.core.robot.file_transfer import Receipt
 from rosic.core.robot.profile import Presence, Profile
 from rosic.core.robot.view import View
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Say, Speak, Tell
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.file_transfer import FileForRobot
-    from rosic.core.robot.view import Content, Pose, Sight
+    from rosic.core.robot.view import Content, Pose, ViewKind
 
-SENT = StageReport(Stage.SENT)
-RECEIVED = StageReport(Stage.RECEIVED)
-DONE = Outcome(Ending.DONE)
+SENT = StageReport(OrderStage.SENT)
+RECEIVED = StageReport(OrderStage.RECEIVED)
+DONE = Outcome(OrderEnding.DONE)
 LOOK_EVERY_S = 0.05
-CANCELLED = Outcome(Ending.CANCELLED)
+CANCELLED = Outcome(OrderEnding.CANCELLED)
 
 
 class MemoryRobot:
@@ -57,7 +57,7 @@ class MemoryRobot:
         self.acted: deque[int] = deque(maxlen=100_000)
         self.work_s = 0.0
         self.online = True
-        self.shows: dict[Sight, Content] = {}
+        self.shows: dict[ViewKind, Content] = {}
         self.looked = 0
         self.delivered: list[FileForRobot] = []
         self.receipt: Receipt | Exception | None = None
@@ -118,12 +118,12 @@ class MemoryRobot:
         if self._end is not None:
             _finish(self._end)
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         """Latch and end what is under way."""
         self.gate.apply_stop(stop)
         if self._end is not None:
             _finish(self._end)
-        return Rest(stop.robot, confirmed=True, seconds=0.0)
+        return RestReport(stop.robot, confirmed=True, seconds=0.0)
 
     async def resume(self, generation: int) -> None:
         """Undo the latch."""
@@ -152,7 +152,7 @@ class MemoryRobot:
             raise self.receipt
         return self.receipt or Receipt(received=True, digest=parcel.digest.hex())
 
-    async def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+    async def look(self, sight: ViewKind) -> AsyncGenerator[View, None]:
         """Show what it was given to show."""
         if sight not in self.shows or not self.profile.offers(sight):
             raise NothingToSee(said("{robot} shows nothing now.", robot=self.profile.shown))

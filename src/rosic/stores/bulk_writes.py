@@ -10,7 +10,7 @@ from sqlalchemy import Connection, Dialect, delete, select, update
 
 from rosic.core.time_units import DAY_NS
 from rosic.stores import decoding, tables
-from rosic.stores.statements import Put, Take, TakePairs
+from rosic.stores.statements import DeletePairs, DeleteRows, InsertRows
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -29,7 +29,7 @@ class BulkInsert:
     """All statements of a group, prepared once."""
 
     def __init__(self, dialect: Dialect) -> None:
-        put = partial(Put, dialect)
+        put = partial(InsertRows, dialect)
         self.containers = put(tables.containers, {"wrapped": "new"})
         self.commands = put(tables.commands)
         # The first outcome counts; one without a letter takes the words away, for nobody hears it.
@@ -37,7 +37,7 @@ class BulkInsert:
         self.places = put(tables.places, LETTER)
         self.tellings = put(tables.tellings, {})
         self.opened = put(tables.open_orders_of)
-        self.closed = Take(dialect, tables.open_orders_of.c.seq)
+        self.closed = DeleteRows(dialect, tables.open_orders_of.c.seq)
         self.sifted = put(tables.sifted, {"below": "highest"})
         self.robots = put(tables.robots, HIGHEST)
         self.stops = put(tables.stops)
@@ -47,7 +47,7 @@ class BulkInsert:
         self.revocations = put(tables.revocations, {})
         self.seeds = put(tables.seeds, {})
         self.selections = put(tables.selections, {"robot": "new"})
-        self.ended = TakePairs(dialect, tables.facts.c.kind, tables.facts.c.key)
+        self.ended = DeletePairs(dialect, tables.facts.c.kind, tables.facts.c.key)
         self.facts = put(tables.facts, LETTER | {"body": "new"}, known_by=("kind", "key"))
         self.decisions = put(tables.decisions)
         self.gaps = put(tables.gaps)
@@ -111,9 +111,9 @@ class Erasure:
 
     def __init__(self, dialect: Dialect) -> None:
         parts = (tables.endings, tables.places, tables.tellings, tables.commands)
-        self._takes = [Take(dialect, table.c.seq) for table in parts]
-        self._take_stops = Take(dialect, tables.stops.c.id)
-        self._take_decisions = Take(dialect, tables.decisions.c.id)
+        self._takes = [DeleteRows(dialect, table.c.seq) for table in parts]
+        self._take_stops = DeleteRows(dialect, tables.stops.c.id)
+        self._take_decisions = DeleteRows(dialect, tables.decisions.c.id)
 
     def prune(self, connection: Connection, before_ns: int) -> int:
         """Forget the oldest commands that are settled, and old stops; some, not all at once."""

@@ -20,12 +20,12 @@ from sqlalchemy import (
 )
 
 from rosic.core.identity import AuthorisationKey, CommandId
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.core.records import APART, Enrolled, Fact, Letter, Memory, Seeded, Selected, Unfinished
 from rosic.errors import ConfigurationError
 from rosic.stores import tables
 from rosic.stores.encoding import CARD, CLAIM, FACT, PLACED, WORDS, DatabasePosition
-from rosic.stores.encryption import ContainerKey, RootKey, Unreadable, place_of_fact
+from rosic.stores.encryption import ContainerKey, DecryptionError, RootKey, place_of_fact
 from rosic.stores.fact_index import by_kind
 
 if TYPE_CHECKING:
@@ -191,7 +191,7 @@ class RecordDecoder:
             return None  # the container was erased
         try:
             return key.unseal(kind, subject, sealed)
-        except Unreadable:
+        except DecryptionError:
             self.unreadable += 1
             return None
 
@@ -206,7 +206,7 @@ class RecordDecoder:
     def _unwrapped(self, container: str, wrapped: bytes) -> ContainerKey | None:
         try:
             return self._root.unwrap(container, wrapped)
-        except Unreadable:
+        except DecryptionError:
             self.unreadable += 1
             return None
 
@@ -272,7 +272,7 @@ class RecordDecoder:
             principal=row.principal,
             robot=row.robot or "",
             skill=row.skill or "",
-            ending=row.ending if claimed else Ending.REFUSED.value,
+            ending=row.ending if claimed else OrderEnding.REFUSED.value,
             claim=claim,
             words=words if claimed else None,
             placed=self._letter(row.placed_container, PLACED, row.cid, row.placed_sealed),

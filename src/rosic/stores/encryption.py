@@ -33,7 +33,7 @@ ffi: Any = _sodium.ffi
 encrypt = sodium.crypto_aead_xchacha20poly1305_ietf_encrypt
 
 
-class Unreadable(Exception):
+class DecryptionError(Exception):
     """Sealed under another key, belonging elsewhere, or damaged."""
 
 
@@ -157,8 +157,8 @@ def opened(sealed: bytes, associated: bytes, key: bytes) -> bytes:
         Unreadable: The key, the associated data or the content is not what it was.
     """
     if sealed[:1] != FORM:
-        raise Unreadable("sealed in a way this version does not know")
+        raise DecryptionError("sealed in a way this version does not know")
     try:
         return decrypt(sealed[25:], associated, sealed[1:25], key)
     except (CryptoError, ValueError) as error:
-        raise Unreadable("not sealed with this key, for this place") from error
+        raise DecryptionError("not sealed with this key, for this place") from error

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from rosic.core.history import STOPPED, HistoryEntry, HistoryQuery, with_stops
 from rosic.core.i18n import said
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.core.records import (
     APART,
     Claimed,
@@ -449,7 +449,7 @@ class MemoryStore(MemoryHistory):
                 principal=open_order.principal,
                 robot="",
                 skill="",
-                ending=Ending.REFUSED.value,
+                ending=OrderEnding.REFUSED.value,
                 claim=claim,
                 words=None,
                 placed=placed,

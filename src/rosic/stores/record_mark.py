@@ -165,7 +165,7 @@ class RecordMark:
             found = slots.unpack(KIND, self.path.read_bytes())
         except FileNotFoundError:
             return None
-        except (slots.Damaged, ValueError) as damaged:
+        except (slots.DamagedSlot, ValueError) as damaged:
             if self._begin_anew:
                 return None
             raise ConfigurationError(

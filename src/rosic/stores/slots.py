@@ -21,7 +21,7 @@ FREE = bytes(SLOT_BYTES)
 PLAUSIBLE = 1 << 40  # a generation above this was never reached by stopping robots
 
 
-class Damaged(Exception):
+class DamagedSlot(Exception):
     """A slot is not what was written."""
 
 
@@ -49,7 +49,7 @@ def unpack(kind: bytes, slot: bytes) -> tuple[bytes, int, bytes] | None:
         return None
     body = slot[: BODY.size]
     if slot[BODY.size :] != blake2b(body, digest_size=SUM_BYTES, person=kind).digest():
-        raise Damaged
+        raise DamagedSlot
     name, number, flag = BODY.unpack(body)
     return name.rstrip(b"\0"), number, flag.rstrip(b"\0")
 
@@ -72,7 +72,7 @@ def robots_max_of(content: bytes) -> int:
     """
     found = unpack(b"header", content[:SLOT_BYTES])
     if found is None or found[0] != MAGIC or len(content) != len(empty_file(found[1])):
-        raise Damaged
+        raise DamagedSlot
     return found[1]
 
 
@@ -123,7 +123,7 @@ def read_place(name_slot: bytes, state_slot: bytes) -> SlotState | None:
     if state is not None and name in (None, state.robot):
         return state
     if name is None:
-        raise Damaged
+        raise DamagedSlot
     generation = int(BODY.unpack(state_slot[: BODY.size])[1])
     return SlotState(name, generation if generation < PLAUSIBLE else 0, latched=True)
 
@@ -132,7 +132,7 @@ def robot_named(slot: bytes) -> RobotId | None:
     """Return the name in a name slot, if it can be read."""
     try:
         found = unpack(b"name", slot)
-    except Damaged:
+    except DamagedSlot:
         return None
     return None if found is None else found[0].decode()
 
@@ -141,7 +141,7 @@ def whole_state(slot: bytes) -> SlotState | None:
     """Return the state in a state slot, if it can be read."""
     try:
         found = unpack(b"state", slot)
-    except Damaged:
+    except DamagedSlot:
         return None
     return None if found is None else SlotState(found[0].decode(), found[1], found[2] == b"s")
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 SIZES = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 
 
-class Many:
+class BulkStatement:
     """A statement that comes in sizes.
 
     It is compiled for one row; the text for more rows repeats what stands there for one.
@@ -81,7 +81,7 @@ class Many:
         return text
 
 
-class Put(Many):
+class InsertRows(BulkStatement):
     """Insert rows.
 
     Args:
@@ -110,7 +110,7 @@ class Put(Many):
         super().__init__(dialect, statement, f"({', '.join('?' * len(names))})", len(names))
 
 
-class Take(Many):
+class DeleteRows(BulkStatement):
     """Delete the rows in which a column has one of many values."""
 
     def __init__(self, dialect: Dialect, column: Column[Any]) -> None:
@@ -118,7 +118,7 @@ class Take(Many):
         super().__init__(dialect, statement, "?", 1)
 
 
-class TakePairs(Many):
+class DeletePairs(BulkStatement):
     """Delete the rows in which two columns together have one of many pairs of values.
 
     Each pair is found by the index of the two; a list of pairs would be looked for row by row.
@@ -130,7 +130,7 @@ class TakePairs(Many):
         super().__init__(dialect, delete(first.table).where(pair), unit, 2, between=" OR ")
 
 
-class Find:
+class FindValue:
     """Look up one value of one row."""
 
     def __init__(self, dialect: Dialect, wanted: Column[Any], known: Column[Any]) -> None:

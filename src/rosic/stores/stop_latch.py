@@ -12,7 +12,7 @@ from rosic.errors import ConfigurationError, StoreFault
 from rosic.stores import slots
 from rosic.stores.kept_files import KeptFiles
 from rosic.stores.root_key import create
-from rosic.stores.slots import Damaged, SlotState
+from rosic.stores.slots import DamagedSlot, SlotState
 from rosic.stores.write_thread import WriteJob, WriteThread
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ class FileLatch:
         """
         try:
             self._open()
-        except Damaged as error:
+        except DamagedSlot as error:
             raise ConfigurationError(
                 f"The stop file {self._path} is damaged.",
                 hint="Make sure that every robot is at rest, then remove the file.",
@@ -207,7 +207,7 @@ class FileLatch:
             self._wait_for_disk(descriptor)
             if self.kept.is_elsewhere(self._path) or not self._is_a_stop_file(descriptor):
                 raise FileNotFoundError(errno.ENOENT, "gone or not as written", str(self._path))
-        except (OSError, Damaged) as error:
+        except (OSError, DamagedSlot) as error:
             for job in jobs:
                 if job.error is None:
                     job.error = StoreFault(said("The stop holds, but could not be kept on disk."))

@@ -16,10 +16,10 @@ from rosic.errors import ConfigurationError, Repeated, RosicError, StoreFault
 from rosic.stores import bulk_writes, decoding, migrate, sqlite, tables
 from rosic.stores.bulk_writes import BulkInsert
 from rosic.stores.encoding import RecordEncoder
-from rosic.stores.encryption import RootKey, Unreadable
+from rosic.stores.encryption import DecryptionError, RootKey
 from rosic.stores.record_guard import Calls, RecordGuard
 from rosic.stores.record_mark import RecordNumber
-from rosic.stores.statements import Find, in_words
+from rosic.stores.statements import FindValue, in_words
 
 if TYPE_CHECKING:
     from sqlalchemy import Connection
@@ -82,8 +82,8 @@ class Writer:
         self._insertion = BulkInsert(self._engine.dialect)
         self._erasure = bulk_writes.Erasure(self._engine.dialect)
         commands, containers = tables.commands.c, tables.containers.c
-        self._find_seq = Find(self._engine.dialect, commands.seq, commands.cid)
-        self._find_key = Find(self._engine.dialect, containers.wrapped, containers.container)
+        self._find_seq = FindValue(self._engine.dialect, commands.seq, commands.cid)
+        self._find_key = FindValue(self._engine.dialect, containers.wrapped, containers.container)
         self._decisions = DecisionQuery(self._engine.dialect)
         self._connection: Connection | None = None
         self._root: RootKey | None = None
@@ -150,7 +150,7 @@ class Writer:
             return
         try:
             root.unwrap(OWN, wrapped)
-        except Unreadable as error:
+        except DecryptionError as error:
             raise ConfigurationError(
                 "The root key does not belong to this record.",
                 hint="Put back the file, the credential or the passphrase that it was made with.",

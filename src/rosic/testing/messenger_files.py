@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.core.message import Attachment, Button, Enclosure, Outbound, Pieces
+from rosic.core.message import Attachment, Button, IncomingFile, Outbound, StreamedContent
 from rosic.errors import MessengerFault, RecordUnavailable
 from rosic.testing.messenger_harness import HarnessInbox, faults_only, listening, until
 
@@ -108,7 +108,7 @@ def in_pieces(size: int, *pieces: bytes) -> Attachment:
         if sum(map(len, pieces)) != size:
             raise RecordUnavailable("The file is not what it was. Nothing was sent.")
 
-    return Attachment(FILE.name, FILE.media_type, pieces=Pieces(size, read))
+    return Attachment(FILE.name, FILE.media_type, pieces=StreamedContent(size, read))
 
 
 async def _reads(stage: MessengerHarness, message: str, text: str) -> bool:
@@ -159,7 +159,7 @@ class EnclosureRules:
     ) -> None:
         """Because it is too large, unknown, or the platform is away; nothing of it counts."""
         messenger = stage.messenger
-        unknown = Enclosure(id="document-of-nobody", name=NAME, size=10)
+        unknown = IncomingFile(id="document-of-nobody", name=NAME, size=10)
         large = replace(unknown, size=messenger.fetch_bytes + 1)
         async with listening(stage) as inbox:
             for enclosure in (unknown, large):
@@ -171,7 +171,7 @@ class EnclosureRules:
                 assert (await _fetched(messenger, enclosure))[1] is not None
 
 
-async def _sent(stage: MessengerHarness, inbox: HarnessInbox) -> Enclosure:
+async def _sent(stage: MessengerHarness, inbox: HarnessInbox) -> IncomingFile:
     """Let a person send a file; return what the messenger says of it."""
     before = len(inbox.done)
     await stage.enclose(stage.people[0], NAME, CONTENT)
@@ -181,7 +181,7 @@ async def _sent(stage: MessengerHarness, inbox: HarnessInbox) -> Enclosure:
     return enclosure
 
 
-async def _fetched(messenger: Messenger, enclosure: Enclosure) -> tuple[bytes, str | None]:
+async def _fetched(messenger: Messenger, enclosure: IncomingFile) -> tuple[bytes, str | None]:
     """Fetch; return what came, and the sentence of the fault if there was one."""
     content = bytearray()
     try:

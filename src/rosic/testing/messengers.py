@@ -10,7 +10,7 @@ import asyncio
 
 from msgspec.structs import replace
 
-from rosic.core.message import Outbound, Standing
+from rosic.core.message import MessageValidity, Outbound
 from rosic.errors import MessageGone
 from rosic.testing.messenger_files import LONG, YES, EnclosureRules, FileRules
 from rosic.testing.messenger_harness import (
@@ -61,7 +61,7 @@ class MessengerConformance(FileRules, EnclosureRules):
             assert inbound.sender == senders[inbound.chat.id], "one person looks like two"
             assert inbound.sender.platform == inbound.chat.platform == stage.messenger.platform
             assert inbound.listening_since_ns <= inbound.sent_ns <= inbound.received_ns
-            assert inbound.standing is Standing.FRESH
+            assert inbound.standing is MessageValidity.FRESH
             assert inbound.nonce is None
 
     async def test_nothing_is_confirmed_before_it_was_received(

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, ClassVar
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.order import Ending, Outcome, Stage, StageReport, Stop
-from rosic.core.robot.view import Sight
+from rosic.core.order import OrderEnding, OrderStage, Outcome, StageReport, Stop
+from rosic.core.robot.view import ViewKind
 from rosic.errors import NothingToSee, OrderVoid
 from rosic.testing.factories import OrderBook
 
@@ -58,17 +58,17 @@ class RobotConformance:
     ) -> None:
         async with make_robot() as robot:
             outcome = await self._execute(robot, self._short(robot, clock))
-            assert outcome.ending in (Ending.DONE, Ending.SENT), outcome
+            assert outcome.ending in (OrderEnding.DONE, OrderEnding.SENT), outcome
             assert self.acted(robot) == 1
 
     async def test_received_is_said_after_sent_and_before_running(
         self, make_robot: MakeRobot, clock: Clock
     ) -> None:
         async with make_robot() as robot:
-            stages: list[Stage] = []
+            stages: list[OrderStage] = []
             await self._execute(robot, self._short(robot, clock), stages)
-            ranks = [list(Stage).index(stage) for stage in stages]
-            assert stages[0] is Stage.SENT
+            ranks = [list(OrderStage).index(stage) for stage in stages]
+            assert stages[0] is OrderStage.SENT
             assert ranks == sorted(ranks)
 
     async def test_progress_never_falls(self, make_robot: MakeRobot, clock: Clock) -> None:
@@ -131,7 +131,7 @@ class RobotConformance:
             await asyncio.wait_for(received.wait(), self.bound_s)
             rest = await asyncio.wait_for(robot.stop(Stop(robot.profile.id, 1)), self.bound_s)
             outcome = await asyncio.wait_for(running, self.bound_s)
-            assert outcome.ending is Ending.CANCELLED, outcome
+            assert outcome.ending is OrderEnding.CANCELLED, outcome
             assert rest.robot == robot.profile.id
             assert rest.confirmed
             assert robot.presence().at_rest is not False
@@ -161,7 +161,7 @@ class RobotConformance:
             await robot.resume(2)
             order = book.order(self.short, self.short_arguments, stop_generation=2)
             outcome = await self._execute(robot, order)
-            assert outcome.ending in (Ending.DONE, Ending.SENT), outcome
+            assert outcome.ending in (OrderEnding.DONE, OrderEnding.SENT), outcome
 
     async def test_an_order_from_before_a_stop_never_acts(
         self, make_robot: MakeRobot, clock: Clock
@@ -188,7 +188,7 @@ class RobotConformance:
         self, make_robot: MakeRobot, clock: Clock
     ) -> None:
         async with make_robot() as robot:
-            for sight in Sight:
+            for sight in ViewKind:
                 async with aclosing(robot.look(sight)) as views:
                     try:
                         view = await asyncio.wait_for(anext(views), self.bound_s)
@@ -203,7 +203,7 @@ class RobotConformance:
         return OrderBook(robot.profile, clock).order(self.short, self.short_arguments)
 
     async def _execute(
-        self, robot: Robot, order: Order, stages: list[Stage] | None = None
+        self, robot: Robot, order: Order, stages: list[OrderStage] | None = None
     ) -> Outcome:
         def tell(report: StageReport) -> None:
             if stages is not None:
@@ -218,7 +218,7 @@ class RobotConformance:
         order = OrderBook(robot.profile, clock).order(self.long, self.long_arguments)
 
         def tell(report: StageReport) -> None:
-            if report.stage is not Stage.SENT:
+            if report.stage is not OrderStage.SENT:
                 received.set()
 
         return asyncio.create_task(robot.execute(order, tell)), received

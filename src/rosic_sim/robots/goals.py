@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
-from rosic_sim.robots.machines.activity import CannotDo
+from rosic_sim.robots.machines.activity import ActivityRefused
 from rosic_sim.robots.machines.mecanum import Velocity
 
 if TYPE_CHECKING:
@@ -55,9 +55,9 @@ def velocity_of(robot: str, skill: Skill, arguments: Mapping[str, Argument]) -> 
     if given.keys().isdisjoint(PLANAR):
         fields = ", ".join(PLANAR)
         sentence = said("is driven by {fields}, and this skill sends none of them", fields=fields)
-        raise CannotDo(robot, sentence)
+        raise ActivityRefused(robot, sentence)
     values = [skill.filled(given.get(field, 0.0), arguments) for field in PLANAR]
     numbers = [float(v) for v in values if isinstance(v, int | float)]
     if len(numbers) < len(values):
-        raise CannotDo(robot, said("a velocity is not a finite number"))
+        raise ActivityRefused(robot, said("a velocity is not a finite number"))
     return Velocity(*numbers)

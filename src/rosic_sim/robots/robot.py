@@ -10,13 +10,13 @@ from msgspec.structs import replace
 
 from rosic.core.deadman import INTERRUPTED, STOOD_STILL, DeadMan
 from rosic.core.i18n import joined, said
-from rosic.core.order import Ending, Order, Outcome, Rest, Stage, StageReport, Stop
+from rosic.core.order import Order, OrderEnding, OrderStage, Outcome, RestReport, StageReport, Stop
 from rosic.core.robot.profile import Presence, Profile
-from rosic.core.robot.view import Pose, Sight, View
+from rosic.core.robot.view import Pose, View, ViewKind
 from rosic.core.synchronised_start import begins_ns
 from rosic.errors import ConfigurationError, NothingToSee
 from rosic_sim.robots.goals import goal_of, machine_arguments, velocity_of
-from rosic_sim.robots.machines.activity import Activity, ActivityState, CannotDo
+from rosic_sim.robots.machines.activity import Activity, ActivityRefused, ActivityState
 from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.peer import answer
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Speak, Tell
-    from rosic.core.deadman import Break
+    from rosic.core.deadman import MotionBreak
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.view import Content
     from rosic_sim.robots.machines.mecanum import Velocity
@@ -39,9 +39,9 @@ WAITING = "waiting"  # what a machine says until its first step; news only for a
 SETPOINT_EVERY_S = 0.1
 LOOK_EVERY_S = 0.05
 ENDING = {
-    ActivityState.DONE: Ending.DONE,
-    ActivityState.FAILED: Ending.FAILED,
-    ActivityState.CANCELLED: Ending.CANCELLED,
+    ActivityState.DONE: OrderEnding.DONE,
+    ActivityState.FAILED: OrderEnding.FAILED,
+    ActivityState.CANCELLED: OrderEnding.CANCELLED,
 }
 
 
@@ -107,16 +107,16 @@ class SimulatedRobot:
         together = order.skill.topic is None  # a stream of velocities has no place for a start
         clock = self._clock
         self.gate.pass_order(order, clock.monotonic_ns(), clock.wall_ns(), together=together)
-        tell(StageReport(Stage.SENT))
+        tell(StageReport(OrderStage.SENT))
         self._doing = order.skill.id
         self.begun += 1
         try:
             if order.skill.topic is not None:
                 return await self._drive(order, tell)
             return await self._perform(order, tell)
-        except CannotDo as cannot:
+        except ActivityRefused as cannot:
             sentence = said("{reason}. Nothing was done.", reason=cannot.reason)
-            return Outcome(Ending.REFUSED, sentence, code="robot-declined")
+            return Outcome(OrderEnding.REFUSED, sentence, code="robot-declined")
         except asyncio.CancelledError:
             await self._rest()
             raise
@@ -133,13 +133,13 @@ class SimulatedRobot:
             self._theatre.now_s(),
             start_s,
         )
-        tell(StageReport(Stage.RECEIVED))
+        tell(StageReport(OrderStage.RECEIVED))
         self._theatre.wake()
         looked_ns, late = self._clock.monotonic_ns(), False
         lost_ns = self._theatre.link_lost_s * 1e9
         while activity.running:
             if start_s is not None or activity.stage != WAITING:
-                tell(StageReport(Stage.RUNNING, activity.fraction, activity.stage))
+                tell(StageReport(OrderStage.RUNNING, activity.fraction, activity.stage))
             await self._clock.sleep(REST_EVERY_S)
             now_ns = self._clock.monotonic_ns()
             late, looked_ns = late or now_ns - looked_ns > lost_ns, now_ns
@@ -155,16 +155,16 @@ class SimulatedRobot:
         """Send a bounded stream of velocities that ends in zero."""
         machine = self._machine
         if not isinstance(machine, Omni):
-            raise CannotDo(self.profile.id, said("cannot be driven by a velocity"))
+            raise ActivityRefused(self.profile.id, said("cannot be driven by a velocity"))
         velocity = velocity_of(self.profile.id, order.skill, order.arguments)
         machine.set_velocity(*velocity, self._theatre.now_s())
-        tell(StageReport(Stage.RECEIVED))
+        tell(StageReport(OrderStage.RECEIVED))
         self._theatre.wake()
         try:
             return await self._stream(order, tell, machine, velocity)
-        except CannotDo as cannot:
+        except ActivityRefused as cannot:
             await self._rest()
-            return Outcome(Ending.FAILED, cannot.reason)
+            return Outcome(OrderEnding.FAILED, cannot.reason)
 
     async def _stream(self, order: Order, tell: Tell, machine: Omni, velocity: Velocity) -> Outcome:
         """Go on with a drive that has begun."""
@@ -181,16 +181,16 @@ class SimulatedRobot:
             if past_s >= duration_s:
                 await self._rest()
                 if not moved:
-                    return Outcome(Ending.SENT)  # as over ROS: of no motion nothing is said
+                    return Outcome(OrderEnding.SENT)  # as over ROS: of no motion nothing is said
                 return Outcome(
-                    Ending.DONE, said("drove for {duration_s:g} s", duration_s=duration_s)
+                    OrderEnding.DONE, said("drove for {duration_s:g} s", duration_s=duration_s)
                 )
             machine.set_velocity(*velocity, now_ns / 1e9)
-            tell(StageReport(Stage.RUNNING, past_s / duration_s))
+            tell(StageReport(OrderStage.RUNNING, past_s / duration_s))
             await self._clock.sleep(min(SETPOINT_EVERY_S, duration_s - past_s))
-        return Outcome(Ending.CANCELLED)
+        return Outcome(OrderEnding.CANCELLED)
 
-    async def _broken_off(self, broken: Break, driven_s: float) -> Outcome:
+    async def _broken_off(self, broken: MotionBreak, driven_s: float) -> Outcome:
         """Bring it to rest, and say so: nobody begins it again."""
         await self._rest()
         what = (
@@ -199,14 +199,16 @@ class SimulatedRobot:
                 "then ROSIC itself stood still for {seconds:.1f} s: ended", seconds=broken.seconds
             ),
         )
-        return Outcome(Ending.FAILED, joined("; ", what), {"driven_s": driven_s}, code=broken.code)
+        return Outcome(
+            OrderEnding.FAILED, joined("; ", what), {"driven_s": driven_s}, code=broken.code
+        )
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         """Latch, halt, and wait until rest is measured."""
         self.gate.apply_stop(stop)
         seconds, confirmed = await self._rest()
         landed = said("on the ground") if self.profile.link.model == "crazyflie" else ""
-        return Rest(stop.robot, confirmed, seconds, landed)
+        return RestReport(stop.robot, confirmed, seconds, landed)
 
     async def _rest(self) -> tuple[float, bool]:
         """Halt until rest is measured or the time is over; return the seconds and whether."""
@@ -249,7 +251,7 @@ class SimulatedRobot:
             return Pose(flight.x_m, flight.y_m, flight.height.position, frame="map")
         return None
 
-    async def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+    async def look(self, sight: ViewKind) -> AsyncGenerator[View, None]:
         """Show the machine as it stands, or the room it drives in."""
         while True:
             if not self._machine.moving:
@@ -260,8 +262,8 @@ class SimulatedRobot:
             yield View(content, self._clock.monotonic_ns())
             await self._clock.sleep(LOOK_EVERY_S)
 
-    def _shown(self, sight: Sight) -> Content | None:
-        if sight is Sight.PICTURE:
+    def _shown(self, sight: ViewKind) -> Content | None:
+        if sight is ViewKind.PICTURE:
             return robot_scene(self._theatre.world, self.profile.id)
         if not isinstance(self._machine, Omni):
             return None

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-class Actuations:
+class ActuationLog:
     """Appends ``robot skill goal number``; a line is whole or absent, whoever else appends."""
 
     def __init__(self, path: Path | None) -> None:

@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic_sim.robots.goals import machine_arguments
-from rosic_sim.robots.machines.activity import Activity, ActivityState, CannotDo
+from rosic_sim.robots.machines.activity import Activity, ActivityRefused, ActivityState
 from rosic_sim.ros2.interfaces import ACTIONS, INTERFACES, LEFT_TO_THE_ROBOT, START
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class _Open(NamedTuple):
     ended: RosObject
 
 
-class Goals:
+class MachineActions:
     """Offers the actions of a machine. The machine itself sees to one goal at a time."""
 
     def __init__(self, owner: SimulatedRobotNode) -> None:
@@ -93,7 +93,7 @@ class Goals:
                 owner.now_s(),
                 owner.start_s(getattr(request, START)),
             )
-        except CannotDo as cannot:
+        except ActivityRefused as cannot:
             owner.node.get_logger().warning(cannot.reason)
             return answer.REJECT
         return answer.ACCEPT

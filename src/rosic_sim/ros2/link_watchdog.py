@@ -5,7 +5,7 @@ from __future__ import annotations
 LINK_LOST_S = 1.0
 
 
-class LinkWatch:
+class LinkWatchdog:
     """Hears the heartbeats of gateways, and says once when they cease.
 
     A motion that began while no gateway was heard, because somebody sends goals by hand, is not

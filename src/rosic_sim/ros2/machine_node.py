@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING
 
 from rosic.core.time_units import SECOND_NS
 from rosic.robots.ros2.client.rclpy_import import load_ros
-from rosic_sim.robots.machines.activity import CannotDo
+from rosic_sim.robots.machines.activity import ActivityRefused
 from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.machines.omni import Omni
-from rosic_sim.robots.machines.swarm import Sighting
+from rosic_sim.robots.machines.swarm import SwarmReport
 from rosic_sim.robots.peer import answer
-from rosic_sim.ros2.actuations import Actuations
+from rosic_sim.ros2.actuations import ActuationLog
 from rosic_sim.ros2.endpoints import DEPTH, publisher, subscribe
 from rosic_sim.ros2.faults import RobotFaults
-from rosic_sim.ros2.goals import Goals
+from rosic_sim.ros2.goals import MachineActions
 from rosic_sim.ros2.interfaces import INTERFACES, model_of
-from rosic_sim.ros2.link_watchdog import LinkWatch
-from rosic_sim.ros2.reports import Reports
+from rosic_sim.ros2.link_watchdog import LinkWatchdog
+from rosic_sim.ros2.reports import TelemetryPublisher
 from rosic_sim.ros2.views import DrawJpeg, SceneCamera, publish_map
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class SwarmTopic:
         if not drone.silent:
             self._publisher.publish(self._message(drone.sighting(now_s), stamp))
 
-    def _message(self, seen: Sighting, stamp: RosObject) -> RosObject:
+    def _message(self, seen: SwarmReport, stamp: RosObject) -> RosObject:
         message = self._type(id=seen.robot, flying=seen.flying, stamp=stamp)
         message.busy, message.landing, message.leader = seen.busy, seen.landing, seen.leader
         place, speed, goal = message.pose.position, message.velocity.linear, message.goal
@@ -77,7 +77,7 @@ class SwarmTopic:
         if message.id == drone.id or message.id not in drone.swarm.members or drone.silent:
             return
         drone.swarm.hear(
-            Sighting(
+            SwarmReport(
                 message.id,
                 self._owner.when_s(message.stamp),
                 place.x,
@@ -121,14 +121,14 @@ class MachineNode:
         robot: str,
         world: SimulatedWorld,
         clock: WaitingClock,
-        log: Actuations,
+        log: ActuationLog,
     ) -> None:
         self.id = robot
         self.node = ros_node
         self.model = model_of(robot)
         self.machine = world.machines[robot]
         self.linked = True
-        self.starts = Actuations(None)
+        self.starts = ActuationLog(None)
         self._clock = clock
         self._log = log
         self._count = 0
@@ -136,9 +136,9 @@ class MachineNode:
         self._waits = False
         self._stepped: tuple[float, RosObject] | None = None
         self._noted = ""
-        self.watch = LinkWatch()
-        self._goals = Goals(self)
-        self._reports = Reports(ros_node, self.machine)
+        self.watch = LinkWatchdog()
+        self._goals = MachineActions(self)
+        self._reports = TelemetryPublisher(ros_node, self.machine)
         self._faults = RobotFaults(self, world)
         drone = self.machine if isinstance(self.machine, Crazyflie) else None
         self._swarm = None if drone is None else SwarmTopic(self, drone)
@@ -271,7 +271,7 @@ class MachineNode:
         velocity = twist.linear.x, twist.linear.y, twist.angular.z
         try:
             self.machine.set_velocity(*velocity, self.now_s())
-        except CannotDo as cannot:
+        except ActivityRefused as cannot:
             self.node.get_logger().warning(cannot.reason, throttle_duration_sec=1.0)
             return
         if not moved and self.machine.moving:

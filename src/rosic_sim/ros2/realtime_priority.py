@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 
-class Urgency:
+class RealtimePriority:
     """Real-time priority of this thread for a short while, where the system grants it.
 
     Controllers of robots take it for as long as they run. Here it lasts from shortly before a

@@ -25,7 +25,7 @@ AT_REST_EVERY_S = 0.1
 BATTERY_EVERY_S = 0.2
 
 
-class Reports:
+class TelemetryPublisher:
     """Publishes at 50 Hz while the machine moves and at 10 Hz at rest; batteries at 5 Hz."""
 
     def __init__(self, node: RosObject, machine: SteppedMachine) -> None:

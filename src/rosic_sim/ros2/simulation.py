@@ -28,11 +28,11 @@ from rosic_sim.robots.machines.field_robots import FireWatcher, Rover
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.machines.swarm import Swarm
 from rosic_sim.robots.machines.world import SWARM_PLACES, SimulatedWorld, build_world
-from rosic_sim.ros2.actuations import Actuations
+from rosic_sim.ros2.actuations import ActuationLog
 from rosic_sim.ros2.interfaces import MODELS, model_of
-from rosic_sim.ros2.link_watchdog import LINK_LOST_S, LinkWatch
+from rosic_sim.ros2.link_watchdog import LINK_LOST_S, LinkWatchdog
 from rosic_sim.ros2.machine_node import NODE_NAME, MachineNode
-from rosic_sim.ros2.realtime_priority import Urgency
+from rosic_sim.ros2.realtime_priority import RealtimePriority
 from rosic_sim.ros2.waiting_clock import WaitingClock
 from rosic_sim.ros2_others.arm_robot import TYPES as ARM_TYPES
 from rosic_sim.ros2_others.arm_robot import ArmRobot
@@ -107,14 +107,14 @@ def main(arguments: Sequence[str] | None = None, draw: DrawJpeg | None = None) -
     find_own_interfaces()
     find_interfaces(name for robot in robots for name in OTHERS.get(robot, ((),))[0])
     try:
-        log, starts = Actuations(asked.actuations), Actuations(asked.starts)
+        log, starts = ActuationLog(asked.actuations), ActuationLog(asked.starts)
     except OSError as error:
         raise ConfigurationError(
             f"{error.filename} cannot be written ({error.strerror})."
         ) from error
     stopping = _Stopping()
     try:
-        urgency = Urgency(wanted=asked.punctual)
+        urgency = RealtimePriority(wanted=asked.punctual)
         _run(robots, _Means(log, starts, urgency, draw, asked.link_lost), stopping)
     finally:
         log.close()
@@ -131,9 +131,9 @@ class _Means(NamedTuple):
         link_lost_s: So long without a sign of life of a gateway, and the link is lost.
     """
 
-    log: Actuations
-    starts: Actuations
-    urgency: Urgency
+    log: ActuationLog
+    starts: ActuationLog
+    urgency: RealtimePriority
     draw: DrawJpeg | None
     link_lost_s: float
 
@@ -180,7 +180,7 @@ def _run(robots: Sequence[str], means: _Means, stopping: _Stopping) -> None:
 
 
 def _wait(
-    executor: RosObject, clock: WaitingClock, nodes: Sequence[_Node], urgency: Urgency
+    executor: RosObject, clock: WaitingClock, nodes: Sequence[_Node], urgency: RealtimePriority
 ) -> bool:
     """Hear what comes until a robot wants its turn; tell whether it is time for turns."""
     now_s = clock.now_s()
@@ -219,7 +219,7 @@ def _robot(
         return OTHERS[robot][1](node, robot, clock, means.log)
     made = MachineNode(node, robot, world, clock, means.log)
     made.starts = means.starts
-    made.watch = LinkWatch(means.link_lost_s)
+    made.watch = LinkWatchdog(means.link_lost_s)
     return made
 
 

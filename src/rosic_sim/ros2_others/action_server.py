@@ -29,7 +29,7 @@ class ActionCallbacks(NamedTuple):
     halt: Callable[[], None]
 
 
-class Served:
+class SingleGoalServer:
     """Serves one action, one goal at a time: a new goal takes the place of the one before.
 
     Attributes:

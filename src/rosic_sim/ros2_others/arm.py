@@ -22,7 +22,7 @@ GRIPPER = "finger_joint"
 OPEN_M, PART_M, GRIPPER_M_S = 0.085, 0.03, 0.1
 
 
-class Point(NamedTuple):
+class TrajectoryPoint(NamedTuple):
     """Where the joints are to be, and after how many seconds."""
 
     at_s: float
@@ -40,12 +40,12 @@ class Arm:
         self.positions = [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]
         self.speeds = [0.0] * len(JOINTS)
         self.late = False
-        self._points: list[Point] = []
+        self._points: list[TrajectoryPoint] = []
         self._begun_s = 0.0
 
-    def follow(self, points: Sequence[Point], now_s: float) -> None:
+    def follow(self, points: Sequence[TrajectoryPoint], now_s: float) -> None:
         """Follow a trajectory from where it is."""
-        self._points = [Point(0.0, tuple(self.positions)), *points]
+        self._points = [TrajectoryPoint(0.0, tuple(self.positions)), *points]
         self._begun_s, self.late = now_s, False
 
     def halt(self) -> None:

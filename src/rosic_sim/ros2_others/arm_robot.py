@@ -13,13 +13,13 @@ from rosic_sim.ros2_others.action_server import (
     CANCELLED,
     SUCCEEDED,
     ActionCallbacks,
-    Served,
+    SingleGoalServer,
 )
-from rosic_sim.ros2_others.arm import GRIPPER, JOINTS, Arm, ArmGripper, Point
+from rosic_sim.ros2_others.arm import GRIPPER, JOINTS, Arm, ArmGripper, TrajectoryPoint
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.client.rclpy_import import RosObject
-    from rosic_sim.ros2.actuations import Actuations
+    from rosic_sim.ros2.actuations import ActuationLog
     from rosic_sim.ros2.waiting_clock import WaitingClock
 
 TYPES = ("control_msgs/action/FollowJointTrajectory", "control_msgs/action/GripperCommand")
@@ -40,7 +40,7 @@ class ArmRobot:
 
     NODE_NAME = CONTROLLER
 
-    def __init__(self, node: RosObject, robot: str, clock: WaitingClock, log: Actuations) -> None:
+    def __init__(self, node: RosObject, robot: str, clock: WaitingClock, log: ActuationLog) -> None:
         self.due_s = 0.0
         self.node = node
         self._robot = robot
@@ -48,7 +48,7 @@ class ArmRobot:
         self._log = log
         self._count = 0
         self._arm, self._gripper = Arm(), ArmGripper()
-        self._points: list[Point] = []
+        self._points: list[TrajectoryPoint] = []
         self._width_m = self._start_s = 0.0
         self._last_s = clock.now_s()
         self._told_s = float("-inf")
@@ -56,13 +56,13 @@ class ArmRobot:
         self._state = import_module("sensor_msgs.msg").JointState
         self._states = publisher(node, self._state, "joint_states")
         actions = import_module("control_msgs.action")
-        self._follow = Served(
+        self._follow = SingleGoalServer(
             node,
             actions.FollowJointTrajectory,
             f"{CONTROLLER}/follow_joint_trajectory",
             ActionCallbacks(self._asked, self._followed, self._arm.halt),
         )
-        self._grip = Served(
+        self._grip = SingleGoalServer(
             node,
             actions.GripperCommand,
             f"{GRIPPER_CONTROLLER}/gripper_cmd",
@@ -98,7 +98,10 @@ class ArmRobot:
         trajectory = request.trajectory
         if list(trajectory.joint_names) != list(JOINTS):
             return "the joints of the goal are not those of the controller"
-        points = [Point(_seconds(p.time_from_start), tuple(p.positions)) for p in trajectory.points]
+        points = [
+            TrajectoryPoint(_seconds(p.time_from_start), tuple(p.positions))
+            for p in trajectory.points
+        ]
         times = [0.0, *(point.at_s for point in points)]
         if not points or any(b <= a for a, b in itertools.pairwise(times)):
             return "the points of the goal are not one after another"

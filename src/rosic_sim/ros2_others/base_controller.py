@@ -15,7 +15,7 @@ DRAIN_PER_M = 0.001
 DRAIN_PER_S = 2e-6
 
 
-class Base:
+class DifferentialBase:
     """Where it is, how fast it goes, and where it means to go.
 
     Attributes:

@@ -14,14 +14,14 @@ from rosic_sim.ros2_others.action_server import (
     CANCELLED,
     SUCCEEDED,
     ActionCallbacks,
-    Served,
+    SingleGoalServer,
 )
-from rosic_sim.ros2_others.base_controller import Base
+from rosic_sim.ros2_others.base_controller import DifferentialBase
 from rosic_sim.ros2_others.room import CELL_M, ROOM, Place, cells
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.client.rclpy_import import RosObject
-    from rosic_sim.ros2.actuations import Actuations
+    from rosic_sim.ros2.actuations import ActuationLog
     from rosic_sim.ros2.waiting_clock import WaitingClock
 
 TYPES = ("nav2_msgs/action/NavigateToPose",)
@@ -44,14 +44,14 @@ class Nav2Robot:
 
     NODE_NAME = "bt_navigator"
 
-    def __init__(self, node: RosObject, robot: str, clock: WaitingClock, log: Actuations) -> None:
+    def __init__(self, node: RosObject, robot: str, clock: WaitingClock, log: ActuationLog) -> None:
         self.due_s = 0.0
         self.node = node
         self._robot = robot
         self._clock = clock
         self._log = log
         self._count = 0
-        self._base = Base()
+        self._base = DifferentialBase()
         self._last_s = clock.now_s()
         self._told_s = self._few_s = self._begun_s = float("-inf")
         self._goal: tuple[float, float, float] | None = None
@@ -66,7 +66,7 @@ class Nav2Robot:
         subscribe(node, geo.Twist, "cmd_vel", self._velocity)
         action = import_module("nav2_msgs.action").NavigateToPose
         sides = ActionCallbacks(self._begin, self._began, self._base.halt)
-        self._served = Served(node, action, "navigate_to_pose", sides)
+        self._served = SingleGoalServer(node, action, "navigate_to_pose", sides)
 
     def close(self) -> None:
         """Leave the graph."""
@@ -203,6 +203,6 @@ def _kept() -> RosObject:
     )
 
 
-def _place(pose: RosObject, base: Base) -> None:
+def _place(pose: RosObject, base: DifferentialBase) -> None:
     pose.position.x, pose.position.y = base.x_m, base.y_m
     pose.orientation.z, pose.orientation.w = sin(base.yaw_rad / 2), cos(base.yaw_rad / 2)

@@ -18,7 +18,7 @@ from rosic.app.alert_feature import painter
 from rosic.app.closing import close_in_time, on_signals
 from rosic.app.console import read_at
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.app.runtime import PIPED, face_of, until_done, until_quiet
 from rosic.config.plugins import robot_factory
 from rosic.config.profiles import known_units
@@ -34,7 +34,7 @@ from rosic.stores.stop_latch import MemoryLatch
 from rosic_sim.robots.scenery.scene import robot_scene
 from rosic_sim.robots.simulation_loop import theatre_of
 from rosic_sim.scenarios.recording_store import RecordingStore
-from rosic_sim.scenarios.scenario import OffScript, ScenarioChats, ScenarioRunner
+from rosic_sim.scenarios.scenario import ScenarioChats, ScenarioMismatch, ScenarioRunner
 from rosic_sim.scenarios.speaking_robots import SpeakingRobot
 from rosic_sim.scenarios.terminal_view import TerminalView
 
@@ -291,7 +291,7 @@ async def _act(stage: ScenarioRunner, wish: ScenarioOptions, over: asyncio.Task[
             return INTERRUPTED
         script.result()
         await stage.quiet()
-    except OffScript as odd:
+    except ScenarioMismatch as odd:
         stage.aside(f"This did not go as written. {odd}")
         return 1
     finally:
@@ -398,7 +398,7 @@ def gateway_of(
         theatre.world.add(machine)
     sitting = wish.role or told.people[0].name
     people = [
-        Seed(
+        ConfiguredPerson(
             name=person.name,
             addresses=(
                 Address(chats.platform, person.name),
@@ -412,7 +412,9 @@ def gateway_of(
         )
         for person in told.people
     ]
-    people += [Seed(robot, (Address(ROBOT, robot),), ("fellow",)) for robot in told.fellows]
+    people += [
+        ConfiguredPerson(robot, (Address(ROBOT, robot),), ("fellow",)) for robot in told.fellows
+    ]
     settings = GatewaySettings(
         profiles=told.profiles(),
         people=tuple(people),

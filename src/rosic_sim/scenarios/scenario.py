@@ -79,7 +79,7 @@ class Scenario(NamedTuple):
     missions: tuple[Mission, ...] = ()
 
 
-class OffScript(Exception):
+class ScenarioMismatch(Exception):
     """It did not go as written; the sentence says what was missing."""
 
 
@@ -223,7 +223,7 @@ class ScenarioRunner:
             OffScript: Something is, after very long.
         """
         if not await until_quiet(self.gateway, self.clock, seconds=WITHIN_S):
-            raise OffScript("Something is still under way.")
+            raise ScenarioMismatch("Something is still under way.")
 
     async def until(
         self, look: Callable[[], Found | None], sentence: str, within_s: float = WITHIN_S
@@ -236,7 +236,7 @@ class ScenarioRunner:
         end_ns = self.clock.monotonic_ns() + int(within_s * 1e9)
         while not (found := look()):
             if self.clock.monotonic_ns() > end_ns:
-                raise OffScript(f"{sentence}.")
+                raise ScenarioMismatch(f"{sentence}.")
             await self.clock.sleep(LOOK_S)
         return found
 

@@ -18,11 +18,11 @@ def fleet_after(*events: e.Event) -> FleetState:
 
 def test_a_step_that_was_counted_is_not_in_doubt_after_a_crash() -> None:
     fleet = fleet_after(
-        e.Given(Task(id="1", author="ann", among=("r1", "r2"))),
-        e.Chosen("1", "r1"),
-        e.Begun("1", 1),
-        e.Deviated("1", 1, TaskReason.LOST),
-        e.Ended("1", 1, e.End.DONE),
+        e.TaskGiven(Task(id="1", author="ann", among=("r1", "r2"))),
+        e.RobotChosen("1", "r1"),
+        e.AttemptBegun("1", 1),
+        e.RobotDeviated("1", 1, TaskReason.LOST),
+        e.AttemptEnded("1", 1, e.AttemptEnd.DONE),
         e.TaskFound("1", None),
     )
     assert fleet.tasks["1"].state is TaskState.DONE
@@ -30,10 +30,10 @@ def test_a_step_that_was_counted_is_not_in_doubt_after_a_crash() -> None:
 
 def test_a_counted_step_of_several_is_not_done_again_after_a_crash() -> None:
     fleet = fleet_after(
-        e.Given(Task(id="1", author="ann", among=("r1", "r2"), steps=2)),
-        e.Chosen("1", "r1"),
-        e.Deviated("1", 1, TaskReason.LATE),
-        e.Ended("1", 1, e.End.DONE),
+        e.TaskGiven(Task(id="1", author="ann", among=("r1", "r2"), steps=2)),
+        e.RobotChosen("1", "r1"),
+        e.RobotDeviated("1", 1, TaskReason.LATE),
+        e.AttemptEnded("1", 1, e.AttemptEnd.DONE),
         e.TaskFound("1", None),
     )
     task = fleet.tasks["1"]

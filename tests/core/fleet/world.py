@@ -57,7 +57,7 @@ class World:
         self.inbox: list[e.Event] = []
         self.todo: list[e.Doing] = []
         self.given: dict[str, Task] = {}
-        self.claims: dict[tuple[str, int], e.End | None] = {}
+        self.claims: dict[tuple[str, int], e.AttemptEnd | None] = {}
         self.begun: set[tuple[str, int]] = set()
         self.recalled: set[tuple[str, int]] = set()
         self.steps_done: dict[str, set[int]] = {}
@@ -76,13 +76,13 @@ class World:
             self.record[fact.kind, fact.key] = fact
             self.fleet.apply(fact)
         self.todo += step.doings
-        if isinstance(event, e.Ended) and event.end is e.End.DONE:
+        if isinstance(event, e.AttemptEnded) and event.end is e.AttemptEnd.DONE:
             self._check_counted(before[event.task], event)
         for task in step.tasks:
             if task.id in before:
                 self._check_change(before[task.id], task, event)
 
-    def _check_counted(self, before: Task, event: e.Ended) -> None:
+    def _check_counted(self, before: Task, event: e.AttemptEnded) -> None:
         newest = before.state in HELD and before.attempt == event.attempt
         if newest and before.done == before.asked:
             assert self.fleet.tasks[event.task].done == before.done + 1, "done in time counts"
@@ -90,15 +90,15 @@ class World:
     def _check_change(self, before: Task, after: Task, event: e.Event) -> None:
         assert after.done >= before.done, "what is done stays done"
         assert after.attempt - before.attempt in {0, 1}
-        assert after.moves - before.moves in {0, 1} or isinstance(event, e.Released)
+        assert after.moves - before.moves in {0, 1} or isinstance(event, e.TaskReleased)
         if after.moves > before.moves:
             key = (before.id, before.attempt)
             assert before.state in HELD, "only what has a robot moves"
             assert key not in self.moved_from, f"{key} moved twice"
             self.moved_from.add(key)
-        if isinstance(event, e.Released):
+        if isinstance(event, e.TaskReleased):
             self.doubted.pop(after.id, None)
-        if after.done > before.done and not isinstance(event, e.Released):
+        if after.done > before.done and not isinstance(event, e.TaskReleased):
             done = self.steps_done.setdefault(after.id, set())
             assert before.done not in done, f"step {before.done} of {after.id} counted twice"
             done.add(before.done)
@@ -136,7 +136,7 @@ class World:
             after=tuple(open_tasks[:1]) if a & 16 else (),
         )
         self.given[key] = task
-        self.feed(e.Given(task))
+        self.feed(e.TaskGiven(task))
 
     def plan(self, _a: int) -> None:
         glances = self.glances()
@@ -149,35 +149,37 @@ class World:
                 assert machine.heard
                 assert machine.doing is None
                 del glances[name]
-                self.feed(e.Chosen(key, name))
+                self.feed(e.RobotChosen(key, name))
 
     def guess(self, a: int) -> None:
         """A choice that was right a moment ago comes now."""
         if self.fleet.tasks:
             keys = list(self.fleet.tasks)
-            self.feed(e.Chosen(keys[a % len(keys)], ROBOTS[a % 3]))
+            self.feed(e.RobotChosen(keys[a % len(keys)], ROBOTS[a % 3]))
 
     def act(self, a: int) -> None:
         """One of the things that are to be done is done; those of one attempt in order."""
         if self.todo:
             doing = self.todo.pop(a % len(self.todo) if a & 1 else 0)
-            if isinstance(doing, e.Begin):
+            if isinstance(doing, e.BeginAttempt):
                 self._begin(doing)
-            elif isinstance(doing, e.Recall):
+            elif isinstance(doing, e.RecallAttempt):
                 self._recall(doing)
 
-    def _begin(self, doing: e.Begin) -> None:
+    def _begin(self, doing: e.BeginAttempt) -> None:
         """Admit, claim, relay: as the organiser, the container and the linker would."""
         key = (doing.task, doing.attempt)
         task, machine = self.fleet.tasks[doing.task], self.robots[doing.robot]
         assert key not in self.begun, f"{key} was begun twice"
         self.begun.add(key)
         if task.attempt != doing.attempt or task.state not in HELD or task.leaving:
-            self.inbox.append(e.Ended(*key, e.End.BUSY))  # called back before it began
+            self.inbox.append(
+                e.AttemptEnded(*key, e.AttemptEnd.BUSY)
+            )  # called back before it began
             return
         assert doing.step not in self.steps_done.get(doing.task, ()), "a step is done again"
         if machine.holder not in {None, task.author} or machine.latched or machine.by_hand:
-            self.inbox.append(e.Ended(*key, e.End.BUSY))
+            self.inbox.append(e.AttemptEnded(*key, e.AttemptEnd.BUSY))
             return
         assert self.doubted.get(task.id) != doing.step, "nobody knows whether it was done"
         if task.once:
@@ -187,9 +189,9 @@ class World:
         machine.holder = task.author
         machine.doing = (doing.task, doing.attempt, doing.step)
         self.claims[key] = None
-        self.inbox.append(e.Begun(*key))
+        self.inbox.append(e.AttemptBegun(*key))
 
-    def _recall(self, doing: e.Recall) -> None:
+    def _recall(self, doing: e.RecallAttempt) -> None:
         key = (doing.task, doing.attempt)
         assert key not in self.recalled, f"{key} was called back twice"
         self.recalled.add(key)
@@ -200,7 +202,7 @@ class World:
             machine.latched = True
         elif mine:
             machine.doing = None
-            self.claims[key] = e.End.STOPPED
+            self.claims[key] = e.AttemptEnd.STOPPED
         machine.moving = False
         if mine:
             machine.holder = None
@@ -212,13 +214,15 @@ class World:
         if machine.doing is None or not machine.heard:
             return
         task, attempt, _ = machine.doing
-        end = (e.End.DONE, e.End.DONE, e.End.FAILED, e.End.UNKNOWN)[(a >> 2) % 4]
+        end = (e.AttemptEnd.DONE, e.AttemptEnd.DONE, e.AttemptEnd.FAILED, e.AttemptEnd.UNKNOWN)[
+            (a >> 2) % 4
+        ]
         fenced = machine.cut_off == (task, attempt)
         machine.doing = machine.cut_off = None
-        machine.moving = end is not e.End.DONE and not fenced
+        machine.moving = end is not e.AttemptEnd.DONE and not fenced
         if not fenced:
             self.claims[task, attempt] = end
-        self.inbox.append(e.Ended(task, attempt, end))
+        self.inbox.append(e.AttemptEnded(task, attempt, end))
 
     def hear(self, a: int) -> None:
         """One answer arrives, in any order, perhaps to arrive again."""
@@ -236,7 +240,7 @@ class World:
         key = self.fleet.holds.get(ROBOTS[a % 3])
         if key is not None:
             why = TaskReason.LATE if self.robots[ROBOTS[a % 3]].heard else TaskReason.LOST
-            self.feed(e.Deviated(key, self.fleet.tasks[key].attempt, why))
+            self.feed(e.RobotDeviated(key, self.fleet.tasks[key].attempt, why))
 
     def stop(self, a: int) -> None:
         """A person stops a robot."""
@@ -245,10 +249,10 @@ class World:
         if machine.doing is not None and machine.heard:
             task, attempt, _ = machine.doing
             if machine.cut_off != (task, attempt):
-                self.claims[task, attempt] = e.End.STOPPED
+                self.claims[task, attempt] = e.AttemptEnd.STOPPED
                 machine.moving = True
             machine.doing = machine.cut_off = None
-            self.inbox.append(e.Ended(task, attempt, e.End.STOPPED))
+            self.inbox.append(e.AttemptEnded(task, attempt, e.AttemptEnd.STOPPED))
 
     def resume(self, a: int) -> None:
         """A person has looked: it is there, at rest, and may move again."""
@@ -264,8 +268,8 @@ class World:
         if machine.doing is not None:
             task, attempt, _ = machine.doing
             machine.doing = None
-            self.claims[task, attempt] = e.End.TAKEN
-            self.inbox.append(e.Ended(task, attempt, e.End.TAKEN))
+            self.claims[task, attempt] = e.AttemptEnd.TAKEN
+            self.inbox.append(e.AttemptEnded(task, attempt, e.AttemptEnd.TAKEN))
         machine.holder, machine.by_hand = "eve", True
 
     def give_back(self, a: int) -> None:
@@ -282,13 +286,13 @@ class World:
     def release(self, a: int) -> None:
         if self.fleet.tasks:
             keys = list(self.fleet.tasks)
-            self.feed(e.Released(keys[a % len(keys)], skip=bool(a & 8)))
+            self.feed(e.TaskReleased(keys[a % len(keys)], skip=bool(a & 8)))
 
     def stand(self, a: int) -> None:
         standing = (FleetMembership.ACTIVE, FleetMembership.DISABLED, FleetMembership.RETIRED)[
             (a >> 2) % 3
         ]
-        self.feed(e.Stood(ROBOTS[a % 3], standing))
+        self.feed(e.MembershipSet(ROBOTS[a % 3], standing))
 
     def hand(self, a: int) -> None:
         if self.fleet.tasks:
@@ -313,12 +317,12 @@ class World:
         for key in list(self.fleet.holds.values()):
             task = self.fleet.tasks[key]
             attempt = (key, task.attempt)
-            end = self.claims.get(attempt, e.End.BUSY)
+            end = self.claims.get(attempt, e.AttemptEnd.BUSY)
             if end is None:
                 self.doubted[key] = task.asked
             self.feed(e.TaskFound(key, end))
         assert not self.fleet.holds, "after a restart no robot has a task"
-        assert not [doing for doing in self.todo if isinstance(doing, e.Begin)]
+        assert not [doing for doing in self.todo if isinstance(doing, e.BeginAttempt)]
 
     # ---- what must be so ----
 
@@ -347,7 +351,7 @@ class World:
         """Nothing fails any more, and people see to what waits for them: it all comes to an end."""
         for number in range(len(ROBOTS)):
             self.regain(number)
-            self.feed(e.Stood(ROBOTS[number], FleetMembership.ACTIVE))
+            self.feed(e.MembershipSet(ROBOTS[number], FleetMembership.ACTIVE))
         for _ in range(60):
             for number in range(len(ROBOTS)):
                 self.finish(number)  # well
@@ -367,7 +371,7 @@ class World:
     def _see_to(self) -> None:
         for task in list(self.fleet.tasks.values()):
             if task.state in {TaskState.PAUSED, TaskState.FAILED, TaskState.UNKNOWN}:
-                self.feed(e.Released(task.id))
+                self.feed(e.TaskReleased(task.id))
             elif task.state is TaskState.QUEUED and self._in_vain(task):
                 self.feed(e.TaskHeld(task.id, TaskReason.CANCELLED))
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from rosic.config.units import compile_units
 from rosic.core.language import Do, LineContext, Misunderstood, Vocabulary, bind, show, understand
-from rosic.core.order import Spoken
+from rosic.core.order import SpokenValue
 from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Parameter, Skill
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
@@ -39,7 +39,7 @@ def digger(bounds: Sequence[float], unit: str, *, integer: bool = False) -> Voca
 
 def dig(vocabulary: Vocabulary, number: float, unit: str = "") -> float:
     skill = vocabulary.profiles["r1"].skills["dig"]
-    value = bind(vocabulary, "r1", skill, (Spoken("", number, unit),))["depth"]
+    value = bind(vocabulary, "r1", skill, (SpokenValue("", number, unit),))["depth"]
     assert isinstance(value, (int, float))
     return value
 
@@ -141,7 +141,7 @@ def test_no_bounds_and_no_number_raise_anything_but_a_refusal(
         assume("too large" not in str(too_large))
         raise
     skill = vocabulary.profiles["r1"].skills["dig"]
-    for spoken in ((), (Spoken("", number, said),), (Spoken("depth", number, ""),)):
+    for spoken in ((), (SpokenValue("", number, said),), (SpokenValue("depth", number, ""),)):
         with contextlib.suppress(Refusal):
             show(vocabulary, "r1", skill, bind(vocabulary, "r1", skill, spoken))
 

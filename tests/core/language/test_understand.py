@@ -20,15 +20,15 @@ from rosic.core.language import (
     Vocabulary,
     understand,
 )
-from rosic.core.order import Spoken
+from rosic.core.order import SpokenValue
 
 if TYPE_CHECKING:
     from tests.core.language.conftest import Means
 
-S = Spoken
+S = SpokenValue
 
 
-def done(line: Line) -> tuple[tuple[str, ...], str, tuple[Spoken, ...]]:
+def done(line: Line) -> tuple[tuple[str, ...], str, tuple[SpokenValue, ...]]:
     assert isinstance(line, Do), line
     assert len(line.robots) == len(line.skills)
     return line.robots, line.skills[0].id, line.spoken
@@ -96,7 +96,7 @@ def done(line: Line) -> tuple[tuple[str, ...], str, tuple[Spoken, ...]]:
     ],
 )
 def test_a_command(
-    means: Means, text: str, robot: str, skill: str, spoken: tuple[Spoken, ...]
+    means: Means, text: str, robot: str, skill: str, spoken: tuple[SpokenValue, ...]
 ) -> None:
     assert done(means(text)) == ((robot,), skill, spoken)
 

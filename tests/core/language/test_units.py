@@ -166,7 +166,9 @@ def test_what_ships_is_what_pint_says_now() -> None:
 def test_factors_of_another_pint_or_of_other_units_do_not_count(
     change: dict[str, str], tmp_path: Path
 ) -> None:
-    shipped = msgspec.json.decode(table_of_names.SHIPPED.read_bytes(), type=table_of_names.Factors)
+    shipped = msgspec.json.decode(
+        table_of_names.SHIPPED.read_bytes(), type=table_of_names.UnitFactors
+    )
     file = tmp_path / "factors.json"
     file.write_bytes(msgspec.json.encode(shipped))
     assert table_of_names.shipped_factors(file) == shipped

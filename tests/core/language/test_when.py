@@ -8,7 +8,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from rosic.core.language.ast import Misunderstood
-from rosic.core.language.time_parser import EXAMPLES, When, read_when
+from rosic.core.language.time_parser import EXAMPLES, RequestedTime, read_when
 from rosic.core.local_time import LocalTime, day_number
 from rosic.core.time_units import DAY_NS, MINUTE_NS
 
@@ -20,20 +20,20 @@ def local_at(at_ns: int) -> LocalTime:
     return LocalTime.at(0, at_ns // MINUTE_NS + HOURS_AHEAD * 60)
 
 
-def read(text: str) -> When | Misunderstood:
+def read(text: str) -> RequestedTime | Misunderstood:
     return read_when(text, NOW_NS, local_at)
 
 
-def understood(text: str) -> When:
+def understood(text: str) -> RequestedTime:
     found = read(text)
-    assert isinstance(found, When), found
+    assert isinstance(found, RequestedTime), found
     return found
 
 
 def over(text: str, now_ns: int = NOW_NS) -> bool:
     """Whether a time has begun already."""
     found = read_when(text, now_ns, local_at)
-    assert isinstance(found, When), found
+    assert isinstance(found, RequestedTime), found
     now, start = local_at(now_ns), found.start
     return (start.day_number, start.minute_of_day) < (now.day_number, now.minute_of_day)
 
@@ -254,7 +254,7 @@ WORDS = st.sampled_from(SOUP.split())
 @example("1e308 d 1e308 h")
 def test_any_text_gives_a_time_or_a_sentence(text: str) -> None:
     found = read(text)
-    if isinstance(found, When):
+    if isinstance(found, RequestedTime):
         assert found.length_s >= 0
         assert found.ends is None or found.ends > found.start
         if found.start_ns is not None:

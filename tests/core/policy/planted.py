@@ -73,8 +73,8 @@ FAULTS = (
     Fault(
         name="a limit that does not fit a skill sets it free",
         file="core/policy/compiled.py",
-        guard="        except Unfit:\n            return None\n",
-        without="        except Unfit:\n            return ()\n",
+        guard="        except LimitMismatch:\n            return None\n",
+        without="        except LimitMismatch:\n            return ()\n",
         caught_by=AGREES,
     ),
     Fault(

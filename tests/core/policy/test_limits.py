@@ -10,7 +10,7 @@ from rosic.config.translations import catalogue
 from rosic.core.i18n import in_language
 from rosic.core.policy.limits import (
     Limit,
-    Unfit,
+    LimitMismatch,
     broken_limit,
     fit_limits,
     limit_in_words,
@@ -77,7 +77,7 @@ def test_a_limit_is_two_bounds_in_si(texts: tuple[str, ...], low: float, high: f
     ],
 )
 def test_a_limit_that_does_not_fit_says_why(texts: tuple[str, ...], why: str) -> None:
-    with pytest.raises(Unfit, match=why):
+    with pytest.raises(LimitMismatch, match=why):
         fitted(*texts)
 
 
@@ -113,7 +113,7 @@ def test_a_limit_is_as_long_as_a_line_at_most() -> None:
 
 
 def test_whatever_follows_the_number_is_a_unit() -> None:
-    with pytest.raises(Unfit, match="'x10' is no unit"):
+    with pytest.raises(LimitMismatch, match="'x10' is no unit"):
         fitted("speed <= 0x10")
 
 

@@ -20,7 +20,7 @@ from rosic.config.profiles import known_units
 from rosic.container.container import Containers
 from rosic.core.identity import OPERATOR, Address, AuthorisationKey
 from rosic.core.language import CommandLine, Do, LanguageReader, Vocabulary
-from rosic.core.message import Button, ChatKind, Outbound, Standing
+from rosic.core.message import Button, ChatKind, MessageValidity, Outbound
 from rosic.core.policy.roles import DEFAULT_ROLES, Grant, Role, RoleRules
 from rosic.core.rate_limit import RateLimit
 from rosic.core.records import Enrolled, KeyIssued, Letter, PersonRecord
@@ -331,7 +331,7 @@ class Hall:
         *,
         chat: str = "",
         kind: ChatKind = ChatKind.PRIVATE,
-        standing: Standing = Standing.FRESH,
+        standing: MessageValidity = MessageValidity.FRESH,
     ) -> str:
         """Say something; return what was told in that chat because of it."""
         before = len(self.chat.told)
@@ -340,7 +340,7 @@ class Hall:
         return self.told(chat or account, before)
 
     async def in_group(
-        self, account: str, text: str, *, standing: Standing = Standing.FRESH
+        self, account: str, text: str, *, standing: MessageValidity = MessageValidity.FRESH
     ) -> str:
         return await self.say(account, text, chat="g", kind=ChatKind.GROUP, standing=standing)
 

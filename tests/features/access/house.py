@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.core.identity import Address
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from tests.gateway.place import ADA, BO, VI, Place
@@ -35,8 +35,8 @@ class House(Place):
     ) -> None:
         super().__init__(store, clock=clock)
         more = (
-            Seed("Eve", (Address("memory", EVE),), ("admin",)),
-            Seed("Tim", (Address("memory", TIM),), ("tutor",)),
+            ConfiguredPerson("Eve", (Address("memory", EVE),), ("admin",)),
+            ConfiguredPerson("Tim", (Address("memory", TIM),), ("tutor",)),
         )
         people = tuple(
             replace(seed, roles=((roles or {}).get(seed.name, seed.roles[0]),))

@@ -14,7 +14,7 @@ from rosic.authoriser import messages
 from rosic.authoriser.invitations import InvitationState
 from rosic.authoriser.invite_codes import ALPHABET, SEARCHED_AT_MOST
 from rosic.core.identity import Address
-from rosic.core.message import Chat, ChatKind, Standing
+from rosic.core.message import Chat, ChatKind, MessageValidity
 from tests.features.access.hall import ADA, BO, CY, DI, BrokenStore, a_hall
 from tests.gateway.place import Place
 from tests.pace import pace
@@ -47,8 +47,8 @@ async def test_every_code_of_a_message_in_a_group_is_burnt() -> None:
         assert hall.told(ADA).count("was shown in a group") == 3
 
 
-@pytest.mark.parametrize("standing", [s for s in Standing if s is not Standing.FRESH])
-async def test_a_code_is_burnt_however_a_group_came_to_read_it(standing: Standing) -> None:
+@pytest.mark.parametrize("standing", [s for s in MessageValidity if s is not MessageValidity.FRESH])
+async def test_a_code_is_burnt_however_a_group_came_to_read_it(standing: MessageValidity) -> None:
     async with a_hall() as hall:
         code = await hall.invited("viewer")
         assert await hall.in_group(CY, f"for Di: {code}", standing=standing) == messages.IN_GROUP
@@ -58,7 +58,7 @@ async def test_a_code_is_burnt_however_a_group_came_to_read_it(standing: Standin
 
 async def test_what_is_no_code_and_not_followed_gets_no_answer_and_counts_as_no_guess() -> None:
     async with a_hall() as hall:
-        said = await hall.in_group(CY, "/start ABCD-0000", standing=Standing.FORWARDED)
+        said = await hall.in_group(CY, "/start ABCD-0000", standing=MessageValidity.FORWARDED)
         assert said == "(Start)", "nobody is told anything about codes"
         assert not hall.counters.by_kind()
 
@@ -66,7 +66,7 @@ async def test_what_is_no_code_and_not_followed_gets_no_answer_and_counts_as_no_
 async def test_a_code_in_a_private_message_that_is_forwarded_stays_good() -> None:
     async with a_hall() as hall:
         code = await hall.invited("viewer")
-        await hall.say(DI, code, standing=Standing.FORWARDED)
+        await hall.say(DI, code, standing=MessageValidity.FORWARDED)
         assert hall.labels(DI) == []
         await hall.say(DI, code)
         assert "Join" in hall.labels(DI)
@@ -213,10 +213,10 @@ async def test_a_whole_gateway_burns_a_code_whatever_else_is_said(said: str) -> 
 
 @pytest.mark.parametrize(
     ("kind", "standing"),
-    [*((ChatKind.GROUP, s) for s in Standing), (ChatKind.CHANNEL, Standing.CHANNEL)],
+    [*((ChatKind.GROUP, s) for s in MessageValidity), (ChatKind.CHANNEL, MessageValidity.CHANNEL)],
 )
 async def test_a_whole_gateway_burns_a_code_that_many_read(
-    kind: ChatKind, standing: Standing
+    kind: ChatKind, standing: MessageValidity
 ) -> None:
     async with Place().open() as place:
         await place.say("/invite viewer for 2h", chat="1")

@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.messages import robot_line
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.core.robot.profile import AtRest, Presence
 from rosic.errors import StillMoves
 from rosic.features.alerts.offline_notices import LOOKED_AFTER_NS, back
@@ -51,7 +51,7 @@ async def test_nobody_is_told_of_a_robot_that_did_nothing() -> None:
         assert "not there any more" not in await heard(here, 10.0)
 
 
-MOVES = Outcome(Ending.UNKNOWN, "w9 still moves. Please look.", code=StillMoves.code)
+MOVES = Outcome(OrderEnding.UNKNOWN, "w9 still moves. Please look.", code=StillMoves.code)
 
 
 def ends_moving(here: Place, ends: Outcome = MOVES) -> Worker:
@@ -93,7 +93,7 @@ async def test_a_robot_that_is_back_and_moves_is_followed_until_it_rests() -> No
 async def test_what_was_done_and_still_moves_is_followed_by_its_rest_once() -> None:
     async with warehouse(fleet=(profile("w9"),)).open() as here:
         await here.say("w9 move 1 m")
-        robot = ends_moving(here, Outcome(Ending.DONE, "it still moves", code=StillMoves.code))
+        robot = ends_moving(here, Outcome(OrderEnding.DONE, "it still moves", code=StillMoves.code))
         told = await heard(here, 5.0)
         assert "it still moves" in told
         assert REST not in told
@@ -104,7 +104,7 @@ async def test_what_was_done_and_still_moves_is_followed_by_its_rest_once() -> N
 async def test_whoever_was_told_that_a_robot_moves_is_warned_once_where_it_never_rests() -> None:
     async with warehouse(fleet=(profile("w9"),)).open() as here:
         await here.say("w9 move 1 m")
-        ends_moving(here, Outcome(Ending.DONE, "it still moves", code=StillMoves.code))
+        ends_moving(here, Outcome(OrderEnding.DONE, "it still moves", code=StillMoves.code))
         await heard(here, 1.0)
         here.clock.suspend(LOOKED_AFTER_NS / 1e9)
         assert (await heard(here, 5.0)).count("w9 still moves. Please look.") == 1

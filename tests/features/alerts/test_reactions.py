@@ -11,7 +11,12 @@ from msgspec.structs import replace
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Reaction
 from rosic.errors import MessengerFault
-from rosic.features.alerts.active_alerts import TOLD, ActiveAlert, Alarm, AlertMessages
+from rosic.features.alerts.active_alerts import (
+    TOLD,
+    ActiveAlert,
+    AlertMessageIndex,
+    AlertOccurrence,
+)
 from rosic.messengers.memory import MemoryMessenger
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
@@ -193,36 +198,38 @@ async def test_what_is_kept_of_it_ends_with_the_alarm_and_names_nobody() -> None
 def test_of_what_was_said_the_newest_are_kept_and_none_whose_alarm_is_over() -> None:
     messenger = MemoryMessenger("memory", clock=ManualClock())
 
-    def told(number: int, placed: AlertMessages) -> tuple[Fact, ...]:
+    def told(number: int, placed: AlertMessageIndex) -> tuple[Fact, ...]:
         return placed.note(
             (ActiveAlert("omni/low", 7),), messenger, Chat("memory", str(number)), "m"
         )
 
-    placed, disk = AlertMessages(remembered=3), dict[str, "Fact"]()
+    placed, disk = AlertMessageIndex(remembered=3), dict[str, "Fact"]()
     for number in range(10):
         disk.update({fact.key: fact for fact in told(number, placed)})
     assert len([fact for fact in disk.values() if fact.body]) == 3
     assert placed.of(messenger, Chat("memory", "9"), "m") == (("omni/low", 7),)
     assert placed.of(messenger, Chat("memory", "0"), "m") == ()
-    [bad] = told(11, AlertMessages())
+    [bad] = told(11, AlertMessageIndex())
     facts = [*disk.values(), replace(bad, key="0" * 32, body=b"\xc1")]
     for at_ns, ended in ((7, 1), (8, 4)):
-        later = AlertMessages()
-        gone = later.restore(facts, {"omni/low": Alarm(at_ns)})
+        later = AlertMessageIndex()
+        gone = later.restore(facts, {"omni/low": AlertOccurrence(at_ns)})
         assert len(gone) == ended
         assert not any(fact.body for fact in gone)
-    assert len(AlertMessages(remembered=2).restore(facts, {"omni/low": Alarm(7)})) == 2
+    assert (
+        len(AlertMessageIndex(remembered=2).restore(facts, {"omni/low": AlertOccurrence(7)})) == 2
+    )
 
 
 def test_a_message_of_many_alarms_is_known_until_the_last_of_them_is_over() -> None:
     messenger, chat = MemoryMessenger("memory", clock=ManualClock()), Chat("memory", "1")
     low, hot = ActiveAlert("omni/low", 7), ActiveAlert("omni/hot", 8)
-    placed = AlertMessages()
+    placed = AlertMessageIndex()
     [kept] = placed.note((low, hot), messenger, chat, "m")
     assert placed.over("omni/low") == ()
     assert placed.of(messenger, chat, "m") == (hot,)
-    later = AlertMessages()
-    assert later.restore([kept], {"omni/hot": Alarm(8)}) == ()
+    later = AlertMessageIndex()
+    assert later.restore([kept], {"omni/hot": AlertOccurrence(8)}) == ()
     assert later.of(messenger, chat, "m") == (hot,)
     [gone] = placed.over("omni/hot")
     assert (gone.key, gone.body) == (kept.key, b"")

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from rosic.core.message import ChatKind
-from rosic.core.robot.view import Sight
+from rosic.core.robot.view import ViewKind
 from rosic.features.dashboard.dashboard import LOOKING_S, RENEWED_S
 from rosic.features.dashboard.rendering import PRIVATE
 from rosic.stores.memory import MemoryStore
@@ -102,7 +102,7 @@ async def test_one_that_cannot_be_had_is_not_talked_of_and_the_next_is_tried() -
         told = [one for one in place.chat.told if not one.edited]
         assert await pass_s(place, 40) == []
         assert [one for one in place.chat.told if not one.edited] == told, "nobody asked for them"
-        place.robot("omni").shows[Sight.PICTURE] = FRAME
+        place.robot("omni").shows[ViewKind.PICTURE] = FRAME
         assert len(await pass_s(place, 15)) == 1
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import pytest
 
-from rosic.core.message import Weight
+from rosic.core.message import SendPriority
 from rosic.features.dashboard.dashboards import LOOK_S
 from rosic.features.dashboard.rendering import GROUP as IN_GROUPS
 from rosic.features.dashboard.rendering import PRIVATE
@@ -124,7 +124,7 @@ async def test_however_much_changes_there_are_few_edits(
         assert len(edits) >= 120 / (between_s + LOOK_S) - 1, "it is kept up to date all the same"
         times = [at for at, _ in edits]
         assert all(b - a >= between_s for a, b in pairwise(times))
-        assert {t.outbound.weight for t in shown.edits(chat)} == {Weight.IDLE}
+        assert {t.outbound.weight for t in shown.edits(chat)} == {SendPriority.IDLE}
 
 
 async def test_what_is_shown_is_never_older_than_it_says() -> None:

@@ -13,7 +13,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.container.files import PART, PART_BYTES, FileQuota, FileStore
-from rosic.core.message import Button, ChatKind, Standing
+from rosic.core.message import Button, ChatKind, MessageValidity
 from rosic.errors import NotUnderstood, TooManyRequests
 from rosic.testing.clock import ManualClock
 from tests.features.personal_data.ward import Ward, a_ward
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
     from pathlib import Path
 
-    from rosic.core.message import Enclosure
+    from rosic.core.message import IncomingFile
 
 MAP = b"\x89PNG\r\n\x1a\n" + os.urandom(600_000)
 NOTE = b"speed: 0.2\n"
@@ -110,8 +110,8 @@ async def test_a_stop_beneath_a_file_stops() -> None:
         assert ward.gateway.rooms.board["omni"].latched
 
 
-@pytest.mark.parametrize("standing", [s for s in Standing if s is not Standing.FRESH])
-async def test_what_is_not_somebodys_own_is_not_taken(standing: Standing) -> None:
+@pytest.mark.parametrize("standing", [s for s in MessageValidity if s is not MessageValidity.FRESH])
+async def test_what_is_not_somebodys_own_is_not_taken(standing: MessageValidity) -> None:
     async with a_ward() as ward:
         assert await send(ward, standing=standing) == ""
         assert await parts(ward) == 0
@@ -212,7 +212,7 @@ class Slow:
         ward.gateway._messengers[0].fetch = self.fetch  # type: ignore[method-assign]
         self._honest = ward.chat.fetch
 
-    async def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+    async def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
         async for piece in self._honest(enclosure):
             yield piece
             await self.go.wait()

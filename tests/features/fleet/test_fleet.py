@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rosic.core.fleet.task import TaskState
 from rosic.core.message import ChatKind
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules, SkillPrecondition
 from rosic.stores.memory import MemoryStore
 from tests.features.fleet.test_tasks import (
@@ -122,7 +122,7 @@ async def test_the_view_shows_every_robot_every_task_and_what_is_not_as_it_shoul
         ]
         assert lines[-1] == "w1: task 1 (wave) · running · heard 0 ms ago"
         message, _ = here.last()
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here, 8)
         now = here.chat.shown(message).text
         assert "w1: task 2 (move 1 m) · running" in now, "the same message, edited"
@@ -139,7 +139,7 @@ async def test_what_people_order_themselves_is_work_too_and_counts_once() -> Non
         told = await here.say("/fleet w1")
         assert "one robot at work, 0 free" in told
         assert "At work 25 % of the time; idle for 0 s on the average." in told
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here, 20)
         told = await here.say("/fleet w1")
         assert "0 robots at work" in told
@@ -147,15 +147,15 @@ async def test_what_people_order_themselves_is_work_too_and_counts_once() -> Non
         await here.say("w1 look", account=BO)
         await heard(here, 10)
         assert "0 robots at work" in await here.say("/fleet w1"), "to be asked is no work"
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await here.clock.advance(60)  # nobody's any more
         await here.say("/task w1 wave then wave")
         await heard(here, 15)
-        worker(here, "w1").end(Ending.DONE)  # and the second step begins
+        worker(here, "w1").end(OrderEnding.DONE)  # and the second step begins
         await heard(here, 15)
         told = await here.say("/fleet w1")
         assert "At work 25 % of the time" in told, "50 s of 200, no second of them twice"
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here)
         assert "0 robots at work, one free" in await here.say("/fleet w1")
 
@@ -174,7 +174,7 @@ async def test_a_shift_is_handed_over_only_when_it_is_accepted_and_rights_are_th
         assert "Yours now, from Ada: 2 tasks." in told
         assert {task.author for task in tasks(here).values()} == {_id(here, "Bo")}
         assert here.gateway.rooms.organiser.holder("w1") == _id(here, "Ada"), "its step goes on"
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here)
         assert tasks(here)["1"].done == 1
         assert here.gateway.rooms.organiser.holder("w1") == _id(here, "Bo")
@@ -189,7 +189,7 @@ async def test_who_takes_a_task_over_reads_its_orders_unless_a_group_does() -> N
         await here.tap(*here.button("I take over"), account=BO)
         before = len(here.chat.told)
         for robot in ("w1", "w2"):
-            worker(here, robot).end(Ending.DONE)
+            worker(here, robot).end(OrderEnding.DONE)
         await heard(here, 2)
         told = [(t.outbound.chat.id, t.outbound.text) for t in list(here.chat.told)[before:]]
         assert {chat for chat, text in told if "task 1, step 2 of 2" in text} == {BO}
@@ -302,7 +302,7 @@ async def test_what_came_too_late_is_offered_for_those_it_was_meant_for() -> Non
             assert "Your command is 10 seconds old" in told
             await here.tap(*here.button(again))
             for robot in ("w1", "w2", "w3"):
-                worker(here, robot).end(Ending.DONE)
+                worker(here, robot).end(OrderEnding.DONE)
             await heard(here)
         assert here.acted("omni") == 0, "it was chosen, and not meant"
         assert [here.acted(name) for name in ("w1", "w2", "w3")] == [2, 2, 2]

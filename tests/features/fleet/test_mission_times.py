@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from rosic.core.fleet.mission import Late, Mission, MissionPart
 from rosic.core.fleet.task import TaskState
 from rosic.core.fleet.template import Quantity
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.stores.memory import MemoryStore
 from tests.features.fleet.test_tasks import heard, tasks, warehouse, worker
 from tests.gateway.place import VI
@@ -86,7 +86,7 @@ async def test_what_is_said_at_the_start_takes_its_place_in_every_step() -> None
         told = await here.say("/mission fetch distance=250 cm")
         assert "fetch is begun as fetch-1 · 2 tasks" in told
         assert asked(here)["distance"] == 2.5
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here)
         assert (asked(here)["direction"], asked(here)["distance"]) == ("back", 0.5)
         shown = await here.say("/mission fetch")
@@ -125,7 +125,7 @@ async def test_a_mission_that_is_late_is_said_once_and_the_rest_is_cancelled() -
     first = lab(store)
     async with first.open() as here:
         await here.say("/mission start timed")
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         assert "is late" not in await heard(here, 590)
         assert states(here) == [TaskState.DONE, TaskState.RUNNING]
         told = await heard(here, 20)
@@ -170,12 +170,12 @@ async def test_a_part_is_late_from_when_it_could_begin_and_what_is_written_happe
     async with lab().open() as here:
         await here.say("/mission start slow")
         assert "is late" not in await heard(here, 300), "it has no deadline, and no other began"
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         assert "is late" not in await heard(here, 110)
         told = await heard(here, 20)
         assert told.count("Task 2 (wave) is late: it was to be done within 2 min. It goes on.") == 1
         assert states(here)[1] is TaskState.RUNNING
-        worker(here, "w2").end(Ending.DONE)
+        worker(here, "w2").end(OrderEnding.DONE)
         assert "is late" not in await heard(here, 110)
         told = await heard(here, 20)
         assert "Task 3 (wave) is late: it was to be done within 2 min. The rest" in told

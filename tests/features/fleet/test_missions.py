@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from rosic.core.fleet.mission import Mission, MissionPart
 from rosic.core.fleet.task import TaskState
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.stores.memory import MemoryStore
 from tests.features.fleet.test_tasks import heard, tasks, warehouse, worker
 from tests.gateway.place import BO, VI, Place, WritingStore
@@ -47,13 +47,13 @@ async def test_what_follows_waits_and_what_is_side_by_side_runs_side_by_side() -
         assert states(here) == [TaskState.RUNNING, TaskState.QUEUED, TaskState.QUEUED]
         assert "after 1" in await here.say("/tasks")
         for _ in range(2):
-            worker(here, "w1").end(Ending.DONE)
+            worker(here, "w1").end(OrderEnding.DONE)
             await heard(here)
         assert states(here) == [TaskState.DONE, TaskState.RUNNING, TaskState.RUNNING]
         assert tasks(here)["2"].robot == "w2"
         assert "restock-1: 1 of 3 tasks done" in await here.say("/missions")
-        worker(here, "w2").end(Ending.DONE)
-        worker(here, tasks(here)["3"].robot).end(Ending.DONE)
+        worker(here, "w2").end(OrderEnding.DONE)
+        worker(here, tasks(here)["3"].robot).end(OrderEnding.DONE)
         await heard(here)
         assert states(here) == [TaskState.DONE] * 3
         assert "No mission called restock is under way" in await here.say("/mission cancel restock")
@@ -62,7 +62,7 @@ async def test_what_follows_waits_and_what_is_side_by_side_runs_side_by_side() -
 async def test_it_is_paused_gone_on_with_and_cancelled_as_one() -> None:
     async with lab().open() as here:
         await here.say("/mission start restock")
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here)
         await here.say("/mission pause restock")
         await heard(here)
@@ -80,13 +80,13 @@ async def test_it_is_paused_gone_on_with_and_cancelled_as_one() -> None:
 async def test_a_failed_task_is_taken_over_and_only_what_is_left_is_done() -> None:
     async with lab().open() as here:
         await here.say("/mission start restock")
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here)
-        worker(here, "w1").end(Ending.FAILED)
+        worker(here, "w1").end(OrderEnding.FAILED)
         await heard(here, 2)
         task = tasks(here)["1"]
         assert (task.done, task.moves) == (1, 1)
-        worker(here, task.robot).end(Ending.DONE)
+        worker(here, task.robot).end(OrderEnding.DONE)
         await heard(here)
         assert tasks(here)["1"].state is TaskState.DONE
         assert sum(here.acted(name) for name in ("w1", "w2", "w3")) >= 3
@@ -117,7 +117,7 @@ async def test_it_begins_by_itself_at_its_time_once_each_time() -> None:
         await heard(here, 200)
         assert len(tasks(here)) == 1
         assert "That time is over" in await here.say("/mission start loud 2020-01-01 10:00")
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await here.say("/mission start loud every day 8:00")
         assert "loud begins by itself, next " in await here.say("/missions")
         for _ in range(2):

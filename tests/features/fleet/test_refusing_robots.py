@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.fleet.task import TaskState
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.errors import RobotBusy
 from rosic.features.fleet.dispatch_state import AGAIN_NS, LONGEST_NS, RetryBackoff
 from tests.features.fleet.test_tasks import WAREHOUSE, Warehouse, Worker, heard, tasks, worker
@@ -86,7 +86,7 @@ async def test_what_it_refuses_keeps_no_robot_from_what_it_can_do() -> None:
             "1": TaskState.QUEUED,
             "2": TaskState.RUNNING,
         }
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here, 60)
         assert tasks(here)["1"].state is TaskState.RUNNING, "it is asked again by itself"
 

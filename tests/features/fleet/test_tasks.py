@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from rosic.core.fleet.state import TASK
 from rosic.core.fleet.task import TaskState
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules, SkillPrecondition
 from rosic.core.records import Fact
 from rosic.core.robot.profile import Busy
@@ -56,7 +56,7 @@ class Worker(MemoryRobot):
         seen = super().presence()
         return replace(seen, at_rest=False) if self.moving else seen
 
-    def end(self, ending: Ending, note: str = "") -> None:
+    def end(self, ending: OrderEnding, note: str = "") -> None:
         self.ends = Outcome(ending, note)
         self.finish()
 
@@ -106,10 +106,10 @@ async def test_a_task_goes_to_a_robot_of_the_group_and_is_told_when_it_is_done()
         [task] = tasks(here).values()
         assert (task.state, task.robot, task.done) == (TaskState.RUNNING, "w1", 0)
         assert "w1: move, 1.00 m forward · task 1, step 1 of 2" in await here.say("hm") + told
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here)
         assert tasks(here)["1"].done == 1
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         assert "Task 1 (move 1 m; wave): done by w1." in await heard(here)
         assert here.acted("w1") == 2
         assert here.gateway.rooms.organiser.holder("w1") is None, "it was taken for the task alone"
@@ -120,10 +120,10 @@ async def test_a_task_goes_to_a_robot_of_the_group_and_is_told_when_it_is_done()
 async def test_a_failure_moves_it_once_and_what_is_done_is_not_repeated() -> None:
     async with warehouse().open() as here:
         await here.say("/task warehouse move 1 m then wave")
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here)
         worker(here, "w1").moving = True
-        worker(here, "w1").end(Ending.FAILED, "the gripper is open")
+        worker(here, "w1").end(OrderEnding.FAILED, "the gripper is open")
         told = await heard(here)
         assert "w1 has failed at it. It is brought to rest first." in told
         assert tasks(here)["1"].robot == "w1", "it is not at rest"
@@ -133,7 +133,7 @@ async def test_a_failure_moves_it_once_and_what_is_done_is_not_repeated() -> Non
         assert "The task goes to another robot. 1 of 2 steps are done and stay so." in told
         task = tasks(here)["1"]
         assert (task.state, task.robot in {"w2", "w3"}, task.moves) == (TaskState.RUNNING, True, 1)
-        worker(here, task.robot).end(Ending.DONE)
+        worker(here, task.robot).end(OrderEnding.DONE)
         assert f"done by {task.robot}" in await heard(here)
         assert here.acted("w1") == 2
         assert here.acted("w2") + here.acted("w3") == 1
@@ -150,11 +150,11 @@ async def test_a_lost_robot_is_cut_off_and_its_late_answer_counts_for_nothing() 
         task = tasks(here)["1"]
         assert task.robot in {"w2", "w3"}
         lost.online = True
-        lost.end(Ending.DONE)
+        lost.end(OrderEnding.DONE)
         await heard(here)
         assert tasks(here)["1"] == task, "it went on with another"
         assert here.gateway.rooms.board["w1"].latched
-        worker(here, task.robot).end(Ending.DONE)
+        worker(here, task.robot).end(OrderEnding.DONE)
         assert f"done by {task.robot}" in await heard(here)
 
 
@@ -272,7 +272,7 @@ async def test_after_an_orderly_end_what_ran_is_paused() -> None:
     store = MemoryStore()
     async with warehouse(store).open() as here:
         await here.say("/task warehouse move 1 m then wave")
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here)
     async with later(store).open() as here:
         task = tasks(here)["1"]

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from rosic.core.fleet.state import KEPT_OVER
 from rosic.core.fleet.task import TaskState
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.core.records import Claimed, Concluded, Fact
 from rosic.core.robot.profile import Busy
 from rosic.features.fleet.by_rule import RuleTasks
@@ -42,7 +42,7 @@ async def test_a_task_that_is_brought_again_after_a_crash_is_not_given_twice() -
         await here.clock.advance(1)
         said = here.chat.say("/task w1 wave")
         await here.quiet()
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here)
         crashed = deepcopy(store)
     async with later(crashed).open() as here:
@@ -102,7 +102,7 @@ async def test_an_order_that_waits_for_its_robot_goes_with_its_task() -> None:
         assert here.gateway.rooms.linker.waiting("w1") == 1
         await here.say("/task cancel 1")
         await heard(here)
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here)
         assert here.acted("w1") == 1
 
@@ -110,7 +110,7 @@ async def test_an_order_that_waits_for_its_robot_goes_with_its_task() -> None:
 async def test_a_stop_between_two_steps_is_meant_too() -> None:
     async with warehouse().open() as here:
         await here.say("/task warehouse wave then wave")
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         for _ in range(400):
             if tasks(here)["1"].attempt == 2:
                 break
@@ -132,7 +132,7 @@ async def test_a_stop_that_is_undone_at_once_was_meant_too() -> None:
 
 
 async def test_whatever_a_stopped_robot_says_its_task_goes_nowhere_else() -> None:
-    for ending in (Ending.FAILED, Ending.UNKNOWN, Ending.CANCELLED):
+    for ending in (OrderEnding.FAILED, OrderEnding.UNKNOWN, OrderEnding.CANCELLED):
         async with warehouse().open() as here:
             await here.say("/task warehouse wave")
             worker(here, "w1").end(ending)
@@ -178,7 +178,7 @@ async def test_what_one_robot_refuses_it_is_not_asked_again_at_once() -> None:
         for _ in range(40):
             await here.say("/task w1 wave")
         here.clock.jump_wall(-100)
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here, 10)
         assert here.gateway.rooms.organiser.in_doubt
         assert 2 <= sum(task.attempt for task in tasks(here).values()) <= 8
@@ -190,7 +190,7 @@ async def test_no_task_begins_before_what_was_sent_meanwhile_has_come() -> None:
         await here.say("/task w1 wave then wave")
         here.chat.catching_up = lambda: True
         await here.say("/task w2 wave")
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here, 5)
         assert (here.acted("w1"), here.acted("w2")) == (1, 0), "a stop may be on its way"
     here = later(store)
@@ -221,7 +221,7 @@ async def test_what_was_said_of_tasks_that_are_forgotten_is_forgotten_too() -> N
         dispatching = here.gateway.furnished.fleet.dispatching
         for _ in range(KEPT_OVER + 20):
             await here.say("/task w1 wave once")
-            worker(here, "w1").end(Ending.FAILED, "the gripper is open")
+            worker(here, "w1").end(OrderEnding.FAILED, "the gripper is open")
             await here.quiet()
             await here.say(f"/task cancel {max(tasks(here), key=int)}")
         assert len(tasks(here)) <= KEPT_OVER + 1
@@ -261,7 +261,7 @@ async def test_times_of_missions_outlast_a_disk_that_was_full() -> None:
         store.broken = False
         await heard(here, 5)
         assert here.acted("w1") == 1
-        worker(here, "w1").end(Ending.DONE)
+        worker(here, "w1").end(OrderEnding.DONE)
         await heard(here, 120)
         assert here.acted("w1") == 2
 
@@ -320,7 +320,7 @@ async def test_what_was_not_begun_in_time_is_given_anew_and_what_was_is_seen_thr
         told = await here.say("/task go 1")
         assert "Task 1 was to be begun by a time that is over. Give it anew." in told
         await here.say("/task w2 move 1 m then wave by in 1 min")
-        worker(here, "w2").end(Ending.DONE)
+        worker(here, "w2").end(OrderEnding.DONE)
         await heard(here)
         await here.say("/task pause 2")
         await heard(here, 70)
@@ -349,7 +349,7 @@ async def test_what_came_of_a_task_is_said_once_and_in_sentences() -> None:
         told = await here.say("/task pause 1") + await heard(here)
         assert "Task 1 (move 1 m; wave): paused. 0 of 2 steps are done." in told
         await here.say("/task w2 move 1 m then wave")
-        worker(here, "w2").end(Ending.FAILED, "the gripper is open")
+        worker(here, "w2").end(OrderEnding.FAILED, "the gripper is open")
         told = await heard(here, 3)
         assert "failed. Why: w2 has failed at it: the gripper is open. 0 of 2 steps" in told
 

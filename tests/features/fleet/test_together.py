@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.config.profiles import load_profile, shipped_profiles
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.core.synchronised_start import misses_start
 from rosic.stores.memory import MemoryStore
 from rosic_sim.robots.machines.crazyflie import Crazyflie
@@ -19,7 +19,7 @@ from tests.gateway.place import Place
 
 if TYPE_CHECKING:
     from rosic.contracts.robot import Tell
-    from rosic.core.order import Order, Rest, Stop
+    from rosic.core.order import Order, RestReport, Stop
     from rosic.core.records import Record
 
 NAMES = ("w1", "w2", "w3")
@@ -40,14 +40,14 @@ class Linked(Worker):
     brakes = 0
     declines = ""
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         self.gate.apply_stop(stop)
         await self._clock.sleep(self.rests_s)
         return await super().stop(stop)
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         if self.declines:
-            return Outcome(Ending.REFUSED, self.declines)
+            return Outcome(OrderEnding.REFUSED, self.declines)
         await self._clock.sleep(self.opens_s)
         now_ns, wall_ns = self._clock.monotonic_ns(), self._clock.wall_ns()
         if misses_start(order, now_ns, wall_ns):
@@ -128,7 +128,7 @@ async def test_one_that_has_begun_and_fails_is_its_own_affair() -> None:
     async with warehouse().open() as here:
         await here.say("/together warehouse wave")
         await heard(here, 1.0)
-        linked(here, "w2").end(Ending.FAILED, "the gripper is open")
+        linked(here, "w2").end(OrderEnding.FAILED, "the gripper is open")
         await heard(here, 1.0)
         assert at_work(here) == {"w1", "w3"}
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.features.fleet.overview import FleetUsage
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import OrderBook
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.core.order import Order
 
 SECOND_NS = 1_000_000_000
-DONE = Outcome(Ending.DONE)
+DONE = Outcome(OrderEnding.DONE)
 ORDERS = OrderBook(profile("w1"), ManualClock())
 MOVES, ASKS = ORDERS.order("wave"), ORDERS.order("look")
 

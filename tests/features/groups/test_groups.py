@@ -5,7 +5,7 @@ from __future__ import annotations
 from msgspec.structs import replace
 
 from rosic.core.identity import Address
-from rosic.core.message import Chat, ChatKind, Passage, Passing
+from rosic.core.message import Chat, ChatEvent, ChatEventKind, ChatKind
 from rosic.features.groups.membership import GREETINGS
 from tests.gateway.place import ADA, BO, Place
 
@@ -14,11 +14,11 @@ LAB = Chat("memory", "-5", ChatKind.GROUP)
 IN_LAB = {"chat": "-5", "kind": ChatKind.GROUP}
 
 
-def _passing(what: Passage, who: str = BO, chat: Chat = LAB, **more: object) -> Passing:
-    return Passing(chat=chat, what=what, who=Address("memory", who), title="Lab", **more)  # type: ignore[arg-type]
+def _passing(what: ChatEventKind, who: str = BO, chat: Chat = LAB, **more: object) -> ChatEvent:
+    return ChatEvent(chat=chat, what=what, who=Address("memory", who), title="Lab", **more)  # type: ignore[arg-type]
 
 
-async def _pass(place: Place, passing: Passing) -> list[tuple[str, str]]:
+async def _pass(place: Place, passing: ChatEvent) -> list[tuple[str, str]]:
     before = len(place.chat.told)
     place.chat.passed(passing)
     await place.quiet()
@@ -27,7 +27,7 @@ async def _pass(place: Place, passing: Passing) -> list[tuple[str, str]]:
 
 async def test_a_new_group_is_greeted_once_and_the_admins_know_what_is_heard() -> None:
     async with Place().open() as place:
-        told = await _pass(place, _passing(Passage.ADDED, deaf=True))
+        told = await _pass(place, _passing(ChatEventKind.ADDED, deaf=True))
         assert sorted(chat for chat, _ in told) == ["-5", ADA]
         texts = dict(told)
         assert "gives nobody any" in texts["-5"]
@@ -38,17 +38,17 @@ async def test_a_new_group_is_greeted_once_and_the_admins_know_what_is_heard() -
 
 async def test_what_a_group_is_called_gives_the_admins_no_command() -> None:
     async with Place().open() as place:
-        called = replace(_passing(Passage.ADDED, who="99"), title="/unlock Eve, or ／stop")  # noqa: RUF001
+        called = replace(_passing(ChatEventKind.ADDED, who="99"), title="/unlock Eve, or ／stop")  # noqa: RUF001
         texts = dict(await _pass(place, called))
         assert "put me into \u2215unlock Eve, or \u2215stop." in texts[ADA]
 
 
 async def test_a_group_where_everything_is_heard_is_told_so() -> None:
     async with Place().open() as place:
-        texts = dict(await _pass(place, _passing(Passage.ADDED, who="99")))
+        texts = dict(await _pass(place, _passing(ChatEventKind.ADDED, who="99")))
         assert "stop is enough" in texts["-5"]
         assert texts[ADA] == "Somebody I do not know put me into Lab. I read everything there."
-        told = await _pass(place, _passing(Passage.DEAF, deaf=True))
+        told = await _pass(place, _passing(ChatEventKind.DEAF, deaf=True))
         assert [chat for chat, _ in told] == [ADA]
         assert "changed what I hear in Lab" in told[0][1]
 
@@ -58,13 +58,13 @@ async def test_greetings_are_no_way_to_make_us_write_without_end() -> None:
         told = []
         for number in range(50):
             chat = Chat("memory", str(-100 - number), ChatKind.GROUP)
-            told += await _pass(place, _passing(Passage.ADDED, chat=chat))
+            told += await _pass(place, _passing(ChatEventKind.ADDED, chat=chat))
         assert len({chat for chat, _ in told if chat != ADA}) == GREETINGS.burst
 
 
 async def test_that_little_is_heard_in_groups_is_said_to_the_admins_once() -> None:
     first = Place()
-    account = Passing(chat=Chat("memory", ""), what=Passage.DEAF)
+    account = ChatEvent(chat=Chat("memory", ""), what=ChatEventKind.DEAF)
     async with first.open() as place:
         told = await _pass(place, account)
         assert [chat for chat, _ in told] == [ADA]
@@ -72,7 +72,7 @@ async def test_that_little_is_heard_in_groups_is_said_to_the_admins_once() -> No
         assert await _pass(place, account) == []
     async with Place(first.store, first.latch, clock=first.clock).open() as place:
         assert await _pass(place, account) == []
-        hearing = Passing(chat=Chat("memory", ""), what=Passage.HEARING)
+        hearing = ChatEvent(chat=Chat("memory", ""), what=ChatEventKind.HEARING)
         assert await _pass(place, hearing) == []
         assert len(await _pass(place, account)) == 1
 
@@ -83,7 +83,7 @@ async def test_put_out_of_a_group_everything_for_it_ends_quietly() -> None:
         await place.say("/archive on", **IN_LAB)
         await place.say("omni move 1 m", **IN_LAB)
         place.chat.gone.add("-5")
-        await _pass(place, _passing(Passage.REMOVED))
+        await _pass(place, _passing(ChatEventKind.REMOVED))
         told = len(place.chat.told)
         place.robot("omni").finish()
         tried = place.chat.refused
@@ -110,7 +110,7 @@ async def test_what_a_robot_says_goes_no_longer_where_who_had_spoken_has_left() 
         say(robot, "one")
         await place.quiet()
         assert len(place.chat.told) == before + 1
-        await _pass(place, _passing(Passage.LEFT))
+        await _pass(place, _passing(ChatEventKind.LEFT))
         say(robot, "two")
         await place.quiet()
         assert len(place.chat.told) == before + 1
@@ -122,7 +122,7 @@ async def test_what_was_chosen_and_what_is_kept_moves_with_a_group() -> None:
     async with Place().open() as place:
         await place.say("/archive on", **IN_LAB)
         await place.say("use omni", account=BO, **IN_LAB)
-        await _pass(place, _passing(Passage.MOVED, new_id="-1005"))
+        await _pass(place, _passing(ChatEventKind.MOVED, new_id="-1005"))
         await place.say("wave", account=BO, chat="-1005", kind=ChatKind.GROUP)
         assert place.acted() == 1
         archive = place.gateway.data_feature.archive

@@ -6,7 +6,7 @@ import asyncio
 from types import SimpleNamespace
 from typing import Any, cast
 
-from rosic.core.message import Chat, ChatKind, Passage, Passing
+from rosic.core.message import Chat, ChatEvent, ChatEventKind, ChatKind
 from rosic.features.groups.channels import NONE, ChannelDisplays
 from rosic.gateway.chat_dashboards import key_of
 from tests.pace import pace
@@ -52,11 +52,11 @@ async def test_a_channel_that_we_were_put_out_of_is_not_shown_while_its_end_is_w
         return (await windows.channel(BY_ADA)).text
 
     assert "A channel shows Ant" in await listed()
-    windows.passed(MESSENGER, Passing(chat=CHANNEL, what=Passage.REMOVED))
+    windows.passed(MESSENGER, ChatEvent(chat=CHANNEL, what=ChatEventKind.REMOVED))
     assert await listed() == NONE
-    windows.passed(MESSENGER, Passing(chat=CHANNEL, what=Passage.ADDED, title="News"))
+    windows.passed(MESSENGER, ChatEvent(chat=CHANNEL, what=ChatEventKind.ADDED, title="News"))
     assert "News shows Ant" in await listed()
-    windows.passed(MESSENGER, Passing(chat=CHANNEL, what=Passage.REMOVED))
+    windows.passed(MESSENGER, ChatEvent(chat=CHANNEL, what=ChatEventKind.REMOVED))
     cards.let.set()
     await asyncio.wait_for(cards.ended.wait(), 60 * pace())
     assert await listed() == NONE

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from rosic.core.i18n import said
 from rosic.core.robot.profile import Camera, MapSource, PoseSource, Telemetry
-from rosic.core.robot.view import Drawing, Encoded, Grid, Pose, Sight
+from rosic.core.robot.view import CompressedFrame, Drawing, OccupancyMap, Pose, ViewKind
 from rosic.messengers.memory import MemoryMessenger
 from tests.gateway.place import FLEET, Place, profile
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from rosic.core.robot.view import Subject
     from rosic.testing.clock import ManualClock
 
-FRAME = Encoded(b"frame")
-GRID = Grid(1, 1, 0.1, Pose(0, 0), b"\0")
+FRAME = CompressedFrame(b"frame")
+GRID = OccupancyMap(1, 1, 0.1, Pose(0, 0), b"\0")
 
 
 class Sketcher:
@@ -85,7 +85,7 @@ class Booth(Place):
         """Let the robots show something; to be called once it is open."""
         for name in ("omni", "cf1"):
             robot = self.robot(name)
-            robot.shows = {Sight.PICTURE: FRAME, Sight.MAP: GRID}
+            robot.shows = {ViewKind.PICTURE: FRAME, ViewKind.MAP: GRID}
             robot.pose = Pose(1.0, 2.0)
             robot.values = {"battery": 80.0, "x": 0.5, "mode": "idle"}
 

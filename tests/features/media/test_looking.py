@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.robot.view import Clip, Pose, Sight
+from rosic.core.robot.view import Clip, Pose, ViewKind
 from rosic.errors import MessengerFault
 from rosic.features.media import render_queue
 from tests.features.media.booth import FRAME, GRID, Booth, Sketcher, booth, without_files
@@ -84,7 +84,7 @@ async def test_a_map_is_shown(place: Booth) -> None:
 
 async def test_a_map_says_how_old_the_position_on_it_is(place: Booth) -> None:
     pose_ns = place.clock.monotonic_ns() - 42_000_000_000
-    place.robot("cf1").shows[Sight.MAP] = replace(GRID, pose=Pose(0, 0), pose_ns=pose_ns)
+    place.robot("cf1").shows[ViewKind.MAP] = replace(GRID, pose=Pose(0, 0), pose_ns=pose_ns)
     shown = await place.see("map cf1")
     assert shown.text.endswith("s ago, position 42 s ago")
 
@@ -106,7 +106,7 @@ async def test_a_robot_beside_the_map_is_said_to_be(
 ) -> None:
     now_ns = place.clock.monotonic_ns()
     grid = replace(GRID, origin=origin, pose=pose, pose_ns=now_ns)
-    place.robot("cf1").shows[Sight.MAP] = grid
+    place.robot("cf1").shows[ViewKind.MAP] = grid
     text = (await place.see("map cf1")).text
     assert text.endswith(f". The cf1 is outside this map, at {beside}.") is bool(beside)
     assert ("outside" in text) is bool(beside)
@@ -253,7 +253,7 @@ async def test_closing_waits_for_nobody_who_looks() -> None:
     made = booth(Sketcher())
     async with made.open():
         made.prepare()
-        made.robot("omni").shows = {Sight.PICTURE: FRAME}
+        made.robot("omni").shows = {ViewKind.PICTURE: FRAME}
         await made.say("clip omni")
         assert made.robot("omni").looked == 1
     assert made.robot("omni").looked == 0

@@ -6,8 +6,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.robot.view import Curve, PathView, Pose
-from rosic.features.media.telemetry_buffer import KEPT, WAY_POINTS, Ring, TelemetryBuffer, Track
+from rosic.core.robot.view import PathView, Pose, TimeSeries
+from rosic.features.media.telemetry_buffer import (
+    KEPT,
+    WAY_POINTS,
+    RobotTrack,
+    SampleRing,
+    TelemetryBuffer,
+)
 from tests.features.media.booth import Booth, Sketcher, booth
 
 if TYPE_CHECKING:
@@ -26,7 +32,7 @@ async def place() -> AsyncIterator[Booth]:
 
 
 def test_a_ring_keeps_the_newest_in_order() -> None:
-    ring = Ring()
+    ring = SampleRing()
     for second in range(KEPT + 5):
         ring.add(float(second), second * 2.0)
     points = ring.points(float(KEPT + 5))
@@ -44,7 +50,7 @@ def test_only_numbers_are_kept() -> None:
 
 
 def test_a_long_way_is_thinned_and_keeps_its_ends() -> None:
-    track = Track("move", 0)
+    track = RobotTrack("move", 0)
     for step in range(20 * WAY_POINTS):
         track.add(Pose(float(step), 0.0))
     track.add(Pose(1e6, 0.0), last=True)
@@ -64,7 +70,7 @@ async def test_a_chart_shows_what_was_reported(place: Booth) -> None:
         await place.clock.advance(1.0)
     shown = await place.see("chart omni battery")
     (curve, low), *_ = place.painter.drawn
-    assert isinstance(curve, Curve)
+    assert isinstance(curve, TimeSeries)
     assert not low
     assert (curve.title, curve.unit, curve.alert_below) == ("The omni: battery", "%", 20.0)
     assert [value for _, value in curve.points[-4:]] == [80.0, 79.0, 78.0, 77.0] or [
@@ -91,7 +97,7 @@ async def test_which_value_is_asked_with_buttons(place: Booth) -> None:
     await place.tap(button, under)
     shown = await place.see("status")
     assert shown is not None
-    assert isinstance(place.painter.drawn[0][0], Curve)
+    assert isinstance(place.painter.drawn[0][0], TimeSeries)
 
 
 async def test_the_chosen_robots_value_needs_no_name(place: Booth) -> None:

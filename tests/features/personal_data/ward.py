@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from rosic.app.data_feature import folders_of, handing_of
 from rosic.app.gateway import Gateway
 from rosic.config.profiles import known_units
-from rosic.container.archive import NOBODY, Archive, Author
+from rosic.container.archive import NOBODY, Archive, MessageAuthor
 from rosic.container.files import FileStore
-from rosic.container.preferences import Caps, PreferenceBook
+from rosic.container.preferences import PreferenceBook, SpeedLimits
 from rosic.container.shared_data import SharedData
 from rosic.core.deferred import Deferred
 from rosic.core.identity import Address, Caller, Principal
@@ -102,9 +102,9 @@ class Ward(Place):
         self.gateway.ward = self
         self.serial = 0
 
-    def author_of(self, address: Address) -> Author:
+    def author_of(self, address: Address) -> MessageAuthor:
         found = self.gateway.rooms.authoriser.directory.at(address)
-        return NOBODY if found is None else Author(found[0].id, found[0].name)
+        return NOBODY if found is None else MessageAuthor(found[0].id, found[0].name)
 
     async def set_up(self) -> None:
         """As the composition root: the books, what was so, the handlers."""
@@ -112,7 +112,9 @@ class Ward(Place):
         rooms, access, authority = gateway.rooms, gateway.access, gateway.authority
         directory, organiser = rooms.authoriser.directory, rooms.organiser
         skills = {p.id: skills_of(p) for p in rooms.profiles.values()}
-        self.book = PreferenceBook(clock, Caps(skills, unit_converter(known_units())), LANGUAGES)
+        self.book = PreferenceBook(
+            clock, SpeedLimits(skills, unit_converter(known_units())), LANGUAGES
+        )
         self.shelf = SharedData(clock, SeededEntropy(9))
         self.shelf.is_robot = rooms.profiles.__contains__
         self.shelf.sees = lambda who, robot: robot in organiser.visible(who)

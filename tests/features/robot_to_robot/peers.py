@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 from msgspec.structs import replace
 
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.core.identity import Address
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from rosic.core.robot.skill import Parameter
@@ -29,9 +29,9 @@ CAREFUL = Strategy(
 BRISK = Strategy(parameters={"manner": Parameter(choices={"calm": (), "bold": ("brave",)})})
 
 
-def robot(name: str, role: str) -> Seed:
+def robot(name: str, role: str) -> ConfiguredPerson:
     """Return a robot as the configuration names one."""
-    return Seed(name, (Address("robot", name),), (role,))
+    return ConfiguredPerson(name, (Address("robot", name),), (role,))
 
 
 class PeerRobots(Place):

@@ -13,7 +13,7 @@ from itertools import count
 from typing import TYPE_CHECKING
 
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.app.runtime import face_of
 from rosic.authoriser.enrolment_records import CodeRedeemed
 from rosic.authoriser.invitations import InvitationRequest, InvitedRights
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 AT_ONCE = 4
 TIMES = 10
 ROBOTS = ("omni", "kuka1")
-ADA = Seed("Ada", (Address("memory", "1"),), ("admin",))
+ADA = ConfiguredPerson("Ada", (Address("memory", "1"),), ("admin",))
 
 
 class Piecemeal(DatabaseStore):

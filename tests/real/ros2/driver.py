@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import sys
 
-from rosic.core.order import Stage, StageReport
+from rosic.core.order import OrderStage, StageReport
 from rosic.system import SystemClock
 from tests.real.ros2.simulated import opened, shipped
 
@@ -23,7 +23,7 @@ async def drive(name: str, skill: str, spoken: list[str]) -> None:
     arguments = {key: _number_or_word(value) for key, _, value in pairs}
 
     def tell(report: StageReport) -> None:
-        if report.stage is Stage.RUNNING and (report.fraction or 0.0) > 0.02:
+        if report.stage is OrderStage.RUNNING and (report.fraction or 0.0) > 0.02:
             say("ready")
 
     async with opened(shipped(name), SystemClock()) as robot:

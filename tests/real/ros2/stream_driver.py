@@ -12,7 +12,7 @@ import asyncio
 import sys
 from typing import TYPE_CHECKING
 
-from rosic.core.order import Stage, Stop
+from rosic.core.order import OrderStage, Stop
 from rosic.errors import RosicError
 from rosic.system import SystemClock
 from tests.real.ros2.base_profile import base_profile
@@ -32,7 +32,7 @@ def say(line: str) -> None:
 
 
 def tell(report: StageReport) -> None:
-    if report.stage is Stage.RECEIVED:
+    if report.stage is OrderStage.RECEIVED:
         say("driving")
     if report.note:
         say(f"note {report.note}")

@@ -13,7 +13,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.bench.start import SIMULATION, began, one_more
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.core.order_gate import OrderGate
 from rosic.errors import OrderVoid
 from rosic.system import SystemClock
@@ -52,7 +52,7 @@ async def test_robots_that_were_told_one_after_another_begin_together(
             await asyncio.sleep(APART_S)
         outcomes = await asyncio.gather(*tasks)
 
-    assert [outcome.ending for outcome in outcomes] == [Ending.DONE] * len(NAMES), outcomes
+    assert [outcome.ending for outcome in outcomes] == [OrderEnding.DONE] * len(NAMES), outcomes
     moments = began(file)
     assert set(moments) == set(NAMES)
     assert min(moments.values()) >= agreed_ns - 5_000_000, "nobody begins early"
@@ -91,11 +91,11 @@ async def test_who_hears_of_a_common_start_too_late_does_not_begin(
 
         strict, robot.gate = robot.gate, LetsAllBegin.new("omni")
         declined = await robot.execute(late(), lambda _report: None)
-        assert declined.ending is Ending.REFUSED
+        assert declined.ending is OrderEnding.REFUSED
         assert declined.note == "heard of the common start too late. Nothing was done."
         assert not file.exists() or began(file) == {}, "it has not moved"
 
         robot.gate = strict
         waited = replace(late(), sequel=True)
-        assert (await robot.execute(waited, lambda _report: None)).ending is Ending.DONE
+        assert (await robot.execute(waited, lambda _report: None)).ending is OrderEnding.DONE
     assert set(began(file)) == {"omni"}

@@ -9,7 +9,7 @@ import pytest
 
 from rosic.app.setup.discovery import LOOK_S, discover
 from rosic.config.profiles import check_profile, load_profile
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.interfaces.cache import KNOWN, ensure_built, make_importable
 from rosic.system import SystemClock
@@ -86,7 +86,7 @@ async def drives(path: Path, skill: str, arguments: dict[str, Argument]) -> None
     assert [str(error) for error in check_profile(path)] == []
     async with opened(load_profile(path), SystemClock()) as robot:
         outcome = await done(robot, skill, arguments)
-        assert outcome.ending is Ending.DONE, outcome
+        assert outcome.ending is OrderEnding.DONE, outcome
 
 
 async def done(robot: TriedRobot, skill: str, arguments: dict[str, Argument]) -> Outcome:

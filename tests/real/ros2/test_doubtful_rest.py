@@ -11,7 +11,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.messages import rests, status_line
-from rosic.core.order import Ending, Outcome, Stop
+from rosic.core.order import OrderEnding, Outcome, Stop
 from rosic.core.robot.profile import AtRest, StopBinding
 from rosic.errors import RobotOffline, RobotUnreachable
 from rosic.system import SystemClock
@@ -99,7 +99,7 @@ async def test_what_was_sent_is_said_though_it_was_not_measured(base: RosProcess
         await until(lambda: robot.presence().at_rest is None)
         await until(lambda: robot.presence().at_rest is True)
         outcome = await robot.do("drive", LONG)
-    assert outcome.ending is Ending.FAILED
+    assert outcome.ending is OrderEnding.FAILED
     sent, _, ended = outcome.note.partition("; ")
     assert float(sent.removeprefix("sent velocities for ").removesuffix(" s")) > 0.5
     assert ended.startswith(("then its motion was not measured", "then it was not heard")), ended
@@ -162,7 +162,7 @@ async def test_a_drive_that_ends_late_names_its_own_stop_only_where_that_ended_i
     async with opened(replace(profile(), stop=stop), SystemClock()) as robot:
         await until(lambda: robot.presence().at_rest is True)
         outcome = await robot.do("drive", SLOWLY)
-    assert outcome == Outcome(Ending.FAILED, "it came to rest late, and not by its own stop")
+    assert outcome == Outcome(OrderEnding.FAILED, "it came to rest late, and not by its own stop")
 
 
 # ---- more than one that reports it ----
@@ -216,7 +216,7 @@ async def test_joints_without_velocities_are_neither_rest_nor_motion(base: RosPr
         assert await told(base, "velocities") == 0, "nothing was sent"
         await told(base, "joints=full")
         await until(lambda: robot.presence().at_rest is True)
-        assert (await robot.do("drive", SLOWLY)).ending is Ending.DONE
+        assert (await robot.do("drive", SLOWLY)).ending is OrderEnding.DONE
 
 
 async def test_a_velocity_that_is_no_number_is_neither_rest_nor_motion(base: RosProcess) -> None:

@@ -10,7 +10,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.deadman import INTERRUPTED
-from rosic.core.order import Ending, Stage, Stop
+from rosic.core.order import OrderEnding, OrderStage, Stop
 from rosic.errors import RobotOffline, RobotUnreachable, StillMoves
 from rosic.robots.ros2.goal_watch import LOOK_EVERY_S
 from rosic.system import SystemClock
@@ -64,11 +64,11 @@ class Halves:
 
     async def go(self) -> asyncio.Task[Outcome]:
         """Send a goal, and return it once it is driven and tells of it."""
-        stages: list[Stage] = []
+        stages: list[OrderStage] = []
         under_way = asyncio.create_task(
             self.robot.execute(self.robot.order("go"), lambda told: stages.append(told.stage))
         )
-        await until(lambda: under_way.done() or stages.count(Stage.RUNNING) > 10)
+        await until(lambda: under_way.done() or stages.count(OrderStage.RUNNING) > 10)
         assert not under_way.done(), under_way
         await until(lambda: self.robot.presence().at_rest is False)
         return under_way
@@ -122,7 +122,7 @@ async def test_a_goal_ends_when_what_carries_it_out_is_frozen(halves: Halves) ->
     halves.navigator.process.send_signal(FREEZE)
     outcome = await asyncio.wait_for(under_way, 60 * pace())
     assert time.monotonic() - frozen_s < ENDED_WITHIN_S * patience()
-    assert (outcome.ending, outcome.code) == (Ending.FAILED, INTERRUPTED)
+    assert (outcome.ending, outcome.code) == (OrderEnding.FAILED, INTERRUPTED)
     assert outcome.note.startswith("moved 0.")
     assert "; then its software told nothing of it for 3." in outcome.note
     assert outcome.facts["distance_m"] > 0
@@ -134,7 +134,7 @@ async def test_a_goal_ends_when_what_carries_it_out_is_frozen(halves: Halves) ->
     await asyncio.to_thread(halves.navigator.expect, "called off")
     await halves.rests()
     outcome = await halves.robot.do("drive", {"linear": 0.1, "duration": 0.3})
-    assert outcome.ending is Ending.DONE
+    assert outcome.ending is OrderEnding.DONE
 
 
 @pytest.mark.limit(240)
@@ -147,24 +147,24 @@ async def test_a_goal_ends_when_another_has_taken_the_place_of_what_carried_it_o
     await asyncio.to_thread(halves.navigate, "navigator_b")
     outcome = await asyncio.wait_for(under_way, 60 * pace())
     assert time.monotonic() - killed_s < ENDED_WITHIN_S * patience()
-    assert outcome.ending is Ending.FAILED
+    assert outcome.ending is OrderEnding.FAILED
     assert outcome.note.endswith("; then its software began anew: ended")
     await halves.rests()
     under_way = await halves.go()
     assert (await halves.robot.stop(Stop("base", 1))).confirmed
-    assert (await asyncio.wait_for(under_way, 60 * pace())).ending is Ending.CANCELLED
+    assert (await asyncio.wait_for(under_way, 60 * pace())).ending is OrderEnding.CANCELLED
 
 
 @pytest.mark.limit(240)
 async def test_a_goal_ends_when_what_drives_was_frozen_before_it_was_accepted(
     halves: Halves,
 ) -> None:
-    stages: list[Stage] = []
+    stages: list[OrderStage] = []
     halves.navigator.process.send_signal(FREEZE)
     under_way = asyncio.create_task(
         halves.robot.execute(halves.robot.order("go"), lambda told: stages.append(told.stage))
     )
-    await until(lambda: Stage.SENT in stages)
+    await until(lambda: OrderStage.SENT in stages)
     halves.base.process.send_signal(FREEZE)
     seen_s = halves.robot._measured.within_s + 2 * LOOK_EVERY_S
     await until(lambda: (halves.robot._measured.judged_age_s() or 0.0) > seen_s)
@@ -172,7 +172,7 @@ async def test_a_goal_ends_when_what_drives_was_frozen_before_it_was_accepted(
     # At once: an acceptance is waited for 5 s, and no longer on a slow machine.
     halves.navigator.process.send_signal(GO_ON)
     outcome = await asyncio.wait_for(under_way, 30 * pace())
-    assert (outcome.ending, outcome.code) == (Ending.FAILED, INTERRUPTED)
+    assert (outcome.ending, outcome.code) == (OrderEnding.FAILED, INTERRUPTED)
     assert "then it was not heard for " in outcome.note
     await asyncio.to_thread(halves.navigator.expect, "called off")
     await halves.rests()
@@ -186,6 +186,6 @@ async def test_what_is_said_to_be_done_is_measured_at_rest(
     halves.navigator.say(f"early {on_s}")
     await asyncio.to_thread(halves.navigator.expect, "ok early")
     outcome = await halves.robot.do("go")
-    assert (outcome.ending, outcome.note) == (Ending.DONE, note)
+    assert (outcome.ending, outcome.note) == (OrderEnding.DONE, note)
     assert outcome.code == ("" if note == "there" else StillMoves.code), "it is followed up"
     assert halves.robot.presence().at_rest is (note == "there")

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from rosic.core.order import Ending, Outcome, Stage, StageReport, Stop
-from rosic.core.robot.view import Grid, Sight
+from rosic.core.order import OrderEnding, OrderStage, Outcome, StageReport, Stop
+from rosic.core.robot.view import OccupancyMap, ViewKind
 from rosic.errors import OrderVoid, RobotOffline
 from rosic.robots.ros2.client.graph import wait_for
 from rosic.robots.ros2.client.runtime import RosRuntime
@@ -89,7 +89,7 @@ class CarriedOrder:
                 except RobotOffline:
                     await asyncio.sleep(0.05)
 
-    def stages(self) -> list[Stage]:
+    def stages(self) -> list[OrderStage]:
         return list(dict.fromkeys(report.stage for report in self.reports))
 
     async def under_way(self, fraction: float = 0.02) -> None:
@@ -119,8 +119,8 @@ async def test_a_nav2_robot_goes_to_a_point_and_says_how_far_it_is(rover: TriedR
     carried = CarriedOrder(rover, "goto", {"x": -0.6, "y": 0.5, "yaw": pi / 2})
     outcome = await carried.end()
 
-    assert outcome.ending is Ending.DONE, outcome
-    assert carried.stages() == [Stage.SENT, Stage.RECEIVED, Stage.RUNNING]
+    assert outcome.ending is OrderEnding.DONE, outcome
+    assert carried.stages() == [OrderStage.SENT, OrderStage.RECEIVED, OrderStage.RUNNING]
     fractions = [r.fraction for r in carried.reports if r.fraction is not None]
     assert fractions == sorted(fractions)
     assert any(0.1 < f < 0.9 for f in fractions)
@@ -133,14 +133,14 @@ async def test_a_nav2_robot_goes_to_a_point_and_says_how_far_it_is(rover: TriedR
 async def test_a_place_of_the_profile_is_where_it_says(rover: TriedRobot) -> None:
     outcome = await do(rover, "visit", {"place": "dock"})
 
-    assert outcome.ending is Ending.DONE, outcome
+    assert outcome.ending is OrderEnding.DONE, outcome
     assert place_of(rover) == pytest.approx((0.0, 0.0), abs=0.05)
 
 
 async def test_where_no_way_leads_it_fails_with_its_own_words(rover: TriedRobot) -> None:
     outcome = await do(rover, "goto", {"x": 1.2, "y": 0.0, "yaw": 0.0})
 
-    assert outcome.ending is Ending.FAILED
+    assert outcome.ending is OrderEnding.FAILED
     assert outcome.note == "there is no way to 1.20, 0.00"
 
 
@@ -154,7 +154,7 @@ async def test_a_stop_brings_it_to_measured_rest_and_voids_what_was_meant(
     rest = await rover.stop(Stop("rover", rover.gate.generation + 1))
 
     assert rest.confirmed
-    assert (await carried.end()).ending is Ending.CANCELLED
+    assert (await carried.end()).ending is OrderEnding.CANCELLED
     await odometry.newer(odometry.received, timeout_s=5)
     message: Any = odometry.message()
     twist = message.twist.twist
@@ -182,16 +182,16 @@ async def test_a_goal_that_somebody_else_sends_ends_ours_as_failed(
     await carried.under_way()
     async with opened(shipped("rover"), clock) as another:
         outcome = await do(another, "visit", {"place": "dock"})
-        assert outcome.ending is Ending.DONE, outcome
-    assert (await carried.end()).ending is Ending.FAILED
+        assert outcome.ending is OrderEnding.DONE, outcome
+    assert (await carried.end()).ending is OrderEnding.FAILED
 
 
 async def test_battery_map_way_and_place_are_seen(rover: TriedRobot) -> None:
     await until(lambda: "battery" in rover.presence().values)
     assert 50 < float(rover.presence().values["battery"]) <= 90
-    async with asyncio.timeout(60 * pace()), aclosing(rover.look(Sight.MAP)) as views:
+    async with asyncio.timeout(60 * pace()), aclosing(rover.look(ViewKind.MAP)) as views:
         seen = (await anext(views)).content
-    assert isinstance(seen, Grid)
+    assert isinstance(seen, OccupancyMap)
     assert (seen.width, seen.height) == (100, 80)
     assert seen.pose is not None
     assert seen.pose.frame == seen.origin.frame == "map"
@@ -233,8 +233,8 @@ async def test_an_arm_goes_to_a_pose_no_faster_than_its_share(
     carried = CarriedOrder(picker, "pose", {"pose": "ready", "speed": 0.4})
     outcome = await carried.end()
 
-    assert outcome.ending is Ending.DONE, outcome
-    assert carried.stages() == [Stage.SENT, Stage.RECEIVED, Stage.RUNNING]
+    assert outcome.ending is OrderEnding.DONE, outcome
+    assert carried.stages() == [OrderStage.SENT, OrderStage.RECEIVED, OrderStage.RUNNING]
     assert any(0.1 < (r.fraction or 0.0) < 0.9 for r in carried.reports)
     found = await joints_of(onlooker)
     profile = shipped("picker")
@@ -252,7 +252,7 @@ async def test_one_joint_moves_and_the_others_stay(
     outcome = await do(picker, "joint", {"joint": "elbow_joint", "angle": 1.2})
     after = await joints_of(onlooker)
 
-    assert outcome.ending is Ending.DONE, outcome
+    assert outcome.ending is OrderEnding.DONE, outcome
     assert after["elbow_joint"][0] == pytest.approx(1.2, abs=0.01)
     others = before.keys() - {"elbow_joint"}
     assert [after[n][0] for n in others] == pytest.approx([before[n][0] for n in others], abs=1e-3)
@@ -264,7 +264,7 @@ async def test_a_joint_does_not_go_further_than_the_profile_lets_it(
     before = others.actuations("picker")
     outcome = await do(picker, "joint", {"joint": "shoulder_lift_joint", "angle": 0.5})
 
-    assert outcome.ending is Ending.REFUSED
+    assert outcome.ending is OrderEnding.REFUSED
     assert outcome.note == (
         "shoulder_lift_joint goes from -3.14 to 0.00 rad only. Nothing was done."
     )
@@ -279,7 +279,7 @@ async def test_a_stop_holds_the_arm_where_it_is(picker: TriedRobot, onlooker: Ro
     rest = await picker.stop(Stop("picker", picker.gate.generation + 1))
 
     assert rest.confirmed
-    assert (await carried.end()).ending is Ending.CANCELLED
+    assert (await carried.end()).ending is OrderEnding.CANCELLED
     found = await joints_of(onlooker)
     assert max(abs(speed) for _, speed in found.values()) < 0.005
     assert found["elbow_joint"][0] < 2.4, "it did not go on to the pose"
@@ -296,6 +296,6 @@ async def test_a_gripper_that_closes_on_something_holds_it(
     width = (await joints_of(onlooker))["finger_joint"][0]
     opened_again = await do(picker, "release", {})
 
-    assert held.ending is Ending.DONE, held
+    assert held.ending is OrderEnding.DONE, held
     assert width == pytest.approx(0.03, abs=1e-3)
-    assert opened_again.ending is Ending.DONE, opened_again
+    assert opened_again.ending is OrderEnding.DONE, opened_again

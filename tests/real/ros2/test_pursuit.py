@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.core.stop_registry import StopRegistry, not_known_yet
 from rosic.linker.linker import Linker
 from rosic.stores.stop_latch import MemoryLatch
@@ -73,7 +73,7 @@ async def test_after_a_crash_a_goal_that_goes_on_is_cancelled(
             linker.watch_stopped()
         await confirmed(linker)
         assert robot.presence().at_rest
-        assert (await asyncio.wait_for(running, 60 * pace())).ending is Ending.CANCELLED
+        assert (await asyncio.wait_for(running, 60 * pace())).ending is OrderEnding.CANCELLED
 
 
 async def test_a_robot_that_hung_when_it_was_stopped_is_stopped_once_it_runs(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.order import Ending, Outcome, Stage, Stop
+from rosic.core.order import OrderEnding, OrderStage, Outcome, Stop
 from rosic.errors import ConfigurationError, OrderVoid, RobotOffline, RobotUnreachable
 from rosic.robots.ros2.client.graph import wait_for
 from rosic.robots.ros2.client.runtime import RosRuntime
@@ -60,10 +60,10 @@ def omni(skill: dict[str, object], **more: object) -> TriedRobot:
 
 
 async def done(
-    robot: TriedRobot, stages: list[Stage] | None = None, **arguments: float | str
+    robot: TriedRobot, stages: list[OrderStage] | None = None, **arguments: float | str
 ) -> Outcome:
     """Open a robot, have it do the one thing it can, and close it."""
-    told: list[Stage] = [] if stages is None else stages
+    told: list[OrderStage] = [] if stages is None else stages
     await robot.open(lambda _text: None)
     try:
         order = robot.order("do", arguments)
@@ -81,7 +81,7 @@ async def test_one_message_is_sent_and_nobody_claims_more(peer: RosProcess) -> N
         "type": "std_msgs/msg/String",
         "message": {"data": "$text"},
     }
-    stages: list[Stage] = []
+    stages: list[OrderStage] = []
     heard: list[str] = []
     async with await RosRuntime.open(TypeRegistry(["std_msgs/msg/String"])) as listener:
         await listener.stream(
@@ -93,8 +93,8 @@ async def test_one_message_is_sent_and_nobody_claims_more(peer: RosProcess) -> N
         await robot.open(lambda _text: None)
         order = robot.order("do", {"text": "on\u202ece \ud800"})
         outcome = await robot.execute(order, lambda report: stages.append(report.stage))
-        assert outcome == Outcome(Ending.SENT)
-        assert stages == [Stage.SENT]
+        assert outcome == Outcome(OrderEnding.SENT)
+        assert stages == [OrderStage.SENT]
         await until(lambda: bool(heard))
         await robot.close()
     assert heard == ["heard: once \ufffd"]
@@ -110,7 +110,7 @@ async def test_a_stream_is_bounded_and_ends_in_zeros(peer: RosProcess) -> None:
     robot = omni({"topic": topic}, watchdog_s=0.5)
     peer.lines.clear()
     outcome = await done(robot, speed=0.25, duration=0.5)
-    assert outcome.ending is Ending.SENT, "this robot does not measure its rest"
+    assert outcome.ending is OrderEnding.SENT, "this robot does not measure its rest"
     await asyncio.to_thread(peer.expect, "twist 0.0")
     velocities = [line.split()[1] for line in peer.lines if line.startswith("twist")]
     assert 8 / patience() <= velocities.count("0.25") <= 11
@@ -138,7 +138,7 @@ async def test_after_a_stop_no_velocity_follows_the_zero(peer: RosProcess) -> No
     finally:
         await robot.close()
     assert not rest.confirmed, "it has no way to measure rest"
-    assert outcome.ending is Ending.CANCELLED
+    assert outcome.ending is OrderEnding.CANCELLED
     velocities = [line.split()[1] for line in peer.lines if line.startswith("twist")]
     assert velocities == sorted(velocities, reverse=True)
 
@@ -173,11 +173,11 @@ async def test_no_stream_begins_before_it_is_shown_who_takes_it(
 
 
 async def test_the_answer_of_a_service_is_the_receipt(peer: RosProcess) -> None:
-    stages: list[Stage] = []
+    stages: list[OrderStage] = []
     service = {"name": "/omni/stop", "type": "std_srvs/srv/Trigger"}
     outcome = await done(omni({"service": service}), stages)
-    assert outcome == Outcome(Ending.DONE, "at rest")
-    assert stages == [Stage.SENT, Stage.RECEIVED]
+    assert outcome == Outcome(OrderEnding.DONE, "at rest")
+    assert stages == [OrderStage.SENT, OrderStage.RECEIVED]
     await asyncio.to_thread(peer.expect, "stopped")
 
 
@@ -199,13 +199,13 @@ async def test_a_service_that_does_not_answer_leaves_doubt(peer: RosProcess) -> 
 async def test_a_parameter_is_set_and_read_back() -> None:
     binding = {"node": "/omni/robot", "values": {"speed_m_s": "$speed"}}
     outcome = await done(omni({"set_parameters": binding}), speed=0.75)
-    assert outcome == Outcome(Ending.DONE, "set and read back", {"speed_m_s": 0.75})
+    assert outcome == Outcome(OrderEnding.DONE, "set and read back", {"speed_m_s": 0.75})
 
 
 async def test_a_parameter_that_the_node_declines_fails_with_its_words() -> None:
     binding = {"node": "/omni/robot", "values": {"speed_m_s": "$text"}}
     outcome = await done(omni({"set_parameters": binding}), text="fast")
-    assert outcome.ending is Ending.FAILED
+    assert outcome.ending is OrderEnding.FAILED
     assert "speed_m_s was not set" in outcome.note
 
 
@@ -214,7 +214,7 @@ async def test_a_parameter_that_the_node_declines_fails_with_its_words() -> None
 
 async def test_a_robot_that_is_not_there_is_sent_nothing() -> None:
     service = {"name": "/rover/stop", "type": "std_srvs/srv/Trigger"}
-    stages: list[Stage] = []
+    stages: list[OrderStage] = []
     with pytest.raises(RobotOffline, match=r"^Omni is not there\. Nothing was sent\.$"):
         await done(omni({"service": service}), stages)
     assert stages == []
@@ -253,7 +253,7 @@ async def test_a_value_that_does_not_fit_is_not_sent(peer: RosProcess) -> None:
         "request": {"data": "$speed"},
     }
     outcome = await done(omni({"service": service}), speed=1.0)
-    assert outcome.ending is Ending.REFUSED
+    assert outcome.ending is OrderEnding.REFUSED
     assert outcome.note == "Omni cannot take these values. Nothing was done."
     assert not [line for line in peer.lines if line.startswith("slow")]
 
@@ -349,7 +349,7 @@ async def test_robots_of_one_process_share_one_node_until_the_last_closes(
                 await becomes(3)
                 # Names of nodes come later than their ends, by seconds when a packet gets lost.
                 await wait_for(onlooker, lambda seen: "/chat_interface" in seen.nodes, timeout_s=60)
-            assert (await robot.do("do")).ending is Ending.DONE
+            assert (await robot.do("do")).ending is OrderEnding.DONE
             await becomes(3)
         await becomes(2)
 

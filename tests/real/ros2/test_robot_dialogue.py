@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.order import Ending, Outcome, Stage, StageReport, Stop
+from rosic.core.order import OrderEnding, OrderStage, Outcome, StageReport, Stop
 from rosic.core.robot.profile import Link
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.bindings.dialogue import GREETING
@@ -49,8 +49,8 @@ async def test_the_greeting_is_answered_and_words_go_both_ways(
             await until(lambda: said == [f"heard: {GREETING}"])
             assert robot.presence().online is True
             order = robot.order("say", {"text": "turn\x00 le\u202eft \ud83d"})
-            assert await robot.execute(order, told.append) == Outcome(Ending.SENT)
-            assert [report.stage for report in told] == [Stage.SENT]
+            assert await robot.execute(order, told.append) == Outcome(OrderEnding.SENT)
+            assert [report.stage for report in told] == [OrderStage.SENT]
             await until(lambda: len(said) == 2)
             robot_process.say("texts 3")
             await until(lambda: len(said) == 5)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.order import Ending, Outcome, Stop
+from rosic.core.order import OrderEnding, Outcome, Stop
 from rosic.errors import OrderVoid, RobotOffline, RobotUnreachable
 from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS
 from rosic.robots.ros2.client.runtime import RosRuntime
@@ -129,7 +129,7 @@ async def test_what_is_done_is_what_was_measured(
         before = x_m(odometry)
         outcome = await robot.do("move", NEAR)
         await until(lambda: speed_m_s(odometry) == 0.0)
-        assert outcome.ending is Ending.DONE
+        assert outcome.ending is OrderEnding.DONE
         assert outcome.note == "moved 0.50 m back"
         assert outcome.facts["distance_m"] == pytest.approx(0.5, abs=0.01)
         assert x_m(odometry) - before == pytest.approx(-0.5, abs=0.01)
@@ -150,7 +150,7 @@ async def test_a_velocity_is_streamed_and_its_end_is_measured(
         outcome = await robot.do(
             "drive", {"linear": -0.2, "lateral": 0.0, "angular": 0.0, "duration": 1.0}
         )
-        assert outcome.ending is Ending.DONE, outcome
+        assert outcome.ending is OrderEnding.DONE, outcome
         assert robot.presence().at_rest is True
         # On a busy machine the stream stutters, and the robot's own watchdog stops it in between.
         assert -0.26 < x_m(odometry) - before < -0.05
@@ -205,7 +205,7 @@ async def test_a_stop_is_confirmed_only_at_rest(
         assert rest.confirmed
         assert rest.seconds > 0.1, "from this speed it takes longer to brake"
         assert standing
-        assert outcome.ending is Ending.CANCELLED
+        assert outcome.ending is OrderEnding.CANCELLED
         assert 0 < outcome.facts["distance_m"] < 4.0
         await odometry.newer(odometry.received + 5, timeout_s=30)
         assert x_m(odometry) == pytest.approx(at, abs=0.002), "it stands where it was said to stand"
@@ -227,7 +227,7 @@ async def test_a_stop_reaches_goals_of_another_gateway(
         rest = await robot.stop(Stop("omni", 1))
         assert rest.confirmed
         assert await stands(odometry)
-        assert (await asyncio.wait_for(running, 60 * pace())).ending is Ending.CANCELLED
+        assert (await asyncio.wait_for(running, 60 * pace())).ending is OrderEnding.CANCELLED
 
 
 async def test_the_same_command_through_another_gateway_acts_once(
@@ -241,9 +241,9 @@ async def test_the_same_command_through_another_gateway_acts_once(
     ):
         robot._salt = other._salt
         order = other.order("move", {"direction": "back", "distance": 0.02, "speed": 0.25})
-        assert (await other.execute(order, lambda _report: None)).ending is Ending.DONE
+        assert (await other.execute(order, lambda _report: None)).ending is OrderEnding.DONE
         outcome = await robot.execute(order, lambda _report: None)
-        assert outcome.ending is Ending.REFUSED
+        assert outcome.ending is OrderEnding.REFUSED
     assert len(omni.actuations("omni")) == before + 1
 
 
@@ -269,7 +269,7 @@ async def test_closing_brings_what_is_under_way_to_rest(
         running = await moving(robot)
         await robot.close()
         assert await stands(odometry)
-        assert (await asyncio.wait_for(running, 60 * pace())).ending is Ending.CANCELLED
+        assert (await asyncio.wait_for(running, 60 * pace())).ending is OrderEnding.CANCELLED
 
 
 class HeardLast:
@@ -297,7 +297,7 @@ async def test_what_closing_cuts_short_has_not_failed(clock: SystemClock) -> Non
         robot._brakes.calls[:] = calls  # type: ignore[assignment]
         await robot.close()
         outcome = await asyncio.wait_for(running, 60 * pace())
-    assert outcome.ending is Ending.CANCELLED
+    assert outcome.ending is OrderEnding.CANCELLED
 
 
 async def test_a_refusal_carries_the_robots_reason(omni: Simulated, clock: SystemClock) -> None:
@@ -305,7 +305,7 @@ async def test_a_refusal_carries_the_robots_reason(omni: Simulated, clock: Syste
     async with opened(shipped("omni"), clock) as robot:
         running = await moving(robot, LONG)
         outcome = await robot.do("turn", {"direction": "left", "angle": 1.0})
-        assert outcome.ending is Ending.REFUSED
+        assert outcome.ending is OrderEnding.REFUSED
         assert outcome.note == "busy with move. Nothing was done."
         await robot.stop(Stop("omni", 1))
         await running
@@ -370,4 +370,4 @@ async def test_an_absent_robot_is_not_there_and_comes_later(
         await robot.resume(1)
         with simulated(graph, tmp_path, "omni"):
             await until(lambda: robot.presence().online is True)
-            assert (await robot.do("move", NEAR)).ending is Ending.DONE
+            assert (await robot.do("move", NEAR)).ending is OrderEnding.DONE

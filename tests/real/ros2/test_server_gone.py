@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.order import Stage
+from rosic.core.order import OrderStage
 from rosic.errors import RobotUnreachable
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
@@ -38,7 +38,7 @@ async def test_a_goal_whose_server_ends_is_broken_off(
     with RosGraph(tmp_path) as graph:
         peer = graph.start(PEER, interfaces)
         robot = TriedRobot(profile, SystemClock())
-        stages: list[Stage] = []
+        stages: list[OrderStage] = []
         await robot.open(lambda _text: None)
         try:
             under_way = asyncio.create_task(
@@ -46,7 +46,7 @@ async def test_a_goal_whose_server_ends_is_broken_off(
             )
             await asyncio.to_thread(peer.expect, "goal forward", timeout_s=60 * pace())
             async with asyncio.timeout(60 * pace()):
-                while Stage.RUNNING not in stages:  # noqa: ASYNC110 - nobody is told
+                while OrderStage.RUNNING not in stages:  # noqa: ASYNC110 - nobody is told
                     await asyncio.sleep(0.01)
             await asyncio.to_thread(peer.kill)
             begun_s = time.monotonic()

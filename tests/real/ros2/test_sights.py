@@ -11,7 +11,7 @@ import pytest
 
 from rosic.core.order_gate import OrderGate
 from rosic.core.robot.profile import Camera, Link, MapSource, PathSource, PoseSource, Profile
-from rosic.core.robot.view import Encoded, Grid, Raster, Sight, View
+from rosic.core.robot.view import CompressedFrame, OccupancyMap, RawFrame, View, ViewKind
 from rosic.errors import NothingToSee
 from rosic.rendering.draw import draw
 from rosic.robots.ros2 import camera_map
@@ -60,7 +60,7 @@ async def robot(camera: Camera = JPEG) -> AsyncIterator[Ros2Robot]:
         await made.close()
 
 
-async def first(made: Ros2Robot, sight: Sight) -> View:
+async def first(made: Ros2Robot, sight: ViewKind) -> View:
     async with aclosing(made.look(sight)) as views:
         return await anext(views)
 
@@ -73,8 +73,8 @@ async def ask(eyes: RosProcess, line: str) -> None:
 @pytest.mark.usefixtures("eyes")
 async def test_a_compressed_frame_comes_as_it_was_sent() -> None:
     async with robot() as made:
-        view = await first(made, Sight.PICTURE)
-        assert isinstance(view.content, Encoded)
+        view = await first(made, ViewKind.PICTURE)
+        assert isinstance(view.content, CompressedFrame)
         assert view.content.data == b"\xff\xd8\xff frame"
         assert not view.foreign
         assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9 * patience()
@@ -83,16 +83,16 @@ async def test_a_compressed_frame_comes_as_it_was_sent() -> None:
 @pytest.mark.usefixtures("eyes")
 async def test_a_raw_frame_comes_with_its_encoding() -> None:
     async with robot(RAW) as made:
-        view = await first(made, Sight.PICTURE)
-        assert view.content == Raster(4, 3, "bgr8", 12, bytes([1, 2, 3] * 12))
-        assert isinstance(view.content, Raster)
+        view = await first(made, ViewKind.PICTURE)
+        assert view.content == RawFrame(4, 3, "bgr8", 12, bytes([1, 2, 3] * 12))
+        assert isinstance(view.content, RawFrame)
         assert draw(view.content).width == 4
 
 
 async def test_frames_are_subscribed_to_only_while_somebody_looks(eyes: RosProcess) -> None:
     async with robot() as made:
         await asyncio.to_thread(eyes.expect, "watched 0 0")
-        async with aclosing(made.look(Sight.PICTURE)) as views:
+        async with aclosing(made.look(ViewKind.PICTURE)) as views:
             await anext(views)
             await asyncio.to_thread(eyes.expect, "watched 1 0")
             one, other = await anext(views), await anext(views)
@@ -103,7 +103,7 @@ async def test_frames_are_subscribed_to_only_while_somebody_looks(eyes: RosProce
 async def test_a_stamp_of_another_clock_is_said_to_be_one(eyes: RosProcess) -> None:
     await ask(eyes, "unstamped")
     async with robot() as made:
-        view = await first(made, Sight.PICTURE)
+        view = await first(made, ViewKind.PICTURE)
         assert view.foreign
         assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9 * patience()
 
@@ -111,7 +111,7 @@ async def test_a_stamp_of_another_clock_is_said_to_be_one(eyes: RosProcess) -> N
 async def test_what_is_no_picture_is_refused_when_it_is_drawn(eyes: RosProcess) -> None:
     await ask(eyes, "shows nothing")
     async with robot() as made:
-        view = await first(made, Sight.PICTURE)
+        view = await first(made, ViewKind.PICTURE)
         with pytest.raises(NothingToSee, match="neither a JPEG nor a PNG"):
             draw(view.content)
 
@@ -122,7 +122,7 @@ async def test_a_camera_that_is_silent_is_not_waited_for(
     assert graph.domain_id >= 0
     monkeypatch.setattr(camera_map, "FIRST_WITHIN_S", 0.3)
     async with robot() as made:
-        for sight, what in ((Sight.PICTURE, "picture"), (Sight.MAP, "map")):
+        for sight, what in ((ViewKind.PICTURE, "picture"), (ViewKind.MAP, "map")):
             async with asyncio.timeout(60 * pace()):
                 with pytest.raises(NothingToSee, match=f"^Omni has sent no {what} for"):
                     await first(made, sight)
@@ -152,15 +152,17 @@ async def test_a_pose_in_another_frame_is_not_put_on_the_map(eyes: RosProcess) -
         assert grid.note == "robot not shown: its pose is in odom, the map in map"
 
 
-async def placed(made: Ros2Robot, eyes: RosProcess, frame: str, *, goes: bool = False) -> Grid:
+async def placed(
+    made: Ros2Robot, eyes: RosProcess, frame: str, *, goes: bool = False
+) -> OccupancyMap:
     """Return the map once the pose was heard, and the path if it goes: each comes in its time."""
     async with asyncio.timeout(60 * pace()):
         while made.presence().pose is None:
             await ask(eyes, f"stands {frame}")
             await asyncio.sleep(0.05)
         while True:
-            view = await first(made, Sight.MAP)
-            assert isinstance(view.content, Grid)
+            view = await first(made, ViewKind.MAP)
+            assert isinstance(view.content, OccupancyMap)
             if view.content.path or not goes:
                 return view.content
 
@@ -170,12 +172,12 @@ async def test_a_simulated_robot_films_itself_and_knows_its_room(graph: RosGraph
     await asyncio.to_thread(graph.start, "-m", "rosic", "sim", "omni")
     clock = SystemClock()
     async with opened(shipped("omni"), clock) as made:
-        view = await first(made, Sight.PICTURE)
-        assert isinstance(view.content, Encoded)
+        view = await first(made, ViewKind.PICTURE)
+        assert isinstance(view.content, CompressedFrame)
         assert draw(view.content).width == 360
         async with asyncio.timeout(60 * pace()):
             while True:  # the pose comes on a topic of its own
-                grid = (await first(made, Sight.MAP)).content
-                assert isinstance(grid, Grid)
+                grid = (await first(made, ViewKind.MAP)).content
+                assert isinstance(grid, OccupancyMap)
                 if grid.pose is not None and not grid.note:
                     break

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.config.profiles import load_profile, shipped_profiles
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.errors import ConfigurationError
 from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS, request, service_of
 from rosic.robots.ros2.client.graph import snapshot
@@ -163,11 +163,11 @@ async def test_a_grasp_without_an_object_fails(onlooker: RosRuntime, clock: Syst
     await set_fault(onlooker, "kuka1", "object", value=False)
     async with opened(shipped("kuka1"), clock) as kuka:
         outcome = await kuka.do("grasp", {"force": 15.0})
-        assert outcome.ending is Ending.FAILED
+        assert outcome.ending is OrderEnding.FAILED
         assert "nothing between the fingers" in outcome.note
         await set_fault(onlooker, "kuka1", "object", value=True)
         outcome = await kuka.do("grasp", {"force": 15.0})
-        assert outcome.ending is Ending.DONE, outcome
+        assert outcome.ending is OrderEnding.DONE, outcome
         assert kuka.presence().values == {}, "it runs on mains"
 
 
@@ -178,7 +178,7 @@ async def test_one_arm_that_fails_stops_both(onlooker: RosRuntime, clock: System
         await until(lambda: yumi.presence().at_rest is False)
         await set_fault(onlooker, "yumi", "left_arm", value=False)
         outcome = await asyncio.wait_for(running, 60 * pace())
-        assert outcome.ending is Ending.FAILED, outcome
+        assert outcome.ending is OrderEnding.FAILED, outcome
         await until(lambda: yumi.presence().at_rest is True)
     message = joints.message()
     assert message is not None
@@ -198,7 +198,7 @@ async def test_an_empty_battery_is_a_reason(
         )
         outcome = await drone.do("takeoff", {"height": 1.0})
     await set_fault(onlooker, "cf3", "battery", 1.0)
-    assert outcome.ending is Ending.REFUSED
+    assert outcome.ending is OrderEnding.REFUSED
     assert outcome.note in {f"battery {p} %: too low. Nothing was done." for p in (17, 18)}
     assert len(robots.actuations("cf3")) == before
 
@@ -256,7 +256,7 @@ async def test_a_cut_link_holds_and_is_found_again(
         await until(lambda: omni.presence().online is False)
         await set_fault(onlooker, "omni", "link", value=True)
         outcome = await asyncio.wait_for(running, 60 * pace())
-        assert outcome.ending is Ending.FAILED
+        assert outcome.ending is OrderEnding.FAILED
         assert outcome.note.startswith("link lost, holding")
         await until(lambda: omni.presence().online is True)
         assert omni.presence().at_rest is True

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS
 from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.messages.types import TypeRegistry
@@ -75,13 +75,13 @@ async def test_a_drone_that_hovers_holds_its_place_and_is_not_at_rest(
     with simulated(graph, tmp_path, "cf1"):
         async with opened(shipped("cf1"), SystemClock()) as cf1:
             await until(lambda: cf1.presence().at_rest is True)
-            assert (await cf1.do("takeoff", {"height": 0.5})).ending is Ending.DONE
+            assert (await cf1.do("takeoff", {"height": 0.5})).ending is OrderEnding.DONE
             await until(lambda: cf1.presence().holds is True)
             assert cf1.presence().at_rest is False
             assert not cf1.presence().moves
             flying = asyncio.create_task(cf1.do("goto", {"x": 1.0, "y": 0.0, "z": 0.5}))
             await until(lambda: cf1.presence().moves)
-            assert (await flying).ending is Ending.DONE
+            assert (await flying).ending is OrderEnding.DONE
             await until(lambda: not cf1.presence().moves)
 
 
@@ -135,13 +135,13 @@ async def test_three_drones_fly_together_and_one_lost_all_land(
             drones = [cf1, cf2, cf3]
             await until(lambda: len(room.places) == 3)
             outcomes = await together(drones, "takeoff", {"height": 1.0})
-            assert [o.ending for o in outcomes] == [Ending.DONE] * 3, outcomes
+            assert [o.ending for o in outcomes] == [OrderEnding.DONE] * 3, outcomes
             await until(lambda: all(abs(z - 1.0) < 0.05 for _, _, z in room.places.values()))
             starts = room.took_off_s.values()
             assert max(starts) - min(starts) < 0.1
 
             outcomes = await together(drones, "formation", {"shape": "triangle", "spacing": 0.8})
-            assert [o.ending for o in outcomes] == [Ending.DONE] * 3, outcomes
+            assert [o.ending for o in outcomes] == [OrderEnding.DONE] * 3, outcomes
             assert room.nearest_m >= APART_M
 
             lost.process.kill()
@@ -165,7 +165,7 @@ async def test_a_drone_that_goes_silent_makes_the_others_land_too(
         ):
             await until(lambda: len(room.places) == 3)
             outcomes = await together([cf1, cf2, cf3], "takeoff", {"height": 0.6})
-            assert [o.ending for o in outcomes] == [Ending.DONE] * 3, outcomes
+            assert [o.ending for o in outcomes] == [OrderEnding.DONE] * 3, outcomes
             await set_fault(saboteur, "cf3", "link", value=False)
             await until(lambda: room.on_the_ground("cf1", "cf2"))
             assert room.nearest_m >= APART_M
@@ -181,17 +181,17 @@ async def test_one_drone_keeps_behind_another_and_ends_with_it(
         async with opened(shipped("cf1"), clock) as cf1, opened(shipped("cf2"), clock) as cf2:
             await until(lambda: {"cf1", "cf2"} <= set(room.places))
             outcomes = await together([cf1, cf2], "takeoff", {"height": 1.0})
-            assert [o.ending for o in outcomes] == [Ending.DONE] * 2, outcomes
+            assert [o.ending for o in outcomes] == [OrderEnding.DONE] * 2, outcomes
             start = await cf1.do("goto", {"x": -1.5, "y": 1.5, "z": 1.0})
-            assert start.ending is Ending.DONE
+            assert start.ending is OrderEnding.DONE
             follow: dict[str, Argument] = {"leader": "cf1", "distance": 1.2, "bearing": 0.0}
             following = asyncio.create_task(cf2.do("follow", follow))
             await until(lambda: abs(room.gap("cf1", "cf2") - 1.2) < 0.05)
             room.watched = ("cf1", "cf2", 1.0)
             there = await cf1.do("goto", {"x": 2.8, "y": 1.5, "z": 1.0})
-            assert there.ending is Ending.DONE
+            assert there.ending is OrderEnding.DONE
             outcome = await following
-            assert outcome.ending is Ending.DONE, outcome
+            assert outcome.ending is OrderEnding.DONE, outcome
             # The last centimetres depend on how late this machine lets them hear each other.
             assert outcome.note.startswith("followed cf1, "), outcome
             assert float(outcome.note.split()[2]) == pytest.approx(1.2, abs=0.05), outcome

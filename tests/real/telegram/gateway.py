@@ -8,7 +8,7 @@ import time
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
-from rosic.core.message import Chat, Inbound, Outbound, Passing
+from rosic.core.message import Chat, ChatEvent, Inbound, Outbound
 from rosic.messengers.telegram.messenger import TelegramMessenger, telegram_messenger
 from rosic.testing.messenger_harness import settled
 from tests.pace import pace
@@ -51,7 +51,7 @@ class Gateway:
         self.alarms: list[MessengerFault] = []
         self.messenger.settle_with(settled)
         self.messenger.on_alarm = self.alarms.append
-        self.passings: list[Passing] = []
+        self.passings: list[ChatEvent] = []
         self.messenger.watch_chats(self.passings.append)
 
     async def receive(self, inbound: Inbound) -> None:

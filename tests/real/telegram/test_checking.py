@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.builder import ConfigurationCheck
+from rosic.app.builder import AccountProbe
 from rosic.errors import ConfigurationError, MessengerFault
 from tests.pace import patience
 from tests.real.telegram.gateway import Gateway
@@ -22,7 +22,7 @@ async def test_it_names_the_bot_and_receives_nothing(
     server: FakeTelegram, gateway: Gateway, ada: int
 ) -> None:
     server.say(ada, ada, "omni move 1 m")
-    assert isinstance(gateway.messenger, ConfigurationCheck)
+    assert isinstance(gateway.messenger, AccountProbe)
 
     said = await gateway.messenger.check()
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.message import ChatKind, Enclosure, Spot, Standing
+from rosic.core.message import ChatKind, GeoPoint, IncomingFile, MessageValidity
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram.files import FETCH_BYTES, GONE
 from rosic.testing.telegram import FakeTelegram, Settings
@@ -25,7 +25,9 @@ CONTENT = os.urandom(300_000)
 MAP = "map of hall 2.zip"
 
 
-async def sent(gateway: Gateway, ada: int, name: str = MAP, content: bytes = CONTENT) -> Enclosure:
+async def sent(
+    gateway: Gateway, ada: int, name: str = MAP, content: bytes = CONTENT
+) -> IncomingFile:
     gateway.server.send_file(ada, ada, name, content)
     async with gateway.running():
         await gateway.until(lambda: bool(gateway.heard))
@@ -34,11 +36,11 @@ async def sent(gateway: Gateway, ada: int, name: str = MAP, content: bytes = CON
     return enclosure
 
 
-async def fetched(gateway: Gateway, enclosure: Enclosure) -> bytes:
+async def fetched(gateway: Gateway, enclosure: IncomingFile) -> bytes:
     return b"".join([piece async for piece in gateway.messenger.fetch(enclosure)])
 
 
-async def yielded(gateway: Gateway, enclosure: Enclosure) -> int:
+async def yielded(gateway: Gateway, enclosure: IncomingFile) -> int:
     count = 0
     with suppress(MessengerFault):
         async for piece in gateway.messenger.fetch(enclosure):
@@ -46,7 +48,7 @@ async def yielded(gateway: Gateway, enclosure: Enclosure) -> int:
     return count
 
 
-async def fault(gateway: Gateway, enclosure: Enclosure) -> str:
+async def fault(gateway: Gateway, enclosure: IncomingFile) -> str:
     with pytest.raises(MessengerFault) as found:
         await fetched(gateway, enclosure)
     return str(found.value)
@@ -84,7 +86,7 @@ async def test_a_forwarded_file_says_so(gateway: Gateway, ada: int) -> None:
     gateway.server.send_file(ada, ada, MAP, CONTENT, forward_origin="somebody")
     async with gateway.running():
         await gateway.until(lambda: bool(gateway.heard))
-    assert gateway.heard[0].standing is Standing.FORWARDED
+    assert gateway.heard[0].standing is MessageValidity.FORWARDED
     assert gateway.heard[0].chat.kind is ChatKind.PRIVATE
 
 
@@ -101,12 +103,12 @@ async def test_a_location_is_a_place_unless_it_moves(gateway: Gateway, ada: int)
     gateway.server.say(ada, ada, "last")
     async with gateway.running():
         await gateway.until(lambda: "last" in gateway.texts)
-    assert [one.place for one in gateway.heard if one.place] == [Spot(47.07, 15.0)]
+    assert [one.place for one in gateway.heard if one.place] == [GeoPoint(47.07, 15.0)]
     assert all(one.text == "" for one in gateway.heard if one.place)
 
 
 async def test_too_large_a_file_is_refused_before_anything_is_asked(gateway: Gateway) -> None:
-    enclosure = Enclosure(id="document-1", name="all.zip", size=25_000_000)
+    enclosure = IncomingFile(id="document-1", name="all.zip", size=25_000_000)
     assert gateway.messenger.fetch_bytes == FETCH_BYTES
     sentence = await fault(gateway, enclosure)
     assert all(word in sentence for word in ("25.0 MB", "20 MB", "local_mode"))
@@ -149,7 +151,7 @@ async def test_a_link_that_has_ended_is_asked_for_anew(
 
 @pytest.mark.parametrize("name", ["x/../../y", "", "a b", "../bot", "x\0", "x" * 300])
 async def test_no_id_reaches_another_address(gateway: Gateway, name: str) -> None:
-    await fault(gateway, Enclosure(id=name, size=3))
+    await fault(gateway, IncomingFile(id=name, size=3))
     assert gateway.server.calls == []
 
 

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from rosic.authoriser.invite_codes import qr_png
 from rosic.core.message import Attachment, Button
-from rosic.core.robot.view import Clip, Raster
+from rosic.core.robot.view import Clip, RawFrame
 from rosic.errors import MessageGone, MessengerFault
 from rosic.messengers.telegram.files import FILE_BYTES
 from rosic.rendering.draw import draw
@@ -65,7 +65,7 @@ async def test_what_telegram_takes_for_no_picture_goes_as_it_is(
 async def test_what_was_drawn_is_shown_as_a_picture_or_as_an_animation(
     server: FakeTelegram, gateway: Gateway, ada: int, name: str, method: str
 ) -> None:
-    frame = Raster(64, 48, "mono8", 64, bytes(range(64)) * 48)
+    frame = RawFrame(64, 48, "mono8", 64, bytes(range(64)) * 48)
     drawing = draw(Clip((frame, frame), 0.2) if name == "gif" else frame)
     attachment = Attachment(f"omni.{name}", drawing.media_type, drawing.content)
     await gateway.messenger.send(replace(to(ada, "omni, 0.4 s ago"), attachment=attachment))
@@ -80,7 +80,7 @@ async def test_a_picture_of_an_odd_shape_goes_as_it_is(
     server: FakeTelegram, gateway: Gateway, ada: int, sides: tuple[int, int]
 ) -> None:
     width, height = sides
-    drawing = draw(Raster(width, height, "mono8", width, bytes(width * height)))
+    drawing = draw(RawFrame(width, height, "mono8", width, bytes(width * height)))
     attachment = Attachment("odd.jpg", drawing.media_type, drawing.content)
     await gateway.messenger.send(replace(to(ada, "Look."), attachment=attachment))
     assert one(server, ada)["document"]["file_name"] == "odd.jpg"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.message import Button, Passage
+from rosic.core.message import Button, ChatEventKind
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.testing.telegram import FakeTelegram, Settings
 from tests.pace import pace
@@ -318,5 +318,7 @@ async def test_a_bot_that_hears_only_commands_in_groups_says_so(
     async with FakeTelegram(limits=None, settings=Settings(privacy=privacy)) as server:
         gateway = Gateway(server)
         async with gateway.listening():
-            assert gateway.passings[0].what is (Passage.DEAF if privacy else Passage.HEARING)
+            assert gateway.passings[0].what is (
+                ChatEventKind.DEAF if privacy else ChatEventKind.HEARING
+            )
     assert ("a plain stop does not arrive" in caplog.text) is privacy

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.people import Seed
+from rosic.app.people import ConfiguredPerson
 from rosic.core.identity import Address
 from rosic.messengers.memory import MemoryMessenger
 from rosic.messengers.telegram import incoming, updates
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
 TOKEN = "1:x"  # noqa: S105 - it opens nothing
 PEOPLE = (
-    Seed("Ada", (Address("telegram", str(ADA)),), ("admin",)),
-    Seed("Bo", (Address("telegram", str(BO)),), ("viewer",)),
-    Seed("Vi", (Address("telegram", str(VI)),), ("viewer",)),
+    ConfiguredPerson("Ada", (Address("telegram", str(ADA)),), ("admin",)),
+    ConfiguredPerson("Bo", (Address("telegram", str(BO)),), ("viewer",)),
+    ConfiguredPerson("Vi", (Address("telegram", str(VI)),), ("viewer",)),
 )
 ROBOTS = ("omni", "kuka1", "cf1", "cf2")
 SEED = int(os.environ.get("ROSIC_SEED", "1"))

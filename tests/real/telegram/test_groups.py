@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.message import Chat, ChatKind, Menu, MenuScope, Passage
+from rosic.core.message import Chat, ChatEventKind, ChatKind, Menu, MenuScope
 from rosic.errors import ChatGone, ChatNotBegun
 from rosic.testing.telegram import FakeTelegram, Settings
 from tests.real.telegram.gateway import Gateway, to
@@ -80,8 +80,8 @@ async def test_coming_going_and_members(server: FakeTelegram, gateway: Gateway, 
         await gateway.hear(1)
     whats = [one.what for one in gateway.passings]
     # Heard everything before, so that being an admin changes nothing; leaving is told twice.
-    left = [Passage.LEFT] * 2
-    assert whats == [Passage.HEARING, Passage.ADDED, *left, Passage.REMOVED]
+    left = [ChatEventKind.LEFT] * 2
+    assert whats == [ChatEventKind.HEARING, ChatEventKind.ADDED, *left, ChatEventKind.REMOVED]
     assert gateway.passings[1].title == "Lab"
     assert str(gateway.passings[2].who) == f"telegram:{bo}"
 
@@ -95,11 +95,11 @@ async def test_in_privacy_mode_an_admin_hears_more() -> None:
                 server.set_member(lab, server.world.bot.id, status, by=ada)
             await gateway.until(lambda: len(gateway.passings) == 5)
         assert [one.what for one in gateway.passings] == [
-            Passage.DEAF,
-            Passage.ADDED,
-            Passage.HEARING,
-            Passage.DEAF,
-            Passage.REMOVED,
+            ChatEventKind.DEAF,
+            ChatEventKind.ADDED,
+            ChatEventKind.HEARING,
+            ChatEventKind.DEAF,
+            ChatEventKind.REMOVED,
         ]
         assert [one.deaf for one in gateway.passings[1:]] == [True, False, True, True]
 
@@ -119,7 +119,7 @@ async def test_where_we_were_put_out_nothing_is_tried_until_we_are_let_in(
         await gateway.until(lambda: len(gateway.passings) == 4)
         await gateway.messenger.send(to(lab, "done"))
         server.block(ada)
-        await gateway.until(lambda: gateway.passings[-1].what is Passage.REMOVED)
+        await gateway.until(lambda: gateway.passings[-1].what is ChatEventKind.REMOVED)
         with pytest.raises(ChatGone):
             await gateway.messenger.send(to(ada, "done"))
         server.block(ada, blocked=False)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.message import Attachment, Pieces
+from rosic.core.message import Attachment, StreamedContent
 from rosic.messengers.telegram.formatting import inert
 from rosic.testing.telegram.entities import cut
 from tests.pace import patience
@@ -81,7 +81,7 @@ async def test_what_stands_beneath_a_file_leads_nowhere(
 
     for attachment in (
         Attachment("a.zip", "application/zip", b"PK"),
-        Attachment("a.zip", "application/zip", pieces=Pieces(2, read)),
+        Attachment("a.zip", "application/zip", pieces=StreamedContent(2, read)),
     ):
         await gateway.messenger.send(replace(to(ada, FAULTY), attachment=attachment))
         check(server.messages(ada, by_bot=True)[-1])

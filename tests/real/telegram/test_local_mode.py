@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.message import Attachment, Button, Pieces
+from rosic.core.message import Attachment, Button, StreamedContent
 from rosic.errors import MessengerFault, RecordUnavailable
 from rosic.messengers.telegram.files import FILE_BYTES, LOCAL_BYTES
 from rosic.testing.telegram import FakeTelegram, Settings
@@ -34,7 +34,9 @@ def large(*, count: int = COUNT, promised: int = COUNT) -> Attachment:
         if count != promised:
             raise RecordUnavailable("The file does not read as it was kept.")
 
-    return Attachment("hall 2.zip", "application/zip", pieces=Pieces(promised * len(PIECE), read))
+    return Attachment(
+        "hall 2.zip", "application/zip", pieces=StreamedContent(promised * len(PIECE), read)
+    )
 
 
 @pytest.fixture

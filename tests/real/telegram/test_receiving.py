@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.message import Button, ChatKind, Inbound, Passage, Standing
+from rosic.core.message import Button, ChatEventKind, ChatKind, Inbound, MessageValidity
 from rosic.errors import MessageGone
 from tests.pace import patience
 from tests.real.telegram.gateway import Gateway, is_backlog, to
@@ -35,12 +35,12 @@ async def test_messages_in_every_standing(server: FakeTelegram, gateway: Gateway
         heard = await gateway.hear(6)
     heard = sorted(heard, key=lambda inbound: inbound.chat.kind is ChatKind.CHANNEL)  # side by side
     assert [inbound.standing for inbound in heard] == [
-        Standing.FRESH,
-        Standing.EDITED,
-        Standing.FORWARDED,
-        Standing.VIA_BOT,
-        Standing.ANONYMOUS,
-        Standing.CHANNEL,
+        MessageValidity.FRESH,
+        MessageValidity.EDITED,
+        MessageValidity.FORWARDED,
+        MessageValidity.VIA_BOT,
+        MessageValidity.ANONYMOUS,
+        MessageValidity.CHANNEL,
     ]
     assert heard[0].message == heard[1].message
     assert [inbound.chat.kind for inbound in heard] == [ChatKind.GROUP] * 5 + [ChatKind.CHANNEL]
@@ -58,7 +58,7 @@ async def test_posts_of_the_linked_channel_are_nobodys(
     async with gateway.listening():
         server.say(news, None, "stop")
         heard = await gateway.hear(1)
-    assert (heard[0].standing, heard[0].sender.account) == (Standing.CHANNEL, "777000")
+    assert (heard[0].standing, heard[0].sender.account) == (MessageValidity.CHANNEL, "777000")
 
 
 async def test_a_caption_counts(server: FakeTelegram, gateway: Gateway, ada: int) -> None:
@@ -201,7 +201,9 @@ async def test_what_stayed_behind_when_a_group_moved_changes_nothing_where_it_is
                 await change
         later = await gateway.messenger.send(replace(edited, reply_to=behind))
         await gateway.messenger.edit(later, to(group, "omni: done"))
-    moves = [(one.chat.id, one.new_id) for one in gateway.passings if one.what is Passage.MOVED]
+    moves = [
+        (one.chat.id, one.new_id) for one in gateway.passings if one.what is ChatEventKind.MOVED
+    ]
     assert moves == [(str(group), str(new))], "told once, whichever way it was found"
     texts = [one["text"] for one in server.messages(new, by_bot=True)]
     assert set(texts[:-1]) == {"done"}

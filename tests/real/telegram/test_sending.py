@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.message import Button, Chat, Outbound, Weight
+from rosic.core.message import Button, Chat, Outbound, SendPriority
 from rosic.errors import MessageGone, MessengerFault
 from rosic.messengers.telegram.bot_client import BotClient
 from rosic.messengers.telegram.errors import ErrorKind, TelegramError
@@ -263,7 +263,7 @@ async def test_an_urgent_message_overtakes_what_waits(
     ]
     await gateway.until(lambda: len(shown(server, ada)) >= 3)
     before = len(shown(server, ada))
-    await gateway.messenger.send(to(ada, "STOP: omni at rest (0.1 s)", weight=Weight.STOP))
+    await gateway.messenger.send(to(ada, "STOP: omni at rest (0.1 s)", weight=SendPriority.STOP))
     texts = [message["text"] for message in shown(server, ada)]
     # One card may be on its way already; the others wait a second each.
     assert texts.index("STOP: omni at rest (0.1 s)") <= before + 1 < len(waiting)

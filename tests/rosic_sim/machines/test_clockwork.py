@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rosic_sim.robots.machines.activity import ActivityState, CannotDo
+from rosic_sim.robots.machines.activity import ActivityRefused, ActivityState
 from rosic_sim.robots.machines.fast_forward import to_end, to_rest
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.machines.world import build_world
@@ -112,14 +112,14 @@ def test_a_halt_while_waiting_for_the_start_moves_nothing() -> None:
 @pytest.mark.parametrize("start_s", [61.0, inf, nan])
 def test_a_start_too_far_ahead_is_declined(start_s: float) -> None:
     omni = Omni()
-    with pytest.raises(CannotDo, match="ahead"):
+    with pytest.raises(ActivityRefused, match="ahead"):
         omni.begin("move", HALF_A_METRE, 0.0, start_s=start_s)
     assert not omni.moving
 
 
 def test_a_start_that_is_over_is_declined_unless_only_just() -> None:
     late, just = Omni(), Omni()
-    with pytest.raises(CannotDo, match="heard of the common start too late"):
+    with pytest.raises(ActivityRefused, match="heard of the common start too late"):
         late.begin("move", HALF_A_METRE, 5.0, start_s=4.85)
     assert not late.moving
     assert just.begin("move", HALF_A_METRE, 5.0, start_s=4.95).begun_s == 5.0
@@ -140,11 +140,11 @@ def test_time_never_runs_back() -> None:
 def test_one_thing_at_a_time() -> None:
     omni = Omni()
     first = omni.begin("move", HALF_A_METRE, 0.0)
-    with pytest.raises(CannotDo, match="omni: busy with move"):
+    with pytest.raises(ActivityRefused, match="omni: busy with move"):
         omni.begin("turn", {"angle_rad": 1.0}, 0.1)
     assert omni.activity is first
     omni.halt(0.8)
-    with pytest.raises(CannotDo, match="coming to rest"):
+    with pytest.raises(ActivityRefused, match="coming to rest"):
         omni.begin("move", HALF_A_METRE, 0.81)
     now_s = to_rest(omni, 0.81)
     assert omni.begin("move", HALF_A_METRE, now_s).number == 2
@@ -188,7 +188,7 @@ def test_bad_requests_are_declined_and_move_nothing(
     machine = world.machines[robot]
     machine.step(0.0)
     before = machine.telemetry()
-    with pytest.raises(CannotDo) as caught:
+    with pytest.raises(ActivityRefused) as caught:
         machine.begin(skill, arguments, 0.0)
     sentence = str(caught.value)
     assert sentence.startswith(f"{robot}: ")

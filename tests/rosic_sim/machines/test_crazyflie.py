@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rosic_sim.robots.machines.activity import ActivityState, CannotDo
+from rosic_sim.robots.machines.activity import ActivityRefused, ActivityState
 from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.machines.fast_forward import to_end
 from rosic_sim.robots.machines.swarm import Swarm
@@ -55,17 +55,17 @@ def test_what_cannot_be_done_now_is_said() -> None:
         ("goto", {"x_m": 1.0, "y_m": 0.0}),
         ("formation", {"shape": "line"}),
     ):
-        with pytest.raises(CannotDo, match="cf1: on the ground, take off first"):
+        with pytest.raises(ActivityRefused, match="cf1: on the ground, take off first"):
             drone.begin(skill, arguments, watch.now_s)
-    with pytest.raises(CannotDo, match="on the ground"):
+    with pytest.raises(ActivityRefused, match="on the ground"):
         drone.set_position(0.0, 0.0, 1.0, watch.now_s)
     fly(watch, "takeoff")
-    with pytest.raises(CannotDo, match="cf1: already flying"):
+    with pytest.raises(ActivityRefused, match="cf1: already flying"):
         drone.begin("takeoff", {}, watch.now_s)
-    with pytest.raises(CannotDo, match="triangle needs three"):
+    with pytest.raises(ActivityRefused, match="triangle needs three"):
         drone.begin("formation", {"shape": "triangle"}, watch.now_s)
     drone.halt(watch.now_s)
-    with pytest.raises(CannotDo, match="cf1: landing"):
+    with pytest.raises(ActivityRefused, match="cf1: landing"):
         drone.begin("goto", {"x_m": 1.0, "y_m": 0.0}, watch.now_s)
     watch.to_rest()
 
@@ -75,7 +75,7 @@ def test_a_low_battery_refuses_to_take_off(fraction: float, percent: int) -> Non
     world = build_world()
     world.step(0.0)
     world.set_battery("cf3", fraction)
-    with pytest.raises(CannotDo, match=f"^cf3: battery {percent} %: too low$"):
+    with pytest.raises(ActivityRefused, match=f"^cf3: battery {percent} %: too low$"):
         world.machines["cf3"].begin("takeoff", {}, 0.0)
     world.set_battery("cf3", 0.2)
     assert world.machines["cf3"].begin("takeoff", {}, 0.0).running
@@ -167,10 +167,10 @@ def test_streamed_positions_have_bounds_and_do_not_break_into_a_skill() -> None:
     watch, drone = alone()
     fly(watch, "takeoff")
     for place in ((nan, 0.0, 1.0), (9.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 9.0)):
-        with pytest.raises(CannotDo):
+        with pytest.raises(ActivityRefused):
             drone.set_position(*place, watch.now_s)
     drone.begin("goto", {"x_m": 1.0, "y_m": 0.0}, watch.now_s)
-    with pytest.raises(CannotDo, match="busy with goto"):
+    with pytest.raises(ActivityRefused, match="busy with goto"):
         drone.set_position(0.0, 0.0, 1.0, watch.now_s)
     watch.to_end()
     drone.set_position(0.0, 0.0, 1.0, watch.now_s)

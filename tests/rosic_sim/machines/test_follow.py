@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic_sim.robots.machines.activity import ActivityState, CannotDo
+from rosic_sim.robots.machines.activity import ActivityRefused, ActivityState
 from rosic_sim.robots.machines.separation import APART_M
 from tests.rosic_sim.machines.test_swarm import DatedTrio, DistantTrio, Trio
 
@@ -190,11 +190,11 @@ def test_one_behind_the_other_is_a_row_and_a_circle_is_none() -> None:
     trio.all("formation", shape="column", spacing_m=0.8)
     third.begin("follow", {"leader": "cf2"}, trio.now_s)
     trio.run(0.2)
-    with pytest.raises(CannotDo, match="cf3 follows this drone itself"):
+    with pytest.raises(ActivityRefused, match="cf3 follows this drone itself"):
         second.begin("follow", {"leader": "cf3"}, trio.now_s)
     second.begin("follow", {"leader": "cf1"}, trio.now_s)
     trio.run(0.2)
-    with pytest.raises(CannotDo, match="cf3 follows this drone itself"):
+    with pytest.raises(ActivityRefused, match="cf3 follows this drone itself"):
         first.begin("follow", {"leader": "cf3"}, trio.now_s)
     first.begin("goto", {"x_m": 2.8, "y_m": 0.0}, trio.now_s)
     trio.to_ends()
@@ -224,7 +224,7 @@ def test_what_cannot_be_followed_is_declined_and_nobody_waits_for_ever() -> None
         ({"leader": "cf2", "distance_m": 1.0}, "distance_m must be between"),
     )
     for arguments, why in wrong:
-        with pytest.raises(CannotDo, match=why):
+        with pytest.raises(ActivityRefused, match=why):
             first.begin("follow", arguments, trio.now_s)
     second.begin("takeoff", {"height_m": 1.0}, trio.now_s)
     trio.to_ends()

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rosic_sim.robots.machines.activity import ActivityState, CannotDo
+from rosic_sim.robots.machines.activity import ActivityRefused, ActivityState
 from rosic_sim.robots.machines.kinematics import iiwa_points, iiwa_tool_down
 from rosic_sim.robots.machines.kuka import HOME, IIWA_LIMITS, STATION_M, Kuka
 from rosic_sim.robots.machines.objects import SimulatedObject
@@ -102,7 +102,7 @@ def test_release_puts_it_down_where_it_was() -> None:
     cube = world.things.get(CUBE)
     assert cube is not None
     assert cube.holders == {"kuka1"}
-    with pytest.raises(CannotDo, match="kuka1: already holds the cube"):
+    with pytest.raises(ActivityRefused, match="kuka1: already holds the cube"):
         kuka.begin("grasp", {}, watch.now_s)
     watch.do("release")
     assert kuka.activity is not None
@@ -158,14 +158,14 @@ def test_a_joint_moves_to_its_angle_and_not_beyond_its_range(joint: int) -> None
     others = [a for i, a in enumerate(kuka.arm.positions) if i != joint - 1]
     assert others == [a for i, a in enumerate(HOME) if i != joint - 1]
     limit = IIWA_LIMITS[joint - 1].upper_rad
-    with pytest.raises(CannotDo, match=f"kuka1: joint {joint} reaches"):
+    with pytest.raises(ActivityRefused, match=f"kuka1: joint {joint} reaches"):
         kuka.begin("move_joint", {"joint": joint, "angle_rad": limit + 0.01}, watch.now_s)
     assert not kuka.moving
 
 
 def test_the_table_is_not_touched() -> None:
     watch, kuka, _ = watched()
-    with pytest.raises(CannotDo, match="kuka1: the arm would touch the table"):
+    with pytest.raises(ActivityRefused, match="kuka1: the arm would touch the table"):
         kuka.begin("move_joint", {"joint": 2, "angle_rad": 2.0}, 0.0)
     assert not kuka.moving
     watch.do("move_joint", joint=2, angle_rad=-1.2)
@@ -177,7 +177,7 @@ def test_the_wrist_counts_too_when_the_tips_point_up() -> None:
     watch, kuka, _ = watched()
     watch.do("move_joint", joint=6, angle_rad=-2.0)
     watch.do("move_joint", joint=4, angle_rad=0.0)
-    with pytest.raises(CannotDo, match="would touch the table"):
+    with pytest.raises(ActivityRefused, match="would touch the table"):
         kuka.begin("move_joint", {"joint": 2, "angle_rad": 2.0}, watch.now_s)
 
 
@@ -219,7 +219,7 @@ def test_no_step_ever_exceeds_a_limit_or_touches_the_table(
                 kuka.begin(skill, {}, watch.now_s)
             else:
                 kuka.begin("move_joint", {"joint": joint, "angle_rad": angle_rad}, watch.now_s)
-        except CannotDo:
+        except ActivityRefused:
             assert not kuka.moving
             continue
         if halt_after_s is not None:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rosic_sim.robots.machines.activity import ActivityState, CannotDo
+from rosic_sim.robots.machines.activity import ActivityRefused, ActivityState
 from rosic_sim.robots.machines.mecanum import BRAKING_M_S2, REST
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.machines.world import build_world
@@ -198,7 +198,7 @@ def test_a_stream_of_setpoints_drives_and_zero_ends_it() -> None:
         watch.run(0.1)
     assert omni.base.velocity == pytest.approx((0.2, 0.1, 0.3))
     assert omni.note == ""
-    with pytest.raises(CannotDo, match="driven by velocities"):
+    with pytest.raises(ActivityRefused, match="driven by velocities"):
         omni.begin("move", {"distance_m": 1.0}, watch.now_s)
     omni.set_velocity(0.0, 0.0, 0.0, watch.now_s)
     watch.to_rest(0.3)
@@ -209,9 +209,9 @@ def test_a_velocity_does_not_break_into_a_skill_but_zero_does() -> None:
     watch, omni = watched()
     activity = omni.begin("move", {"distance_m": 1.0}, 0.0)
     watch.run(0.5)
-    with pytest.raises(CannotDo, match="busy with move"):
+    with pytest.raises(ActivityRefused, match="busy with move"):
         omni.set_velocity(0.1, 0.0, 0.0, watch.now_s)
-    with pytest.raises(CannotDo, match="finite"):
+    with pytest.raises(ActivityRefused, match="finite"):
         omni.set_velocity(nan, 0.0, 0.0, watch.now_s)
     assert activity.running
     omni.set_velocity(0.0, 0.0, 0.0, watch.now_s)
@@ -248,9 +248,9 @@ def test_the_battery_drains_faster_in_motion_and_stops_the_base_when_empty() -> 
     assert omni.activity.state is ActivityState.FAILED
     assert omni.activity.detail == "battery empty"
     assert omni.at_rest()
-    with pytest.raises(CannotDo, match="omni: battery 0 %: too low"):
+    with pytest.raises(ActivityRefused, match="omni: battery 0 %: too low"):
         omni.begin("move", {"distance_m": 1.0}, 613.0)
-    with pytest.raises(CannotDo, match="too low"):
+    with pytest.raises(ActivityRefused, match="too low"):
         omni.set_velocity(0.1, 0.0, 0.0, 613.0)
 
 

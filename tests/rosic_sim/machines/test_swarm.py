@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic_sim.robots.machines.activity import ActivityState, CannotDo
+from rosic_sim.robots.machines.activity import ActivityRefused, ActivityState
 from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.machines.separation import APART_M, KEEP_M, SeparationBound, keep_apart
-from rosic_sim.robots.machines.swarm import Sighting, Swarm, slots
+from rosic_sim.robots.machines.swarm import Swarm, SwarmReport, slots
 from rosic_sim.robots.machines.world import SWARM_PLACES, build_world
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class DistantTrio(Trio):
         )
         self.now_s = 0.0
         self.delay_s = delay_s
-        self.on_the_way: deque[tuple[float, Sighting]] = deque()
+        self.on_the_way: deque[tuple[float, SwarmReport]] = deque()
         self.cut_off: set[str] = set()
         self.nearest_m = nearest_m(self.drones)
         for drone in self.drones:
@@ -95,7 +95,7 @@ class DistantTrio(Trio):
             drone.step(self.now_s)
         self.nearest_m = min(self.nearest_m, nearest_m(self.drones))
 
-    def dated(self, sighting: Sighting) -> Sighting:
+    def dated(self, sighting: SwarmReport) -> SwarmReport:
         """Without clocks that agree, what is heard counts as said just now."""
         return sighting._replace(time_s=self.now_s)
 
@@ -103,7 +103,7 @@ class DistantTrio(Trio):
 class DatedTrio(DistantTrio):
     """The same with clocks that agree, as over the topic: known is when something was said."""
 
-    def dated(self, sighting: Sighting) -> Sighting:
+    def dated(self, sighting: SwarmReport) -> SwarmReport:
         return sighting
 
 
@@ -161,10 +161,10 @@ def test_a_place_that_is_taken_is_declined() -> None:
     trio = Trio()
     trio.all("takeoff", height_m=1.0)
     first, second, _ = trio.drones
-    with pytest.raises(CannotDo, match="cf1: cf2 is there or on its way there"):
+    with pytest.raises(ActivityRefused, match="cf1: cf2 is there or on its way there"):
         first.begin("goto", {"x_m": 0.1, "y_m": 0.1}, trio.now_s)
     second.begin("goto", {"x_m": 1.0, "y_m": 0.0}, trio.now_s)
-    with pytest.raises(CannotDo, match="cf2 is there or on its way there"):
+    with pytest.raises(ActivityRefused, match="cf2 is there or on its way there"):
         first.begin("goto", {"x_m": 1.1, "y_m": 0.1}, trio.now_s)
 
 
@@ -191,7 +191,7 @@ def order(drone: Crazyflie, chance: random.Random, now_s: float) -> bool:
         else:
             place = {"x_m": chance.uniform(-1.2, 1.2), "y_m": chance.uniform(-1.2, 1.2)}
             drone.begin("goto", place, now_s, start_s=now_s + chance.choice((0.0, 0.3)))
-    except CannotDo:
+    except ActivityRefused:
         return False
     return True
 
@@ -283,7 +283,7 @@ def test_one_lost_all_land(lost: str) -> None:
     trio.run(4.0)
     assert all(drone.at_rest() for drone in trio.drones)
     assert trio.nearest_m >= APART_M
-    with pytest.raises(CannotDo, match=f"{lost} flies and is not heard"):
+    with pytest.raises(ActivityRefused, match=f"{lost} flies and is not heard"):
         others[0].begin("takeoff", {}, trio.now_s)
     trio.world.find(lost, trio.now_s)
     assert others[0].begin("takeoff", {}, trio.now_s).running
@@ -321,7 +321,7 @@ def test_a_long_gap_between_steps_lands_nobody() -> None:
 
 def test_older_news_does_not_replace_newer() -> None:
     swarm = Swarm(("cf1", "cf2"))
-    new = Sighting("cf1", 2.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, flying=True)
+    new = SwarmReport("cf1", 2.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, flying=True)
     swarm.hear(new)
     swarm.hear(new._replace(time_s=1.0, x_m=0.0))
     assert swarm.last("cf1") == new

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rosic_sim.robots.machines.activity import ActivityState, CannotDo
+from rosic_sim.robots.machines.activity import ActivityRefused, ActivityState
 from rosic_sim.robots.machines.world import PART, build_world
 from rosic_sim.robots.machines.yumi import APART_M, HOME, JOINTS, MEET
 from tests.rosic_sim.machines.watching import JointWatch, Watched
@@ -92,18 +92,18 @@ def test_the_arms_are_in_step_and_apart_except_at_the_meeting() -> None:
 def test_it_can_be_handed_back() -> None:
     watch, yumi, _, part = watched()
     watch.do("handover")
-    with pytest.raises(CannotDo, match="yumi: the right gripper already holds something"):
+    with pytest.raises(ActivityRefused, match="yumi: the right gripper already holds something"):
         yumi.begin("handover", {}, watch.now_s)
     watch.do("handover", to="left")
     assert part.holders == {"yumi/left"}
-    with pytest.raises(CannotDo, match="already holds"):
+    with pytest.raises(ActivityRefused, match="already holds"):
         yumi.begin("handover", {"to": "left"}, watch.now_s)
 
 
 def test_without_a_part_there_is_nothing_to_hand_over() -> None:
     world = build_world()
     world.remove_thing(PART)
-    with pytest.raises(CannotDo, match="yumi: the left gripper holds nothing to hand over"):
+    with pytest.raises(ActivityRefused, match="yumi: the left gripper holds nothing to hand over"):
         world.yumi.begin("handover", {}, 0.0)
     assert not world.yumi.moving
 
@@ -145,7 +145,7 @@ def test_one_arm_failing_stops_both_and_nothing_is_dropped(after_s: float, side:
     resting = yumi.arms.positions
     watch.run(1.0)
     assert yumi.arms.positions == resting
-    with pytest.raises(CannotDo, match=f"yumi: the {side} arm has failed"):
+    with pytest.raises(ActivityRefused, match=f"yumi: the {side} arm has failed"):
         yumi.begin("home", {}, watch.now_s)
     world.repair_arm(side)
     watch.do("home")
@@ -176,7 +176,7 @@ def test_whatever_is_asked_limits_hold_and_the_part_is_held(
         arguments = {"to": "left"} if what == "back" else {}
         try:
             yumi.begin("handover" if what == "back" else what, arguments, watch.now_s)
-        except CannotDo:
+        except ActivityRefused:
             continue
         watch.run(halt_after_s)
         yumi.halt(watch.now_s)

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 ADMIN = ("admin",)
 
 
-class InviteAsk(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class InviteParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """An invitation as a command asks for it.
 
     Attributes:
@@ -47,7 +47,7 @@ class InviteAsk(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     confirm: bool = False
 
 
-class RotateAsk(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class RotateParameters(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """How long the replaced key stays good."""
 
     grace_s: float = 0.0
@@ -65,7 +65,7 @@ class AccessAdmin:
 
     # ---- coming in ----
 
-    async def invite(self, asked: InviteAsk) -> tuple[str, str]:
+    async def invite(self, asked: InviteParameters) -> tuple[str, str]:
         """Make an invitation. Return what to read, and what to show as a picture.
 
         When nobody is admin, an invitation of an admin lets the first one in.
@@ -123,7 +123,7 @@ class AccessAdmin:
         how = how_to_join("\n".join(links), text).replace("send me", "send the bot")
         return f"{offer.sentence}\n{how}", links[0] if links else text
 
-    def _check(self, asked: InviteAsk) -> None:
+    def _check(self, asked: InviteParameters) -> None:
         rights = self._books.authority.rights
         if not asked.roles:
             raise NotUnderstood(messages.NO_ROLE)
@@ -178,7 +178,7 @@ class AccessAdmin:
             return self._access.keys.of(the_one(self._directory, " ".join(names)).id)
         return self._access.keys.all()
 
-    async def rotate(self, name: str, asked: RotateAsk) -> str:
+    async def rotate(self, name: str, asked: RotateParameters) -> str:
         """Replace somebody's key by a new one.
 
         Raises:

@@ -123,7 +123,7 @@ def zone_or_universal(name: str) -> Zone:
 NOTHING = msgspec.Raw(b"null")
 
 
-class Verb(enum.Enum):
+class AdminVerb(enum.Enum):
     """What may be asked."""
 
     STATUS = "status"
@@ -152,7 +152,7 @@ class Verb(enum.Enum):
     HISTORY = "history"
 
 
-class Form(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class AnswerFormat(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """How an answer is to be written.
 
     Attributes:
@@ -162,11 +162,11 @@ class Form(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     json: bool = False
 
 
-AS_JSON = msgspec.Raw(msgspec.json.encode(Form(json=True)))
+AS_JSON = msgspec.Raw(msgspec.json.encode(AnswerFormat(json=True)))
 """The body of a request whose answers are for programs."""
 
 
-class Ask(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+class AdminRequest(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """One request; one connection carries one.
 
     Attributes:
@@ -174,7 +174,7 @@ class Ask(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults
         body: What else a verb asks for, as its own struct.
     """
 
-    verb: Verb
+    verb: AdminVerb
     names: Annotated[tuple[str, ...], msgspec.Meta(max_length=256)] = ()
     body: msgspec.Raw = NOTHING
 
@@ -182,7 +182,7 @@ class Ask(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults
     def wants_json(self) -> bool:
         """Whether the answers are for programs."""
         try:
-            form = msgspec.json.decode(self.body, type=Form | None)
+            form = msgspec.json.decode(self.body, type=AnswerFormat | None)
         except msgspec.MsgspecError:
             return False
         return form is not None and form.json

@@ -15,7 +15,7 @@ from rosic.features.personal_data import operator_view
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from rosic.app.admin.api import AdminContext, Ask
+    from rosic.app.admin.api import AdminContext, AdminRequest
     from rosic.gateway.container_context import ContainerContext
 
 LISTED_AT_ONCE = 500
@@ -29,7 +29,7 @@ NEEDS_A_GATEWAY = (
 _encode = msgspec.json.Encoder(enc_hook=plain).encode
 
 
-class LimitAsk(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class LimitParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What one container may keep; None leaves it as it is."""
 
     names: int | None = None
@@ -42,13 +42,13 @@ class ContainersAdmin:
     def __init__(self, books: AdminContext) -> None:
         self._books = books
 
-    async def list(self, _ask: Ask) -> Iterable[str]:
+    async def list(self, _ask: AdminRequest) -> Iterable[str]:
         """Return every container, some at a time."""
         found = await operator_view.list_containers(self._data_context)
         ats = range(0, len(found), LISTED_AT_ONCE)
         return (_encode(found[at : at + LISTED_AT_ONCE]).decode() for at in ats)
 
-    async def show(self, ask: Ask) -> Iterable[str]:
+    async def show(self, ask: AdminRequest) -> Iterable[str]:
         """Return how much of what one holds.
 
         Raises:
@@ -58,7 +58,7 @@ class ContainersAdmin:
         shown = await operator_view.show_container(self._data_context, await self._meant(ask))
         return (_encode(shown).decode(),)
 
-    async def content(self, ask: Ask) -> Iterable[str]:
+    async def content(self, ask: AdminRequest) -> Iterable[str]:
         """Return which container was meant, then what is in it as JSON lines, many at a time.
 
         Raises:
@@ -68,7 +68,7 @@ class ContainersAdmin:
         lines = await operator_view.export_container(self._data_context, container)
         return (each for some in ((container,), lines) for each in some)
 
-    async def limit(self, ask: Ask, asked: LimitAsk) -> Iterable[str]:
+    async def limit(self, ask: AdminRequest, asked: LimitParameters) -> Iterable[str]:
         """Say what one container may keep; no other is read or touched.
 
         Raises:
@@ -80,7 +80,7 @@ class ContainersAdmin:
         )
         return (said,)
 
-    async def erase(self, ask: Ask) -> Iterable[str]:
+    async def erase(self, ask: AdminRequest) -> Iterable[str]:
         """Erase a container, for good.
 
         Raises:
@@ -98,7 +98,7 @@ class ContainersAdmin:
             raise NotUnderstood(NONE_HERE)
         return self._books.data_context
 
-    async def _meant(self, ask: Ask) -> str:
+    async def _meant(self, ask: AdminRequest) -> str:
         """Return the container that is meant: by its id, a robot's id, or a person's name."""
         name = " ".join(ask.names)
         data_context = self._data_context

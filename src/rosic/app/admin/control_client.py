@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.control_socket import ANSWER_BYTES, Answer, encode, socket_path
+from rosic.app.admin.control_socket import ANSWER_BYTES, AdminAnswer, encode, socket_path
 from rosic.errors import Fault
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
     from pathlib import Path
 
-    from rosic.app.admin.api import Ask
+    from rosic.app.admin.api import AdminRequest
 
 ANSWER_WITHIN_S = 60.0
 AGAIN_EVERY_S = 0.1
@@ -26,7 +26,7 @@ HEARD_WITHIN_S = 10.0
 # One whose socket was removed makes another by then.
 SOCKET_WITHIN_S = 4.0
 
-_decode_answer = msgspec.json.Decoder(Answer).decode
+_decode_answer = msgspec.json.Decoder(AdminAnswer).decode
 
 
 class NotRunning(Fault):
@@ -35,7 +35,9 @@ class NotRunning(Fault):
     code = "not-running"
 
 
-async def ask_gateway(data: Path, ask: Ask, tell: Callable[[str], object]) -> AsyncIterator[Answer]:
+async def ask_gateway(
+    data: Path, ask: AdminRequest, tell: Callable[[str], object]
+) -> AsyncIterator[AdminAnswer]:
     """Ask the gateway that runs on a data folder; yield its answers as they come.
 
     Args:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.core.i18n import plain
 from rosic.errors import ConfigurationError, RosicError
 
@@ -31,10 +31,10 @@ __all__ = (
     "ASK_BYTES",
     "AT_ONCE",
     "LONGEST_PATH_BYTES",
-    "Answer",
-    "Ask",
+    "AdminAnswer",
+    "AdminRequest",
+    "AdminVerb",
     "ControlServer",
-    "Verb",
     "peer_uid",
     "socket_path",
 )
@@ -52,7 +52,7 @@ LOOK_EVERY_S = 2.0
 log = logging.getLogger("rosic.control")
 
 
-class Answer(msgspec.Struct, frozen=True):
+class AdminAnswer(msgspec.Struct, frozen=True):
     """One of the answers to a request, each a line.
 
     Attributes:
@@ -65,9 +65,9 @@ class Answer(msgspec.Struct, frozen=True):
     more: bool = False
 
 
-HEARD = Answer("", more=True)
+HEARD = AdminAnswer("", more=True)
 
-_decode_ask = msgspec.json.Decoder(Ask).decode
+_decode_ask = msgspec.json.Decoder(AdminRequest).decode
 encode = msgspec.json.Encoder(enc_hook=plain).encode
 
 
@@ -219,25 +219,27 @@ class ControlServer:
         try:
             ask = _decode_ask(await asyncio.wait_for(_first_line(reader), ASK_WITHIN_S))
         except (ValueError, msgspec.MsgspecError, EOFError):
-            writer.write(_line(Answer("That is no request I know.", good=False)))
+            writer.write(_line(AdminAnswer("That is no request I know.", good=False)))
             return
-        if ask.verb is not Verb.STOP and self._following >= AT_ONCE:
-            writer.write(_line(Answer("Too many commands at once. Try again.", good=False)))
+        if ask.verb is not AdminVerb.STOP and self._following >= AT_ONCE:
+            writer.write(_line(AdminAnswer("Too many commands at once. Try again.", good=False)))
             return
         self._following += 1
         try:
             writer.write(_line(HEARD))
             async for text in self._follow(ask):
-                writer.write(_line(Answer(str(text), more=True)))  # a sentence as it is in English
+                writer.write(
+                    _line(AdminAnswer(str(text), more=True))
+                )  # a sentence as it is in English
                 await self._read(writer)
-            writer.write(_line(Answer("")))
+            writer.write(_line(AdminAnswer("")))
         except RosicError as error:
-            writer.write(_line(Answer(str(error), good=False)))
+            writer.write(_line(AdminAnswer(str(error), good=False)))
         except OSError:
             raise
         except Exception:
             log.exception("a control request failed")
-            writer.write(_line(Answer("Something went wrong; the log says what.", good=False)))
+            writer.write(_line(AdminAnswer("Something went wrong; the log says what.", good=False)))
         finally:
             self._following -= 1
 
@@ -250,14 +252,14 @@ class ControlServer:
         """
         await asyncio.wait_for(writer.drain(), self._read_within_s)
 
-    async def _follow(self, ask: Ask) -> AsyncIterator[str]:
+    async def _follow(self, ask: AdminRequest) -> AsyncIterator[str]:
         operating = self._operating
-        if ask.verb is Verb.STATUS:
+        if ask.verb is AdminVerb.STATUS:
             if ask.wants_json:
                 yield operating.status_json(ask.names)
             else:
                 yield "\n".join(operating.status(ask.names))
-        elif ask.verb is Verb.STOP:
+        elif ask.verb is AdminVerb.STOP:
             async for text in operating.stop(ask.names):
                 yield text
         else:
@@ -299,5 +301,5 @@ def _number(path: Path) -> tuple[int, int]:
     return status.st_dev, status.st_ino
 
 
-def _line(answer: Answer) -> bytes:
+def _line(answer: AdminAnswer) -> bytes:
     return encode(answer) + b"\n"

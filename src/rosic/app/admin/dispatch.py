@@ -11,20 +11,20 @@ from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
 
-from rosic.app.added_robots import Wanted
-from rosic.app.admin.access import AccessAdmin, InviteAsk, RotateAsk
-from rosic.app.admin.api import Verb
-from rosic.app.admin.containers import ContainersAdmin, LimitAsk
+from rosic.app.added_robots import AddRobotRequest
+from rosic.app.admin.access import AccessAdmin, InviteParameters, RotateParameters
+from rosic.app.admin.api import AdminVerb
+from rosic.app.admin.containers import ContainersAdmin, LimitParameters
 from rosic.app.admin.explain import Explainer
-from rosic.app.admin.history import HistoryAsk, history_of
+from rosic.app.admin.history import HistoryParameters, history_of
 from rosic.app.admin.naming import people_lines, people_listed
-from rosic.app.admin.schedule import BookAsk, ScheduleAdmin, ScheduleWindow
+from rosic.app.admin.schedule import BookParameters, ScheduleAdmin, ScheduleWindow
 from rosic.app.record_monitor import lost
 from rosic.config.profiles import known_units
 from rosic.core import messages
 from rosic.core.i18n import joined, plain, said
 from rosic.core.identity import OPERATOR
-from rosic.core.order import Rest
+from rosic.core.order import RestReport
 from rosic.core.policy.limits import unit_converter
 from rosic.errors import NotUnderstood
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Iterator, Sequence
     from typing import TypeAlias
 
-    from rosic.app.admin.api import AdminContext, Ask
+    from rosic.app.admin.api import AdminContext, AdminRequest
     from rosic.app.gateway import Gateway
     from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import RobotId
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 
 if TYPE_CHECKING:
-    Doing: TypeAlias = Callable[[Ask], Awaitable[Iterable[str]]]
+    Doing: TypeAlias = Callable[[AdminRequest], Awaitable[Iterable[str]]]
 
 LINES_AT_ONCE = 500
 ACCEPT = "accept"
@@ -66,30 +66,30 @@ class AdminApi:
         self._planning = ScheduleAdmin(books)
         self._explaining = Explainer(books)
         self._containers = ContainersAdmin(books)
-        self._doing: dict[Verb, Doing] = {
-            Verb.PEOPLE: self._people,
-            Verb.REVOKE: self._to(self.access.revoke),
-            Verb.INVITE: self._invite,
-            Verb.KEYS: self._keys,
-            Verb.ROTATE: self._rotate,
-            Verb.TAKE_KEY: self._to(self.access.take_key),
-            Verb.LOCK: self._to(self.access.lock),
-            Verb.UNLOCK: self._to(self.access.unlock),
-            Verb.EXPLAIN: self._explain,
-            Verb.SECURITY: self._security,
-            Verb.WHO: self._who,
-            Verb.TAKEN: self._taken,
-            Verb.BOOK: self._book,
-            Verb.CLOCK: self._clock,
-            Verb.CONTAINERS: self._containers.list,
-            Verb.CONTAINER: self._containers.show,
-            Verb.CONTENT: self._containers.content,
-            Verb.LIMIT: self._limit,
-            Verb.ERASE: self._containers.erase,
-            Verb.HISTORY: self._history,
+        self._doing: dict[AdminVerb, Doing] = {
+            AdminVerb.PEOPLE: self._people,
+            AdminVerb.REVOKE: self._to(self.access.revoke),
+            AdminVerb.INVITE: self._invite,
+            AdminVerb.KEYS: self._keys,
+            AdminVerb.ROTATE: self._rotate,
+            AdminVerb.TAKE_KEY: self._to(self.access.take_key),
+            AdminVerb.LOCK: self._to(self.access.lock),
+            AdminVerb.UNLOCK: self._to(self.access.unlock),
+            AdminVerb.EXPLAIN: self._explain,
+            AdminVerb.SECURITY: self._security,
+            AdminVerb.WHO: self._who,
+            AdminVerb.TAKEN: self._taken,
+            AdminVerb.BOOK: self._book,
+            AdminVerb.CLOCK: self._clock,
+            AdminVerb.CONTAINERS: self._containers.list,
+            AdminVerb.CONTAINER: self._containers.show,
+            AdminVerb.CONTENT: self._containers.content,
+            AdminVerb.LIMIT: self._limit,
+            AdminVerb.ERASE: self._containers.erase,
+            AdminVerb.HISTORY: self._history,
         }
 
-    async def do(self, ask: Ask) -> Iterable[str]:
+    async def do(self, ask: AdminRequest) -> Iterable[str]:
         """Do what is asked, and return the answers.
 
         Raises:
@@ -101,58 +101,58 @@ class AdminApi:
         return await doing(ask)
 
     def _to(self, act: Callable[[str], Awaitable[str]]) -> Doing:
-        async def doing(ask: Ask) -> Iterable[str]:
+        async def doing(ask: AdminRequest) -> Iterable[str]:
             return (await act(" ".join(ask.names)),)
 
         return doing
 
-    async def _people(self, ask: Ask) -> Iterable[str]:
+    async def _people(self, ask: AdminRequest) -> Iterable[str]:
         if ask.wants_json:
             return _lists(people_listed(self._books))
         return _together(people_lines(self._books) or ("Nobody is known yet.",))
 
-    async def _invite(self, ask: Ask) -> Iterable[str]:
-        return await self.access.invite(body_of(ask, InviteAsk))
+    async def _invite(self, ask: AdminRequest) -> Iterable[str]:
+        return await self.access.invite(body_of(ask, InviteParameters))
 
-    async def _keys(self, ask: Ask) -> Iterable[str]:
+    async def _keys(self, ask: AdminRequest) -> Iterable[str]:
         if ask.wants_json:
             return _lists(self.access.keys_listed(ask.names))
         return _together(self.access.keys(ask.names))
 
-    async def _rotate(self, ask: Ask) -> Iterable[str]:
-        return (await self.access.rotate(" ".join(ask.names), body_of(ask, RotateAsk)),)
+    async def _rotate(self, ask: AdminRequest) -> Iterable[str]:
+        return (await self.access.rotate(" ".join(ask.names), body_of(ask, RotateParameters)),)
 
-    async def _explain(self, ask: Ask) -> Iterable[str]:
+    async def _explain(self, ask: AdminRequest) -> Iterable[str]:
         if len(ask.names) != 2:  # noqa: PLR2004 - a person and a line
             raise NotUnderstood(NO_REQUEST)
         return self._explaining.explain(*ask.names)
 
-    async def _security(self, ask: Ask) -> Iterable[str]:
+    async def _security(self, ask: AdminRequest) -> Iterable[str]:
         security = self._books.access.security
         if ask.names == ("json",):
             return (_encode(security.report()).decode(),)
         return (security.text(),)
 
-    async def _clock(self, ask: Ask) -> Iterable[str]:
+    async def _clock(self, ask: AdminRequest) -> Iterable[str]:
         if ask.names not in {(), (ACCEPT,)}:
             raise NotUnderstood(NO_REQUEST)
         return (await self.access.clock(accept=ask.names == (ACCEPT,)),)
 
-    async def _who(self, _ask: Ask) -> Iterable[str]:
+    async def _who(self, _ask: AdminRequest) -> Iterable[str]:
         return (_encode(some).decode() for some in self._planning.who())
 
-    async def _taken(self, ask: Ask) -> Iterable[str]:
+    async def _taken(self, ask: AdminRequest) -> Iterable[str]:
         found = self._planning.taken(body_of(ask, ScheduleWindow))
         return (_encode(some).decode() for some in found)
 
-    async def _book(self, ask: Ask) -> Iterable[str]:
-        return (await self._planning.book(body_of(ask, BookAsk)),)
+    async def _book(self, ask: AdminRequest) -> Iterable[str]:
+        return (await self._planning.book(body_of(ask, BookParameters)),)
 
-    async def _history(self, ask: Ask) -> Iterable[str]:
-        return await history_of(self._books, body_of(ask, HistoryAsk))
+    async def _history(self, ask: AdminRequest) -> Iterable[str]:
+        return await history_of(self._books, body_of(ask, HistoryParameters))
 
-    async def _limit(self, ask: Ask) -> Iterable[str]:
-        return await self._containers.limit(ask, body_of(ask, LimitAsk))
+    async def _limit(self, ask: AdminRequest) -> Iterable[str]:
+        return await self._containers.limit(ask, body_of(ask, LimitParameters))
 
 
 def _together(lines: Sequence[str]) -> Iterator[str]:
@@ -167,7 +167,7 @@ def _lists(listed: Sequence[object]) -> Iterator[str]:
         yield _encode(listed[at : at + LINES_AT_ONCE]).decode()
 
 
-def body_of(ask: Ask, kind: type[T]) -> T:
+def body_of(ask: AdminRequest, kind: type[T]) -> T:
     """Return what else a verb asks for.
 
     Raises:
@@ -284,7 +284,7 @@ class AdminDispatcher:
         # Waiting is all that may be cut off when whoever asked goes away; the stop goes on.
         await asyncio.wait(halting.rests.values())
         found = [
-            Rest(robot, confirmed=False, seconds=0.0) if rest.exception() else rest.result()
+            RestReport(robot, confirmed=False, seconds=0.0) if rest.exception() else rest.result()
             for robot, rest in halting.rests.items()
         ]
         yield messages.rests(rooms.profiles, found)
@@ -309,16 +309,16 @@ class AdminDispatcher:
         at_ns = self._gateway.access.time.wall_ns()
         return await self._gateway.pipeline.resuming.by_operator(stopped, at_ns)
 
-    async def do(self, ask: Ask) -> Iterable[str]:
+    async def do(self, ask: AdminRequest) -> Iterable[str]:
         """Do what is asked about people and their rights, and return the answers.
 
         Raises:
             Refusal: Why not; nothing was changed.
         """
-        if ask.verb is Verb.ADD_ROBOT:
-            wanted = body_of(ask, Wanted)
+        if ask.verb is AdminVerb.ADD_ROBOT:
+            wanted = body_of(ask, AddRobotRequest)
             return (await self._gateway.robot_adder.add(wanted.draft, OPERATOR, wanted.role),)
-        if ask.verb is Verb.RESUME:
+        if ask.verb is AdminVerb.RESUME:
             return (await self.resume(ask.names),)
         if self._desk is None:
             raise NotUnderstood("Nobody answers that here.")

@@ -34,7 +34,7 @@ NO_RECORD = "This record cannot be looked into."
 _encode = msgspec.json.Encoder(enc_hook=plain).encode
 
 
-class HistoryAsk(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class HistoryParameters(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Whose history, and how much of it.
 
     Attributes:
@@ -49,7 +49,7 @@ class HistoryAsk(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     json: bool = False
 
 
-async def history_of(books: AdminContext, asked: HistoryAsk) -> Iterator[str]:
+async def history_of(books: AdminContext, asked: HistoryParameters) -> Iterator[str]:
     """Return what was asked for, the newest last, many commands at a time.
 
     Raises:
@@ -76,7 +76,7 @@ async def history_of(books: AdminContext, asked: HistoryAsk) -> Iterator[str]:
     return _written(books, found[::-1], json=asked.json)
 
 
-def _nothing(books: AdminContext, asked: HistoryAsk, query: HistoryQuery) -> str:
+def _nothing(books: AdminContext, asked: HistoryParameters, query: HistoryQuery) -> str:
     """Say in one sentence what there is nothing of."""
     if not (query.robot or query.principal or query.since_ns):
         return str(NOTHING_YET)

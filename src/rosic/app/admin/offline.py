@@ -42,9 +42,9 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterable, Sequence
     from pathlib import Path
 
-    from rosic.app.admin.api import Ask
+    from rosic.app.admin.api import AdminRequest
     from rosic.app.config import Config
-    from rosic.app.people import Seed
+    from rosic.app.people import ConfiguredPerson
     from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
@@ -87,7 +87,7 @@ class OfflineAdmin:
         self._clock = clock
         self._entropy = entropy
 
-    async def do(self, ask: Ask, seeding: OfflineSeeding) -> tuple[str, ...]:
+    async def do(self, ask: AdminRequest, seeding: OfflineSeeding) -> tuple[str, ...]:
         """Do what is asked and return the answers.
 
         Raises:
@@ -119,7 +119,7 @@ class OfflineAdmin:
             return (*people_lines(books), *later) or ("Nobody is known yet.",)
 
     @property
-    def _seeds(self) -> Sequence[Seed]:
+    def _seeds(self) -> Sequence[ConfiguredPerson]:
         return () if self._config is None else self._config.people
 
     @asynccontextmanager

@@ -25,7 +25,7 @@ from rosic.errors import (
     RobotTaken,
     TooManyRequests,
 )
-from rosic.organiser.planning.problem import Booked, PlanningProblem
+from rosic.organiser.planning.problem import PlanningProblem, StandingSlot
 from rosic.organiser.planning.wish_file import (
     WishNames,
     opening_hours,
@@ -49,7 +49,7 @@ PEOPLE_A_LINE = 2_000
 SLOTS_A_LINE = 8_000
 
 
-class Who(msgspec.Struct, frozen=True, kw_only=True):
+class KnownNames(msgspec.Struct, frozen=True, kw_only=True):
     """Whom and what a list of wishes may name.
 
     Attributes:
@@ -72,7 +72,7 @@ class ScheduleWindow(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     to_ns: int
 
 
-class Taken(msgspec.Struct, frozen=True):
+class TakenSlot(msgspec.Struct, frozen=True):
     """Slots that stand: robot, start, end."""
 
     slots: tuple[tuple[RobotId, int, int], ...]
@@ -87,7 +87,7 @@ class SlotBooking(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     length_s: int
 
 
-class BookAsk(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class BookParameters(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Slots to be booked together: all of them, or none."""
 
     slots: tuple[SlotBooking, ...]
@@ -100,23 +100,23 @@ class ScheduleAdmin:
         self._books = books
         self._calendar = books.organiser.calendar
 
-    def who(self) -> Iterator[Who]:
+    def who(self) -> Iterator[KnownNames]:
         """Yield who there is, some people at a time."""
         directory = self._books.authoriser.directory
         people = [p for p in directory.people() if directory.has_good_key(p.id)]
         alone = Counter(person.name for person in people)
         fleet = self._books.authority.rights.fleet
         robots = {**fleet.groups, **{robot: (robot,) for robot in fleet.skills}}
-        yield Who(people={}, names={}, robots=robots, zone=self._books.zone.name)
+        yield KnownNames(people={}, names={}, robots=robots, zone=self._books.zone.name)
         for at in range(0, len(people), PEOPLE_A_LINE):
             some = people[at : at + PEOPLE_A_LINE]
             by_name = {person.name: person.id for person in some if alone[person.name] == 1}
-            yield Who(
+            yield KnownNames(
                 people={**by_name, **{person.id: person.id for person in some}},
                 names={person.id: self._books.name(person.id) for person in some},
             )
 
-    def taken(self, window: ScheduleWindow) -> Iterator[Taken]:
+    def taken(self, window: ScheduleWindow) -> Iterator[TakenSlot]:
         """Yield every slot that takes some of this time."""
         slots = [
             (slot.robot, slot.start_ns, slot.end_ns)
@@ -124,9 +124,9 @@ class ScheduleAdmin:
             for slot in self._calendar.on(robot, window.from_ns, window.to_ns)
         ]
         for at in range(0, len(slots), SLOTS_A_LINE):
-            yield Taken(tuple(slots[at : at + SLOTS_A_LINE]))
+            yield TakenSlot(tuple(slots[at : at + SLOTS_A_LINE]))
 
-    async def book(self, asked: BookAsk) -> str:
+    async def book(self, asked: BookParameters) -> str:
         """Book slots in one change: all of them, or none.
 
         Raises:
@@ -142,7 +142,7 @@ class ScheduleAdmin:
         count = len(asked.slots)
         return f"Booked: {count} {'slot' if count == 1 else 'slots'}."
 
-    def _checked(self, asked: BookAsk) -> list[tuple[Decided | Fact, ...]]:
+    def _checked(self, asked: BookParameters) -> list[tuple[Decided | Fact, ...]]:
         self._check_apart(asked)
         self._check_shares(asked)
         return [self._one(slot) for slot in asked.slots]
@@ -163,7 +163,7 @@ class ScheduleAdmin:
         said = [Decided(act="book", by=OPERATOR, about=f.key, at_ns=now_ns) for f in facts]
         return (*said, *facts)
 
-    def _check_apart(self, asked: BookAsk) -> None:
+    def _check_apart(self, asked: BookParameters) -> None:
         """See that no two of the slots themselves take the same robot at one time."""
         spans: defaultdict[RobotId, list[tuple[int, int]]] = defaultdict(list)
         for slot in asked.slots:
@@ -174,7 +174,7 @@ class ScheduleAdmin:
                 shown = self._books.shown(robot)
                 raise RobotTaken(f"{shown} would be given twice at one time. Nothing was booked.")
 
-    def _check_shares(self, asked: BookAsk) -> None:
+    def _check_shares(self, asked: BookParameters) -> None:
         """See that nobody gets more slots to come than one person may have."""
         now_ns, most = self._books.clock.wall_ns(), self._calendar.limits.most_upcoming
         for who, more in Counter(slot.principal for slot in asked.slots).items():
@@ -193,7 +193,7 @@ _HOURS = re.compile(r"(\d{1,2}:\d{2})\s*-\s*(\d{1,2}:\d{2})")
 READERS = {".csv": wishes_from_csv, ".json": wishes_from_json}
 
 
-def merged_who(parts: Iterable[Who]) -> Who:
+def merged_who(parts: Iterable[KnownNames]) -> KnownNames:
     """Return what was told in parts as one."""
     people: dict[str, str] = {}
     names: dict[str, str] = {}
@@ -204,10 +204,10 @@ def merged_who(parts: Iterable[Who]) -> Who:
         names |= part.names
         robots |= part.robots
         zone = part.zone or zone
-    return Who(people=people, names=names, robots=robots, zone=zone)
+    return KnownNames(people=people, names=names, robots=robots, zone=zone)
 
 
-def read_wishes(path: Path, who: Who) -> tuple[tuple[Wish, ...], tuple[str, ...]]:
+def read_wishes(path: Path, who: KnownNames) -> tuple[tuple[Wish, ...], tuple[str, ...]]:
     """Return the wishes of a file, and a sentence for each line that is wrong.
 
     Raises:
@@ -266,9 +266,12 @@ def _minutes(text: str) -> int | None:
 
 
 def problem_of(
-    wishes: tuple[Wish, ...], who: Who, taken: Iterable[Taken], openings: tuple[Span, ...] = ()
+    wishes: tuple[Wish, ...],
+    who: KnownNames,
+    taken: Iterable[TakenSlot],
+    openings: tuple[Span, ...] = (),
 ) -> PlanningProblem:
     """Return the problem: wishes, the robots there are, what is booked, when it is open."""
     robots = tuple(dict.fromkeys(robot for some in who.robots.values() for robot in some))
-    booked = tuple(Booked(*slot) for part in taken for slot in part.slots)
+    booked = tuple(StandingSlot(*slot) for part in taken for slot in part.slots)
     return PlanningProblem(wishes=wishes, robots=robots, booked=booked, openings=openings)

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.api import Ask, Verb
+from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.app.admin.control_client import NotRunning, ask_gateway
 from rosic.app.private_memory import keep_memory_private
 from rosic.app.record_monitor import lost
@@ -29,7 +29,7 @@ from rosic.stores.record_mark import RecordMark, was_begun
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
-    from rosic.app.admin.control_socket import Answer
+    from rosic.app.admin.control_socket import AdminAnswer
     from rosic.app.config import Config
     from rosic.contracts.clock import Clock, Entropy
 
@@ -42,7 +42,7 @@ _LOST = str(lost(""))
 async def examine_record(data: Path) -> DiagnosticFinding:
     """Ask the gateway that runs on a data folder, or look at the folder."""
     try:
-        asked = ask_gateway(data, Ask(Verb.STATUS), log.warning)
+        asked = ask_gateway(data, AdminRequest(AdminVerb.STATUS), log.warning)
         said = [answer.text async for answer in asked]
     except NotRunning:
         return _of_nobody(data)
@@ -169,7 +169,9 @@ async def _asked(config: Config, name: str) -> AsyncIterator[DiagnosticFinding]:
             name, FindingVerdict.LOOK, f"there is no such robot; there are: {known}"
         )
         return
-    async for answer in ask_gateway(config.data, Ask(Verb.STOP, (name,)), log.warning):
+    async for answer in ask_gateway(
+        config.data, AdminRequest(AdminVerb.STOP, (name,)), log.warning
+    ):
         yield DiagnosticFinding(name, verdict_of(answer), answer.text)
     text = f"by the running gateway; it stays stopped until somebody says: resume {name}"
     yield DiagnosticFinding(name, FindingVerdict.GOOD, text)
@@ -177,7 +179,7 @@ async def _asked(config: Config, name: str) -> AsyncIterator[DiagnosticFinding]:
     yield DiagnosticFinding(name, FindingVerdict.NOT_MEASURED, text)
 
 
-def verdict_of(answer: Answer) -> FindingVerdict:
+def verdict_of(answer: AdminAnswer) -> FindingVerdict:
     """Judge what a gateway says of the stop of one robot."""
     well = answer.text.startswith(SENT) or AT_REST.search(answer.text) is not None
     return FindingVerdict.GOOD if answer.good and well else FindingVerdict.LOOK

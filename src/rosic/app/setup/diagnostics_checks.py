@@ -13,7 +13,7 @@ from pathlib import Path
 from statistics import quantiles
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.app.builder import ConfigurationCheck, messenger_of
+from rosic.app.builder import AccountProbe, messenger_of
 from rosic.errors import ConfigurationError, RosicError
 from rosic.robots.ros2.client.rclpy_import import load_ros
 from rosic.stores import sqlite
@@ -203,7 +203,7 @@ async def examine_messengers(config: Config, clock: Clock) -> AsyncIterator[Diag
     for table in config.messengers:
         try:
             messenger = messenger_of(table, clock)
-            if not isinstance(messenger, ConfigurationCheck):
+            if not isinstance(messenger, AccountProbe):
                 yield _unchecked(messenger)
                 continue
             async with asyncio.timeout(CHECK_WITHIN_S):

@@ -6,7 +6,14 @@ import asyncio
 from math import isfinite
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
 
-from rosic.app.setup.profile_draft import BATTERY, JOINTS, ODOMETRY, Reported, SeenRobot, rest_of
+from rosic.app.setup.profile_draft import (
+    BATTERY,
+    JOINTS,
+    ODOMETRY,
+    ReportedTopics,
+    SeenRobot,
+    rest_of,
+)
 from rosic.core.robot.profile import AtRest
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RosicError
@@ -45,7 +52,7 @@ async def listened(runtime: RosRuntime, clock: Clock, seen: SeenRobot) -> SeenRo
     heard = {topic: rest for (topic, _), rest in zip(showing, rests, strict=True)}
     full = await _all(_charge(runtime, topic) for topic, _ in charged)
     return seen._replace(
-        reported=Reported(
+        reported=ReportedTopics(
             every_s={topic: rest.every_s for topic, rest in heard.items() if rest.every_s},
             no_rest={topic: rest.doubt for topic, rest in heard.items() if rest.doubt},
             per_cent=frozenset(

@@ -61,7 +61,7 @@ NUMBERS = re.compile(r"(?:double|float|float32|float64|u?int(?:8|16|32|64))\Z")
 WHOLE = re.compile(r"u?int(?:8|16|32|64)\Z")
 
 
-class Reported(NamedTuple):
+class ReportedTopics(NamedTuple):
     """What was heard of its topics while it was looked at.
 
     Attributes:
@@ -96,7 +96,7 @@ class SeenRobot(NamedTuple):
     stand: MapPose | None = None
     limbs: Mapping[str, ArmDraft] = {}
     mixed: str = ""
-    reported: Reported = Reported()
+    reported: ReportedTopics = ReportedTopics()
 
 
 def robot_id(namespace: str) -> str:

@@ -14,7 +14,7 @@ from rosic.config.profile_rest import enough_s
 from rosic.config.profiles import known_units
 from rosic.core.identity import COMMAND_ID_BYTES, OPERATOR, command_id
 from rosic.core.language import Vocabulary
-from rosic.core.order import Ending, Order, Outcome, Permit, Rest, Stage, Stop
+from rosic.core.order import Order, OrderEnding, OrderStage, Outcome, Permit, RestReport, Stop
 from rosic.core.order_gate import OrderGate
 from rosic.core.policy.scope import RESUME
 from rosic.core.records import Claimed, Concluded, Resumed, Stopped, Told
@@ -55,7 +55,7 @@ WATCHDOG_AT_MOST_S = 5.0
 class SilenceTest(Protocol):
     """A robot link that can try out the robot's own watchdog."""
 
-    async def fall_silent(self, order: Order, tell: Tell) -> Rest:
+    async def fall_silent(self, order: Order, tell: Tell) -> RestReport:
         """Stream as `execute` does, then cease without a zero, and wait for measured rest.
 
         Returns:
@@ -65,7 +65,7 @@ class SilenceTest(Protocol):
 
 
 @runtime_checkable
-class TellsHowItReports(Protocol):
+class DescribesTelemetry(Protocol):
     """A robot link that can tell how its robot reports."""
 
     async def rest_every_s(self, within_s: float) -> float | None:
@@ -90,7 +90,7 @@ class _Drive(NamedTuple):
         fault: Why no velocity was sent; empty if one was.
     """
 
-    rest: Rest
+    rest: RestReport
     seen: bool
     fault: str
 
@@ -181,12 +181,12 @@ class StopTest:
 
     def _guessed(self) -> tuple[str, ...]:
         self._robot.presence()  # reads everything
-        return self._robot.guessed() if isinstance(self._robot, TellsHowItReports) else ()
+        return self._robot.guessed() if isinstance(self._robot, DescribesTelemetry) else ()
 
     async def _seldom(self) -> str:
         """Say what to write where what shows rest comes more rarely than the profile allows."""
         at_rest, robot = self._profile.at_rest, self._robot
-        if at_rest is None or not isinstance(robot, TellsHowItReports):
+        if at_rest is None or not isinstance(robot, DescribesTelemetry):
             return ""
         every_s = await robot.rest_every_s(LISTENED_S)
         if every_s is None:
@@ -224,13 +224,13 @@ class StopTest:
 
     async def _move_until_stopped(self) -> _Drive:
         """Let it move slowly and stop it."""
-        order, heard = await self._claim(), set[Stage]()
+        order, heard = await self._claim(), set[OrderStage]()
         moving = asyncio.create_task(
             self._robot.execute(order, lambda report: heard.add(report.stage))
         )
         try:
             # Whoever listens at the robot may have to be found first: that is no slow start.
-            await self._until(lambda: Stage.SENT in heard or moving.done(), LIVES_S)
+            await self._until(lambda: OrderStage.SENT in heard or moving.done(), LIVES_S)
             seen = await self._until(
                 lambda: self._robot.presence().at_rest is False, MOVING_WITHIN_S
             )
@@ -240,11 +240,11 @@ class StopTest:
         finally:
             moving.cancel()
             ended = await asyncio.gather(moving, return_exceptions=True)
-        await self._conclude(order, Outcome(Ending.CANCELLED))
+        await self._conclude(order, Outcome(OrderEnding.CANCELLED))
         fault = next((str(end) for end in ended if isinstance(end, RosicError)), "")
-        return _Drive(rest, seen, fault if Stage.SENT not in heard else "")
+        return _Drive(rest, seen, fault if OrderStage.SENT not in heard else "")
 
-    async def _apply_stop(self) -> Rest:
+    async def _apply_stop(self) -> RestReport:
         generation = self._robot.gate.generation + 1
         rest = await self._robot.stop(Stop(self._profile.id, generation))
         self._confirmed = rest.confirmed
@@ -271,15 +271,15 @@ class StopTest:
         if not isinstance(robot, SilenceTest):
             text = "watchdog: this link cannot fall silent on purpose"
             return DiagnosticFinding(about, FindingVerdict.NOT_MEASURED, text)
-        order, heard = await self._claim(), set[Stage]()
+        order, heard = await self._claim(), set[OrderStage]()
         rest = await robot.fall_silent(order, lambda report: heard.add(report.stage))
-        await self._conclude(order, Outcome(Ending.DONE))
-        if Stage.RECEIVED not in heard:
+        await self._conclude(order, Outcome(OrderEnding.DONE))
+        if OrderStage.RECEIVED not in heard:
             text = "watchdog: it was sent velocities, and not measured to move"
             return DiagnosticFinding(about, FindingVerdict.LOOK, text)
         return self._judged(rest)
 
-    def _judged(self, rest: Rest) -> DiagnosticFinding:
+    def _judged(self, rest: RestReport) -> DiagnosticFinding:
         """Hold what was measured against what the profile says."""
         stated_s = self._profile.watchdog_s or 0.0
         late = rest.seconds > stated_s + BRAKING_S

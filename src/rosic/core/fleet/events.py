@@ -11,7 +11,7 @@ from rosic.core.fleet.task import FleetMembership, Task, TaskId, TaskReason
 from rosic.core.robot.profile import RobotId
 
 
-class End(enum.Enum):
+class AttemptEnd(enum.Enum):
     """How an attempt ended, as far as a fleet cares."""
 
     __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
@@ -38,35 +38,35 @@ class End(enum.Enum):
 # ---- what happened ----
 
 
-class Given(msgspec.Struct, frozen=True):
+class TaskGiven(msgspec.Struct, frozen=True):
     """Somebody gave a task."""
 
     task: Task
 
 
-class Chosen(msgspec.Struct, frozen=True):
+class RobotChosen(msgspec.Struct, frozen=True):
     """A robot was chosen for a task that waits."""
 
     task: TaskId
     robot: RobotId
 
 
-class Begun(msgspec.Struct, frozen=True):
+class AttemptBegun(msgspec.Struct, frozen=True):
     """The order of an attempt is on disk."""
 
     task: TaskId
     attempt: int
 
 
-class Ended(msgspec.Struct, frozen=True):
+class AttemptEnded(msgspec.Struct, frozen=True):
     """An attempt is over."""
 
     task: TaskId
     attempt: int
-    end: End
+    end: AttemptEnd
 
 
-class Deviated(msgspec.Struct, frozen=True):
+class RobotDeviated(msgspec.Struct, frozen=True):
     """A robot does not do as it should: it is late, or was not heard of for too long."""
 
     task: TaskId
@@ -88,7 +88,7 @@ class TaskHeld(msgspec.Struct, frozen=True):
     why: TaskReason
 
 
-class Released(msgspec.Struct, frozen=True):
+class TaskReleased(msgspec.Struct, frozen=True):
     """Somebody wants a task to go on that is paused, has failed, or is in doubt.
 
     Attributes:
@@ -105,7 +105,7 @@ class TaskExpired(msgspec.Struct, frozen=True):
     task: TaskId
 
 
-class Overdue(msgspec.Struct, frozen=True):
+class TaskOverdue(msgspec.Struct, frozen=True):
     """A task is not done by when it was to be.
 
     Attributes:
@@ -116,7 +116,7 @@ class Overdue(msgspec.Struct, frozen=True):
     whole: bool
 
 
-class Stood(msgspec.Struct, frozen=True):
+class MembershipSet(msgspec.Struct, frozen=True):
     """Somebody lets a robot take part, or not."""
 
     robot: RobotId
@@ -138,21 +138,21 @@ class TaskFound(msgspec.Struct, frozen=True):
     """
 
     task: TaskId
-    end: End | None
+    end: AttemptEnd | None
 
 
 Event: TypeAlias = (
-    Given
-    | Chosen
-    | Begun
-    | Ended
-    | Deviated
+    TaskGiven
+    | RobotChosen
+    | AttemptBegun
+    | AttemptEnded
+    | RobotDeviated
     | RobotRested
     | TaskHeld
-    | Released
+    | TaskReleased
     | TaskExpired
-    | Overdue
-    | Stood
+    | TaskOverdue
+    | MembershipSet
     | TaskHanded
     | TaskFound
 )
@@ -161,7 +161,7 @@ Event: TypeAlias = (
 # ---- what is to be done ----
 
 
-class Begin(msgspec.Struct, frozen=True):
+class BeginAttempt(msgspec.Struct, frozen=True):
     """Ask a robot for the next step, as an order like any other."""
 
     task: TaskId
@@ -170,7 +170,7 @@ class Begin(msgspec.Struct, frozen=True):
     step: int
 
 
-class Recall(msgspec.Struct, frozen=True):
+class RecallAttempt(msgspec.Struct, frozen=True):
     """End what a robot does for a task, see it at rest or cut it off for good; then say so."""
 
     task: TaskId
@@ -186,7 +186,7 @@ class TaskChanged(msgspec.Struct, frozen=True):
     after: Task
 
 
-Doing: TypeAlias = Begin | Recall | TaskChanged
+Doing: TypeAlias = BeginAttempt | RecallAttempt | TaskChanged
 
 
 class Transition(msgspec.Struct, frozen=True):

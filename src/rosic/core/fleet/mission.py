@@ -90,7 +90,7 @@ class Mission(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         return self.title or self.name
 
 
-class Leaf(NamedTuple):
+class MissionTask(NamedTuple):
     """One task of a mission.
 
     Attributes:
@@ -121,7 +121,7 @@ def lay_out(
     missions: Mapping[str, Mission],
     units: UnitTable,
     given: Mapping[str, float] | None = None,
-) -> list[Leaf]:
+) -> list[MissionTask]:
     """Return the tasks of a mission, each after those it waits for.
 
     Args:
@@ -136,11 +136,11 @@ def lay_out(
     """
     layout = _Layout(missions, units)
     texts = {} if given is None else texts_of(mission.parameters, given)
-    layout.row(mission.do, (), ("do",), Within((mission.name,), texts))
+    layout.row(mission.do, (), ("do",), PartPosition((mission.name,), texts))
     return layout.leaves
 
 
-class Within(NamedTuple):
+class PartPosition(NamedTuple):
     """Where a part stands.
 
     Attributes:
@@ -154,7 +154,7 @@ class Within(NamedTuple):
 
 class _Layout:
     def __init__(self, missions: Mapping[str, Mission], units: UnitTable) -> None:
-        self.leaves: list[Leaf] = []
+        self.leaves: list[MissionTask] = []
         self._units = units
         self._missions = missions
         self._included_ever = 0
@@ -164,7 +164,7 @@ class _Layout:
         parts: tuple[MissionPart, ...],
         after: tuple[int, ...],
         place: tuple[str | int, ...],
-        within: Within,
+        within: PartPosition,
     ) -> tuple[int, ...]:
         """Lay parts out one after another; return what has to be done for all to be done."""
         for index, part in enumerate(parts):
@@ -176,7 +176,7 @@ class _Layout:
         part: MissionPart,
         after: tuple[int, ...],
         place: tuple[str | int, ...],
-        within: Within,
+        within: PartPosition,
     ) -> tuple[int, ...]:
         """Lay one part out."""
         if part.steps:
@@ -196,12 +196,12 @@ class _Layout:
         part: MissionPart,
         after: tuple[int, ...],
         place: tuple[str | int, ...],
-        within: Within,
+        within: PartPosition,
     ) -> tuple[int, ...]:
         if len(self.leaves) >= TASKS_AT_MOST:
             raise InvalidMission(place, f"This mission has more than {TASKS_AT_MOST} tasks.")
         steps = tuple(filled(step, within.texts) for step in part.steps)
-        self.leaves.append(Leaf(part, after, steps))
+        self.leaves.append(MissionTask(part, after, steps))
         return (len(self.leaves) - 1,)
 
     def _included(
@@ -209,7 +209,7 @@ class _Layout:
         part: MissionPart,
         after: tuple[int, ...],
         place: tuple[str | int, ...],
-        within: Within,
+        within: PartPosition,
     ) -> tuple[int, ...]:
         missions, other = within.missions, self._missions.get(part.mission)
         if part.mission in missions:
@@ -224,7 +224,7 @@ class _Layout:
             raise InvalidMission(
                 place, f"This mission includes more than {INCLUDED_AT_MOST} missions."
             )
-        inner = Within((*missions, part.mission), self._handed_on(part, other, place, within))
+        inner = PartPosition((*missions, part.mission), self._handed_on(part, other, place, within))
         # What is wrong inside another mission is said where that one is included.
         try:
             return self.row(other.do, after, ("do",), inner)
@@ -232,7 +232,7 @@ class _Layout:
             raise InvalidMission(place, wrong.sentence) from wrong
 
     def _handed_on(
-        self, part: MissionPart, other: Mission, place: tuple[str | int, ...], within: Within
+        self, part: MissionPart, other: Mission, place: tuple[str | int, ...], within: PartPosition
     ) -> dict[str, str]:
         """Return what another mission is given for what it leaves open."""
         given: dict[str, float] = {}

@@ -80,7 +80,7 @@ class TaskNeed(msgspec.Struct, frozen=True, array_like=True):
     localised: bool = False
 
 
-class Due(msgspec.Struct, frozen=True, array_like=True):
+class TaskDeadline(msgspec.Struct, frozen=True, array_like=True):
     """By when a task of a mission is to be done. Zero never passes.
 
     Attributes:
@@ -144,7 +144,7 @@ class Task(msgspec.Struct, frozen=True, kw_only=True):
     place: tuple[float, float] | None = None
     mission: str = ""
     after: tuple[TaskId, ...] = ()
-    due: Due = Due()
+    due: TaskDeadline = TaskDeadline()
     state: TaskState = TaskState.QUEUED
     robot: RobotId = ""
     attempt: int = 0

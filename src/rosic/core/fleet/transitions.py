@@ -28,16 +28,16 @@ if TYPE_CHECKING:
     from rosic.core.fleet.state import FleetState
 
 _LEAVES = {
-    e.End.FAILED: TaskReason.FAILED,
-    e.End.UNKNOWN: TaskReason.LOST,
-    e.End.STOPPED: TaskReason.STOPPED,
-    e.End.INTERRUPTED: TaskReason.INTERRUPTED,
+    e.AttemptEnd.FAILED: TaskReason.FAILED,
+    e.AttemptEnd.UNKNOWN: TaskReason.LOST,
+    e.AttemptEnd.STOPPED: TaskReason.STOPPED,
+    e.AttemptEnd.INTERRUPTED: TaskReason.INTERRUPTED,
 }
 # Nothing moves, or whoever has the robot now has seen it at rest.
 _LEFT = {
-    e.End.TAKEN: TaskReason.TAKEN,
-    e.End.REFUSED: TaskReason.REFUSED,
-    e.End.SHUT_DOWN: TaskReason.RESTARTED,
+    e.AttemptEnd.TAKEN: TaskReason.TAKEN,
+    e.AttemptEnd.REFUSED: TaskReason.REFUSED,
+    e.AttemptEnd.SHUT_DOWN: TaskReason.RESTARTED,
 }
 _RESTS_AS = {
     TaskReason.PAUSED: TaskState.PAUSED,
@@ -50,7 +50,7 @@ _EXCLUDED = frozenset({TaskReason.FAILED, TaskReason.LATE, TaskReason.LOST, Task
 _IN_DOUBT = frozenset(
     {TaskReason.LATE, TaskReason.LOST, TaskReason.FAILED, TaskReason.TAKEN, TaskReason.WITHDRAWN}
 )
-_OF_ATTEMPTS = (e.Begun, e.Ended, e.Deviated, e.RobotRested)
+_OF_ATTEMPTS = (e.AttemptBegun, e.AttemptEnded, e.RobotDeviated, e.RobotRested)
 
 
 def react(fleet: FleetState, event: e.Event, now_ns: int) -> e.Transition:
@@ -61,10 +61,10 @@ def react(fleet: FleetState, event: e.Event, now_ns: int) -> e.Transition:
         event: What happened. One that does not fit how things are has no consequences.
         now_ns: Wall clock.
     """
-    if isinstance(event, e.Given):
+    if isinstance(event, e.TaskGiven):
         known = event.task.id in fleet.tasks
         return e.NOTHING if known else e.Transition(tasks=(replace(event.task, since_ns=now_ns),))
-    if isinstance(event, e.Stood):
+    if isinstance(event, e.MembershipSet):
         return _stood(fleet, event, now_ns)
     task = fleet.tasks.get(event.task)
     if task is None:
@@ -81,7 +81,7 @@ def _newest(task: Task, attempt: int) -> bool:
 # ---- a robot is chosen, and begins ----
 
 
-def _chosen(fleet: FleetState, task: Task, event: e.Chosen, now_ns: int) -> e.Transition:
+def _chosen(fleet: FleetState, task: Task, event: e.RobotChosen, now_ns: int) -> e.Transition:
     robot = event.robot
     fits = (
         task.state is TaskState.QUEUED
@@ -106,11 +106,11 @@ def _begin(task: Task, robot: str, now_ns: int) -> e.Transition:
         leaving=False,
         since_ns=now_ns,
     )
-    doing = e.Begin(task.id, robot, after.attempt, task.done)
+    doing = e.BeginAttempt(task.id, robot, after.attempt, task.done)
     return e.Transition(tasks=(after,), doings=(doing,))
 
 
-def _begun(_fleet: FleetState, task: Task, _event: e.Begun, now_ns: int) -> e.Transition:
+def _begun(_fleet: FleetState, task: Task, _event: e.AttemptBegun, now_ns: int) -> e.Transition:
     if task.state is not TaskState.ASSIGNED:
         return e.NOTHING
     after = replace(task, state=TaskState.RUNNING, since_ns=now_ns)
@@ -120,15 +120,15 @@ def _begun(_fleet: FleetState, task: Task, _event: e.Begun, now_ns: int) -> e.Tr
 # ---- it ends, or ought to ----
 
 
-def _ended(fleet: FleetState, task: Task, event: e.Ended, now_ns: int) -> e.Transition:
+def _ended(fleet: FleetState, task: Task, event: e.AttemptEnded, now_ns: int) -> e.Transition:
     end = event.end
-    if end is e.End.DONE:
+    if end is e.AttemptEnd.DONE:
         return _step_done(task, now_ns)
     if task.leaving:
         return e.NOTHING  # it is being brought to rest already, and goes on from there
-    if end is e.End.BUSY:
+    if end is e.AttemptEnd.BUSY:
         return e.Transition(tasks=(_free(task, TaskState.QUEUED, now_ns),))
-    if end is e.End.SENT:
+    if end is e.AttemptEnd.SENT:
         return _doubted(task, task.why, now_ns)
     if end in _LEFT:
         return _left(fleet, task, _LEFT[end], now_ns)
@@ -148,14 +148,14 @@ def _step_done(task: Task, now_ns: int) -> e.Transition:
     return _begin(after, task.robot, now_ns)
 
 
-def _deviated(_fleet: FleetState, task: Task, event: e.Deviated, now_ns: int) -> e.Transition:
+def _deviated(_fleet: FleetState, task: Task, event: e.RobotDeviated, now_ns: int) -> e.Transition:
     return e.NOTHING if task.leaving else _leave(task, event.why, now_ns)
 
 
 def _leave(task: Task, why: TaskReason, now_ns: int) -> e.Transition:
     """Take a task from its robot: first that one comes to rest, or is cut off for good."""
     after = replace(task, why=why, leaving=True, since_ns=now_ns)
-    recall = e.Recall(task.id, task.robot, task.attempt, why)
+    recall = e.RecallAttempt(task.id, task.robot, task.attempt, why)
     return e.Transition(tasks=(after,), doings=(recall, e.TaskChanged(task, after)))
 
 
@@ -219,7 +219,7 @@ def _held(_fleet: FleetState, task: Task, event: e.TaskHeld, now_ns: int) -> e.T
     return e.Transition(tasks=(after,), doings=(e.TaskChanged(task, after),))
 
 
-def _released(_fleet: FleetState, task: Task, event: e.Released, now_ns: int) -> e.Transition:
+def _released(_fleet: FleetState, task: Task, event: e.TaskReleased, now_ns: int) -> e.Transition:
     if task.state not in RESTING:
         return e.NOTHING
     skip = event.skip and task.state is TaskState.UNKNOWN
@@ -244,7 +244,7 @@ def _expired(_fleet: FleetState, task: Task, _event: e.TaskExpired, now_ns: int)
     return e.Transition(tasks=(after,), doings=(e.TaskChanged(task, after),))
 
 
-def _overdue(fleet: FleetState, task: Task, event: e.Overdue, _now_ns: int) -> e.Transition:
+def _overdue(fleet: FleetState, task: Task, event: e.TaskOverdue, _now_ns: int) -> e.Transition:
     """Note that it was said: once a task, and once for all of a mission."""
     due = task.due
     known = due.said
@@ -263,7 +263,7 @@ def _handed(_fleet: FleetState, task: Task, event: e.TaskHanded, now_ns: int) ->
     return e.Transition(tasks=(replace(task, author=event.author, since_ns=now_ns),))
 
 
-def _stood(fleet: FleetState, event: e.Stood, now_ns: int) -> e.Transition:
+def _stood(fleet: FleetState, event: e.MembershipSet, now_ns: int) -> e.Transition:
     """Let a robot take part or not; what it has is taken from it first."""
     if fleet.standing(event.robot) is event.standing:
         return e.NOTHING
@@ -282,27 +282,27 @@ def _found(fleet: FleetState, task: Task, event: e.TaskFound, now_ns: int) -> e.
     if task.state not in HELD:
         return e.NOTHING
     counted = task.done > task.asked  # told, and on disk, before the run ended
-    if event.end in {None, e.End.UNKNOWN, e.End.SENT} and not counted:
+    if event.end in {None, e.AttemptEnd.UNKNOWN, e.AttemptEnd.SENT} and not counted:
         return _doubted(task, TaskReason.RESTARTED, now_ns)
-    if event.end in {e.End.BUSY, e.End.REFUSED} and not task.leaving:
+    if event.end in {e.AttemptEnd.BUSY, e.AttemptEnd.REFUSED} and not task.leaving:
         after = _free(task, TaskState.QUEUED, now_ns)  # nothing was claimed: it waits as before
     else:
-        counts = event.end is e.End.DONE and task.done == task.asked
+        counts = event.end is e.AttemptEnd.DONE and task.done == task.asked
         why = task.why if task.leaving else TaskReason.RESTARTED
         after = _settled(fleet, replace(task, done=task.done + counts), why, now_ns)
     return e.Transition(tasks=(after,), doings=(e.TaskChanged(task, after),))
 
 
 _OF: dict[type, Callable[..., e.Transition]] = {
-    e.Chosen: _chosen,
-    e.Begun: _begun,
-    e.Ended: _ended,
-    e.Deviated: _deviated,
+    e.RobotChosen: _chosen,
+    e.AttemptBegun: _begun,
+    e.AttemptEnded: _ended,
+    e.RobotDeviated: _deviated,
     e.RobotRested: _rested,
     e.TaskHeld: _held,
-    e.Released: _released,
+    e.TaskReleased: _released,
     e.TaskExpired: _expired,
-    e.Overdue: _overdue,
+    e.TaskOverdue: _overdue,
     e.TaskHanded: _handed,
     e.TaskFound: _found,
 }

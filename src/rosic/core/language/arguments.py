@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
 from rosic.core.language.skill_values import place_value
-from rosic.core.language.value_errors import Objection
+from rosic.core.language.value_errors import ValueErrorBuilder
 from rosic.errors import NotUnderstood
 
 if TYPE_CHECKING:
     from rosic.core.language.compiled import CompiledSkill
     from rosic.core.language.vocabulary import Vocabulary
-    from rosic.core.order import Spoken
+    from rosic.core.order import SpokenValue
     from rosic.core.robot.profile import RobotId
     from rosic.core.robot.skill import Argument, Skill
 
@@ -21,7 +21,7 @@ def bind(
     vocabulary: Vocabulary,
     robot: RobotId,
     skill: Skill,
-    spoken: tuple[Spoken, ...],
+    spoken: tuple[SpokenValue, ...],
     *,
     group: str = "",
 ) -> dict[str, Argument]:
@@ -48,7 +48,9 @@ def bind(
     for parameter in compiled.parameters:
         chosen = given.get(parameter.name, parameter.default)
         if chosen is None:
-            raise Objection(vocabulary, robot, compiled, spoken, group or robot).missing(parameter)
+            raise ValueErrorBuilder(vocabulary, robot, compiled, spoken, group or robot).missing(
+                parameter
+            )
         arguments[parameter.name] = chosen
     return arguments
 
@@ -57,7 +59,7 @@ def place(
     vocabulary: Vocabulary,
     robot: RobotId,
     skill: Skill,
-    spoken: tuple[Spoken, ...],
+    spoken: tuple[SpokenValue, ...],
     *,
     group: str = "",
 ) -> tuple[CompiledSkill, dict[str, Argument]]:
@@ -75,7 +77,9 @@ def place(
         placed = place_value(compiled, given, value, vocabulary.units)
         if placed is None:
             at = len(given)
-            raise Objection(vocabulary, robot, compiled, spoken, group or robot).to(at, given)
+            raise ValueErrorBuilder(vocabulary, robot, compiled, spoken, group or robot).to(
+                at, given
+            )
         parameter, argument = placed
         given[parameter.name] = argument
     return compiled, given

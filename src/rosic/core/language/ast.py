@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 import msgspec
 
-from rosic.core.order import Spoken
+from rosic.core.order import SpokenValue
 from rosic.core.robot.profile import RobotId
 from rosic.core.robot.skill import Skill
 from rosic.errors import NotUnderstood
@@ -38,7 +38,7 @@ class Do(msgspec.Struct, frozen=True, kw_only=True):
 
     robots: tuple[RobotId, ...]
     skills: tuple[Skill, ...]
-    spoken: tuple[Spoken, ...]
+    spoken: tuple[SpokenValue, ...]
     text: str
     group: str = ""
 

@@ -33,10 +33,10 @@ from rosic.core.language.keywords import (
 from rosic.core.language.line_words import past_fillers
 from rosic.core.language.skill_values import fits
 from rosic.core.language.stop_detection import hears_stop
-from rosic.core.language.syntax_errors import Misunderstanding
-from rosic.core.language.values import Doubt, ValueReader
-from rosic.core.language.vocabulary import Callee, Vocabulary
-from rosic.core.order import Spoken
+from rosic.core.language.syntax_errors import SyntaxErrorBuilder
+from rosic.core.language.values import AmbiguousNumber, ValueReader
+from rosic.core.language.vocabulary import NameTarget, Vocabulary
+from rosic.core.order import SpokenValue
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -203,7 +203,7 @@ class LineReader:
     def _past_fillers(self, at: int) -> int:
         return past_fillers(self._low, at)
 
-    def _callee(self, at: int) -> tuple[Callee | None, int]:
+    def _callee(self, at: int) -> tuple[NameTarget | None, int]:
         """Return the visible robot or group named here, and where its name ends."""
         low = self._low
         if at < len(low):
@@ -214,15 +214,15 @@ class LineReader:
                     return seen, at + count
         return None, at
 
-    def _seen(self, callee: Callee) -> Callee | None:
+    def _seen(self, callee: NameTarget) -> NameTarget | None:
         """Return what the person may see of a robot or group; None for nothing."""
         visible = self._visible
         if not callee.group:
             return callee if callee.robots[0].id in visible else None
         robots = tuple([robot for robot in callee.robots if robot.id in visible])
-        return Callee(callee.name, robots, group=True) if robots else None
+        return NameTarget(callee.name, robots, group=True) if robots else None
 
-    def _chosen(self) -> Callee | None:
+    def _chosen(self) -> NameTarget | None:
         callee = self._vocabulary.callees.get(self._selected)
         return self._seen(callee) if callee is not None else None
 
@@ -236,7 +236,7 @@ class LineReader:
 
     # ---- skills ----
 
-    def _addressed(self, callee: Callee, at: int) -> Line:
+    def _addressed(self, callee: NameTarget, at: int) -> Line:
         """Read what is asked of a robot or group that was named."""
         at = self._past_fillers(at)
         if at == len(self._low):
@@ -255,7 +255,7 @@ class LineReader:
         return self._trouble().no_such_skill(callee, at)
 
     def _skill(
-        self, callee: Callee, at: int
+        self, callee: NameTarget, at: int
     ) -> tuple[tuple[CompiledRobot, ...], tuple[CompiledSkill, ...], int] | None:
         """Return who of a callee has the skill named here, their skills, and where it ends."""
         low = self._low
@@ -272,7 +272,7 @@ class LineReader:
 
     def _do(
         self,
-        callee: Callee,
+        callee: NameTarget,
         robots: tuple[CompiledRobot, ...],
         skills: tuple[CompiledSkill, ...],
         at: int,
@@ -281,14 +281,16 @@ class LineReader:
         skill = skills[0] if alone else merge(skills)
         if skill.text is not None:
             rest = self._rest(at)
-            spoken: tuple[Spoken, ...] = (Spoken(skill.text.name, None, rest),) if rest else ()
+            spoken: tuple[SpokenValue, ...] = (
+                (SpokenValue(skill.text.name, None, rest),) if rest else ()
+            )
         elif len(self._low) > MOST_WORDS:
             return self._trouble().too_many_words(MOST_WORDS)
         else:
             reader = ValueReader(self._raw, self._low, at, skill, self._vocabulary.units)
             try:
                 spoken = reader.read()
-            except Doubt as doubt:
+            except AmbiguousNumber as doubt:
                 return self._trouble().two_readings(callee, doubt.at, doubt.readings)
         return Do(
             robots=(robots[0].id,) if alone else tuple([robot.id for robot in robots]),
@@ -303,7 +305,7 @@ class LineReader:
         parts = self._line.split(None, at)
         return parts[at] if at < len(parts) else ""
 
-    def _said(self, callee: Callee, at: int) -> Line | None:
+    def _said(self, callee: NameTarget, at: int) -> Line | None:
         """Return the line as words to a robot, if it is one that can be spoken to."""
         robot = callee.robots[0]
         if callee.group or not robot.profile.link.dialogue:
@@ -317,7 +319,7 @@ class LineReader:
         return Do(
             robots=(robot.id,),
             skills=(skill.skill,),
-            spoken=(Spoken(skill.text.name, None, self._rest(at)),),
+            spoken=(SpokenValue(skill.text.name, None, self._rest(at)),),
             text=self._line,
         )
 
@@ -346,19 +348,19 @@ class LineReader:
             return trouble.no_such_skill(chosen, at, chosen=True)
         return trouble.nothing_known(at)
 
-    def _skill_first(self, callee: Callee, phrase: str, end: int) -> Line | None:
+    def _skill_first(self, callee: NameTarget, phrase: str, end: int) -> Line | None:
         able = tuple([robot for robot in callee.robots if phrase in robot.phrases])
         if not able:
             return None
         return self._do(callee, able, tuple([robot.phrases[phrase] for robot in able]), end)
 
-    def _to_chosen(self, chosen: Callee, at: int, *, slash: bool) -> Line | None:
+    def _to_chosen(self, chosen: NameTarget, at: int, *, slash: bool) -> Line | None:
         found = self._skill(chosen, at)
         if found is not None:
             return self._do(chosen, *found)
         return None if slash else self._said(chosen, at)
 
-    def _unnamed(self, chosen: Callee | None, phrase: str, at: int, after: int) -> Line | None:
+    def _unnamed(self, chosen: NameTarget | None, phrase: str, at: int, after: int) -> Line | None:
         """Read a line without a name, for the only visible robot that can do it.
 
         If another robot is chosen, this one is offered only: it is not the one the person has in
@@ -373,20 +375,20 @@ class LineReader:
         if len(able) > 1 or chosen is not None:
             return self._trouble().which_robot(chosen, phrase, at, sorted(able))
         robot = self._vocabulary.robots[able[0]]
-        return self._do(Callee(robot.id, (robot,)), (robot,), (robot.phrases[phrase],), after)
+        return self._do(NameTarget(robot.id, (robot,)), (robot,), (robot.phrases[phrase],), after)
 
     # ---- verbs ----
 
-    def status(self, callee: Callee | None, at: int) -> Line:
+    def status(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``status`` and the names after it."""
         return self._several(callee, at, Status)
 
-    def resume(self, callee: Callee | None, at: int) -> Line:
+    def resume(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``resume`` and the names after it."""
         return self._several(callee, at, Resume)
 
     def _several(
-        self, callee: Callee | None, at: int, make: Callable[[tuple[RobotId, ...]], Line]
+        self, callee: NameTarget | None, at: int, make: Callable[[tuple[RobotId, ...]], Line]
     ) -> Line:
         if len(self._low) > MOST_WORDS:
             return self._trouble().too_many_words(MOST_WORDS)
@@ -408,7 +410,7 @@ class LineReader:
             meant = dict.fromkeys(robot.id for robot in chosen.robots)
         return make(tuple(meant))
 
-    def help(self, callee: Callee | None, at: int) -> Line:
+    def help(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``help`` and the name after it."""
         at = self._past_fillers(at)
         if callee is not None or at == len(self._low):
@@ -418,11 +420,11 @@ class LineReader:
             return Help(named.name)
         return help_named(self._low[at]) or self._trouble().no_such_robot(at)
 
-    def robots(self, _: Callee | None, __: int) -> Line:
+    def robots(self, _: NameTarget | None, __: int) -> Line:
         """Read ``robots``."""
         return Robots()
 
-    def use(self, callee: Callee | None, at: int) -> Line:
+    def use(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``use`` and the name after it."""
         at = self._past_fillers(at)
         if callee is not None:
@@ -432,14 +434,14 @@ class LineReader:
         named, _ = self._callee(at)
         return Use(named.name) if named is not None else self._trouble().no_such_robot(at)
 
-    def start(self, callee: Callee | None, at: int) -> Line:
+    def start(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``start`` and the payload of an invitation; behind a robot's name stands none."""
         brings = callee is None and at < len(self._raw)
         return Start(self._raw[at][:LONGEST_PAYLOAD] if brings else "")
 
-    def _trouble(self) -> Misunderstanding:
+    def _trouble(self) -> SyntaxErrorBuilder:
         words = (self._raw, self._low)
-        return Misunderstanding(words, self._vocabulary, self._visible, self._reads)
+        return SyntaxErrorBuilder(words, self._vocabulary, self._visible, self._reads)
 
     def _reads(self, other: str) -> bool:
         """Whether another line, offered instead, would be read to its end."""
@@ -458,7 +460,7 @@ class LineReader:
         return True
 
 
-_VERBS: dict[str, Callable[[LineReader, Callee | None, int], Line]] = {
+_VERBS: dict[str, Callable[[LineReader, NameTarget | None, int], Line]] = {
     "help": LineReader.help,
     "resume": LineReader.resume,
     "robots": LineReader.robots,

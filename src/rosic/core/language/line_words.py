@@ -12,7 +12,7 @@ FOLDED_AT_MOST: Final = 1024
 _ENDS: Final = ".,;:!?"
 
 
-class Words(NamedTuple):
+class LineWords(NamedTuple):
     """The words of a line.
 
     Attributes:
@@ -26,7 +26,7 @@ class Words(NamedTuple):
     slash: bool
 
 
-def words_of(line: str) -> Words:
+def words_of(line: str) -> LineWords:
     """Return the words of a line that is `clean`, has some, and begins and ends with one."""
     words = line
     if "=" in words:
@@ -41,7 +41,7 @@ def words_of(line: str) -> Words:
     if slash:
         raw[0] = raw[0].partition("@")[0].lstrip("/") or "/"
         low[0] = low[0].partition("@")[0].lstrip("/") or "/"
-    return Words(raw, low, slash)
+    return LineWords(raw, low, slash)
 
 
 def past_fillers(low: list[str], at: int) -> int:

@@ -10,11 +10,11 @@ from rosic.core.language.sanitise import clean
 
 if TYPE_CHECKING:
     from rosic.core.language.numbers import Unit, UnitTable
-    from rosic.core.order import Spoken
+    from rosic.core.order import SpokenValue
     from rosic.core.robot.skill import Argument
 
 
-def fits(compiled: CompiledSkill, spoken: tuple[Spoken, ...], units: UnitTable) -> bool:
+def fits(compiled: CompiledSkill, spoken: tuple[SpokenValue, ...], units: UnitTable) -> bool:
     """Return whether every value has a place, so that a line may be offered to somebody.
 
     A number beyond its bounds has one: the answer to it names the bound. Values may be missing.
@@ -32,7 +32,7 @@ def fits(compiled: CompiledSkill, spoken: tuple[Spoken, ...], units: UnitTable) 
 
 
 def _beyond(
-    compiled: CompiledSkill, given: dict[str, Argument], value: Spoken, units: UnitTable
+    compiled: CompiledSkill, given: dict[str, Argument], value: SpokenValue, units: UnitTable
 ) -> tuple[CompiledParameter, Argument] | None:
     """Return the place of a number that is outside its bounds; None for what has none."""
     unit = units.find(value.word) if value.word else None
@@ -51,7 +51,7 @@ def _beyond(
 
 
 def place_value(
-    compiled: CompiledSkill, given: dict[str, Argument], value: Spoken, units: UnitTable
+    compiled: CompiledSkill, given: dict[str, Argument], value: SpokenValue, units: UnitTable
 ) -> tuple[CompiledParameter, Argument] | None:
     """Return where a value goes and what it is there; None when something is wrong with it.
 
@@ -93,7 +93,7 @@ def free_number(
 
 
 def _place_word(
-    compiled: CompiledSkill, given: dict[str, Argument], value: Spoken
+    compiled: CompiledSkill, given: dict[str, Argument], value: SpokenValue
 ) -> tuple[CompiledParameter, Argument] | None:
     word = value.word
     if not value.name:

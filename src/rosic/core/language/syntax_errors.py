@@ -19,14 +19,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from rosic.core.language.compiled import CompiledSkill
-    from rosic.core.language.vocabulary import Callee, Vocabulary
+    from rosic.core.language.vocabulary import NameTarget, Vocabulary
     from rosic.core.robot.profile import RobotId
 
 MOST_OFFERS = 4
 LONGEST_OFFER = 128
 
 
-class Misunderstanding:
+class SyntaxErrorBuilder:
     """Makes the answer to a line that was not understood.
 
     A word is proposed only where the whole line can be read with it: a button that is refused
@@ -67,7 +67,7 @@ class Misunderstanding:
             )
         )
 
-    def two_readings(self, callee: Callee, at: int, readings: tuple[str, ...]) -> Misunderstood:
+    def two_readings(self, callee: NameTarget, at: int, readings: tuple[str, ...]) -> Misunderstood:
         """A number may mean two."""
         name = _shown(callee)
         return Misunderstood(
@@ -80,7 +80,7 @@ class Misunderstanding:
             tuple(self._mended(at, readings).values()),
         )
 
-    def no_such_skill(self, callee: Callee, at: int, *, chosen: bool = False) -> Misunderstood:
+    def no_such_skill(self, callee: NameTarget, at: int, *, chosen: bool = False) -> Misunderstood:
         """A robot or group has no skill of that name.
 
         Args:
@@ -125,7 +125,7 @@ class Misunderstanding:
         return self._guess(at, said("I do not know {quote}.", quote=quote(self._raw[at])))
 
     def which_robot(
-        self, chosen: Callee | None, phrase: str, at: int, able: list[RobotId]
+        self, chosen: NameTarget | None, phrase: str, at: int, able: list[RobotId]
     ) -> Misunderstood:
         """Several robots can do it, and none was named; or one that is not the chosen one."""
         robots = self._vocabulary.robots
@@ -226,14 +226,14 @@ def _meant(sentence: str, mended: dict[str, str]) -> Misunderstood:
     )
 
 
-def _shown(callee: Callee) -> str:
+def _shown(callee: NameTarget) -> str:
     return callee.name if callee.group else callee.robots[0].shown
 
 
-def _skills(callee: Callee) -> dict[str, CompiledSkill]:
+def _skills(callee: NameTarget) -> dict[str, CompiledSkill]:
     return callee.robots[0].phrases
 
 
-def _phrases(callee: Callee) -> Iterator[str]:
+def _phrases(callee: NameTarget) -> Iterator[str]:
     for robot in callee.robots:
         yield from robot.phrases

@@ -1,7 +1,7 @@
 """When? ``tomorrow 14:00 1h``, ``mon 9-10``, ``every tue 14:00 1h until 2027-02-01``.
 
 Pure: what time it is, and what the clocks of the person's zone show at some moment, are arguments.
-Total: any text gives a `When` or a `Misunderstood`, in time linear in the text.
+Total: any text gives a `RequestedTime` or a `Misunderstood`, in time linear in the text.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import msgspec
 
 from rosic.core.i18n import said
 from rosic.core.language.ast import Misunderstood
-from rosic.core.language.time_tokens import TimeTokens, Unclear
+from rosic.core.language.time_tokens import TimeTokens, UnclearTime
 from rosic.core.language.time_words import shown_when
 from rosic.core.local_time import (
     LAST_YEAR,
@@ -41,7 +41,7 @@ _A_YEAR = 365
 _TWO = 14 * 60
 
 
-class When(msgspec.Struct, frozen=True):
+class RequestedTime(msgspec.Struct, frozen=True):
     """A time that was asked for, on the wall clock of the person's zone.
 
     Attributes:
@@ -62,7 +62,9 @@ class When(msgspec.Struct, frozen=True):
     rrule: str = ""
 
 
-def read_when(text: str, now_ns: int, local_at: Callable[[int], LocalTime]) -> When | Misunderstood:
+def read_when(
+    text: str, now_ns: int, local_at: Callable[[int], LocalTime]
+) -> RequestedTime | Misunderstood:
     """Read when somebody wants something, and for how long.
 
     Args:
@@ -72,7 +74,7 @@ def read_when(text: str, now_ns: int, local_at: Callable[[int], LocalTime]) -> W
     """
     try:
         return _Reckoning(TimeTokens(text), now_ns, local_at).when()
-    except Unclear as unclear:
+    except UnclearTime as unclear:
         sentence, offers = unclear.sentence, unclear.offers
         if not offers:
             offers = EXAMPLES
@@ -93,42 +95,42 @@ class _Reckoning:
         self._now = local_at(now_ns)
         self._local_at = local_at
 
-    def when(self) -> When:
+    def when(self) -> RequestedTime:
         given = self._said
         if given.delay_s is not None:
             return self._soon(given.delay_s)
         if given.start is None:
             raise self._what_time()
         if given.rrule and given.every:
-            raise Unclear(said("That says twice how often."))
+            raise UnclearTime(said("That says twice how often."))
         start = self._clock_time(self._day(given.start), given.start)
         length_s, ends = self._length(start)
-        return When(start, length_s, ends, None, given.rrule or self._rule(start))
+        return RequestedTime(start, length_s, ends, None, given.rrule or self._rule(start))
 
-    def _soon(self, delay_s: float) -> When:
+    def _soon(self, delay_s: float) -> RequestedTime:
         given = self._said
         days = given.day is not None or given.weekdays or given.date or given.start is not None
         if days or given.every or given.rrule or given.until or given.count:
-            raise Unclear(said("That says two times at once."))
+            raise UnclearTime(said("That says two times at once."))
         if delay_s > _LONGEST_DELAY_S:
-            raise Unclear(
+            raise UnclearTime(
                 said("That is further away than a year; name the day."),
                 self._again(self._now.day_number + _A_YEAR),
             )
         start_ns = (self._now_ns + int(delay_s * 1e9)) // MINUTE_NS * MINUTE_NS
         start = self._local_at(start_ns)
         length_s, ends = self._length(start)
-        return When(start, length_s, ends, start_ns)
+        return RequestedTime(start, length_s, ends, start_ns)
 
-    def _what_time(self) -> Unclear:
+    def _what_time(self) -> UnclearTime:
         given = self._said
         if given.length_s is None and not self._named_day():
-            return Unclear(said("When, and for how long?"), *EXAMPLES)
+            return UnclearTime(said("When, and for how long?"), *EXAMPLES)
         if given.every or given.rrule:
-            return Unclear(said("At what time?"), EXAMPLES[-1])
+            return UnclearTime(said("At what time?"), EXAMPLES[-1])
         day = self._day(_TWO)
         days = dict.fromkeys((day,) if self._named_day() else (day, self._now.day_number + 1))
-        return Unclear(said("At what time?"), *map(self._again, days))
+        return UnclearTime(said("At what time?"), *map(self._again, days))
 
     def _named_day(self) -> bool:
         given = self._said
@@ -150,7 +152,7 @@ class _Reckoning:
         if not given.weekdays:
             return today + over
         if len(given.weekdays) > 1 and not given.every:
-            raise Unclear(
+            raise UnclearTime(
                 said("On one day, or on each of these?"), "every mon and tue 9:00 1h 5 times"
             )
         return next(
@@ -163,10 +165,10 @@ class _Reckoning:
         """Return a day said in two ways, as in ``Tue 24 Nov``: they have to agree."""
         given = self._said
         if given.date is None or given.day is not None or given.every:
-            raise Unclear(said("That says two days at once."))
+            raise UnclearTime(said("That says two days at once."))
         day = self._dated(given.date, self._now.day_number)
         if weekday_of(day) not in given.weekdays:
-            raise Unclear(said("That date is another day of the week."), self._again(day))
+            raise UnclearTime(said("That date is another day of the week."), self._again(day))
         return day
 
     def _dated(self, date: Date, today: int) -> int:
@@ -180,15 +182,15 @@ class _Reckoning:
                     return number
         raise self._no_such_day(year, month, day)
 
-    def _no_such_day(self, said_year: int | None, month: int, day: int) -> Unclear:
+    def _no_such_day(self, said_year: int | None, month: int, day: int) -> UnclearTime:
         year = said_year or self._now.year
         if not is_date(year, month, 1):
-            return Unclear(said("There is no such month."), self._again(self._now.day_number))
+            return UnclearTime(said("There is no such month."), self._again(self._now.day_number))
         if said_year is None and day_number(year, month, 28) < self._now.day_number:
             year += 1  # the next such month is meant: this year's is over
         last = day_number(year, month, month_length(year, month))
         name = MONTHS[month - 1]
-        return Unclear(
+        return UnclearTime(
             said("{name} {year} has no day {day}.", name=name, year=year, day=day),
             self._again(last),
         )
@@ -207,7 +209,7 @@ class _Reckoning:
         try:
             return LocalTime.at(day, minute)
         except ValueError:
-            raise Unclear(said("That is further away than the calendar goes.")) from None
+            raise UnclearTime(said("That is further away than the calendar goes.")) from None
 
     # ---- how long ----
 
@@ -216,14 +218,14 @@ class _Reckoning:
         given = self._said
         if given.end is None and given.length_s is None:
             offers = [f"{self._typed(start)} {length}" for length in ("30 min", "1h", "2h")]
-            raise Unclear(said("For how long?"), *offers)
+            raise UnclearTime(said("For how long?"), *offers)
         if given.end is None:
             return round(given.length_s or 0.0), None
         if given.length_s is not None:
-            raise Unclear(said("That says how long, and until when. One of them is enough."))
+            raise UnclearTime(said("That says how long, and until when. One of them is enough."))
         minutes = (given.end - start.minute_of_day) % MINUTES_A_DAY
         if not minutes:
-            raise Unclear(said("That ends as it begins."), f"{self._typed(start)} 1h")
+            raise UnclearTime(said("That ends as it begins."), f"{self._typed(start)} 1h")
         return minutes * 60, self._clock_time(start.day_number, start.minute_of_day + minutes)
 
     def _typed(self, start: LocalTime) -> str:
@@ -237,7 +239,7 @@ class _Reckoning:
         given = self._said
         if not given.every:
             if given.until or given.count is not None:
-                raise Unclear(said("Every which day until then?"), EXAMPLES[-1])
+                raise UnclearTime(said("Every which day until then?"), EXAMPLES[-1])
             return ""
         parts = ["FREQ=DAILY" if len(given.weekdays) == _A_WEEK else "FREQ=WEEKLY"]
         if given.every > 1:
@@ -250,16 +252,18 @@ class _Reckoning:
     def _end_of_rule(self, start: LocalTime) -> list[str]:
         given = self._said
         if given.until is not None and given.count is not None:
-            raise Unclear(said("That ends on a day and after a number of times. One is enough."))
+            raise UnclearTime(
+                said("That ends on a day and after a number of times. One is enough.")
+            )
         if given.count is not None:
             if given.count < 1:
-                raise Unclear(said("At least once."), "every tue 14:00 1h 10 times")
+                raise UnclearTime(said("At least once."), "every tue 14:00 1h 10 times")
             return [f"COUNT={given.count}"]
         if given.until is None:
             return []
         last = self._dated(given.until, start.day_number)
         if last < start.day_number:
-            raise Unclear(said("That is over before it begins."), "every tue 14:00 1h 10 times")
+            raise UnclearTime(said("That is over before it begins."), "every tue 14:00 1h 10 times")
         year, month, day = date_of(last)
         return [f"UNTIL={year:04}{month:02}{day:02}T235959"]
 

@@ -28,7 +28,7 @@ LONGEST_TEXT = 200
 _CLOCK = re.compile(r"(\d{1,2})(?::(\d{2}))?(am|pm|a\.m\.|p\.m\.)?\Z", re.ASCII)
 
 
-class Unclear(Exception):
+class UnclearTime(Exception):
     """The words say no time. ``str()`` is the sentence, ``offers`` what would be understood."""
 
     def __init__(self, sentence: str, *offers: str) -> None:
@@ -40,7 +40,7 @@ class Unclear(Exception):
 def words_of(text: str) -> list[str]:
     """Split into folded lower-case words; a comma is a word of its own."""
     if len(text) > LONGEST_TEXT:
-        raise Unclear(
+        raise UnclearTime(
             said(
                 "That is longer than any time: I read at most {longest_text} characters.",
                 longest_text=LONGEST_TEXT,
@@ -81,8 +81,8 @@ def clock_of(word: str, after: str) -> tuple[int, str, int] | None:
     return hour * 60 + minute, half, 1 + apart
 
 
-def _no_such(word: str) -> Unclear:
-    return Unclear(said("There is no {quote} on a clock.", quote=quote(word)))
+def _no_such(word: str) -> UnclearTime:
+    return UnclearTime(said("There is no {quote} on a clock.", quote=quote(word)))
 
 
 Date: TypeAlias = tuple[int | None, int, int]
@@ -188,11 +188,11 @@ class TimeTokens:
             if not any(rule() for rule in rules):
                 raise self._unread()
 
-    def _unread(self) -> Unclear:
+    def _unread(self) -> UnclearTime:
         """Return what cannot be read: what stands after ``until``, and not that word itself."""
         word = self._word()
         if _ZONE.match(word):
-            return Unclear(
+            return UnclearTime(
                 said(
                     "I read times on your own clock, so leave {quote} out. /settings zone says "
                     "which clock that is.",
@@ -200,7 +200,7 @@ class TimeTokens:
                 )
             )
         following = self._word(1) if word in JOINTS else ""
-        return Unclear(said("I cannot read {quote} as a time.", quote=quote(following or word)))
+        return UnclearTime(said("I cannot read {quote} as a time.", quote=quote(following or word)))
 
     def _word(self, ahead: int = 0) -> str:
         at = self._at + ahead
@@ -209,7 +209,7 @@ class TimeTokens:
     def _once(self, name: str, value: object) -> None:
         """Keep what was said; saying it twice says nothing."""
         if name in self._told:
-            raise Unclear(said("That says two times at once."))
+            raise UnclearTime(said("That says two times at once."))
         self._told.add(name)
         setattr(self, name, value)
 
@@ -263,7 +263,7 @@ class TimeTokens:
                 days.add(_DAYS[self._word()])
             self._at += 1
         if not days:
-            raise Unclear(said("Every which day?"), "every tue 14:00 1h 10 times")
+            raise UnclearTime(said("Every which day?"), "every tue 14:00 1h 10 times")
         self.weekdays = tuple(sorted(days))
 
     def _ending(self) -> bool:
@@ -289,7 +289,7 @@ class TimeTokens:
             return False
         rule = self._word().upper().removeprefix("RRULE:")
         if not rule:
-            raise Unclear(said("A rule says how often."), "every tue 14:00 1h 10 times")
+            raise UnclearTime(said("A rule says how often."), "every tue 14:00 1h 10 times")
         self._once("rrule", rule)
         self._at += 1
         return True
@@ -308,7 +308,7 @@ class TimeTokens:
         """Read a date, some words ahead; return it and how many words it has."""
         word = self._word(ahead)
         if _SLASHED.match(word):
-            raise Unclear(said("{quote} is one day here and another there.", quote=quote(word)))
+            raise UnclearTime(said("{quote} is one day here and another there.", quote=quote(word)))
         if match := _ISO.match(word):
             return (int(match[1]), int(match[2]), int(match[3])), 1
         if match := _DOTTED.match(word):
@@ -336,13 +336,13 @@ class TimeTokens:
             return False
         found = self._length_at(1)
         if found is None:
-            raise Unclear(said("In how long?"), "in 20 min 1h")
+            raise UnclearTime(said("In how long?"), "in 20 min 1h")
         seconds, used, terms = found
         self._once("delay_s", seconds)
         self._at += 1 + used
         if terms > 1 and self._at == len(self._words):
             start, length = "".join(self._words[1:-1]), self._words[-1]
-            raise Unclear(
+            raise UnclearTime(
                 said("In how long, and for how long?"),
                 f"in {start} for {length}",
             )
@@ -365,7 +365,9 @@ class TimeTokens:
         if not terms:
             return None
         if not (isfinite(total) and total < LONGEST_S):
-            raise Unclear(said("{quote} is no length I can read.", quote=quote(self._word(ahead))))
+            raise UnclearTime(
+                said("{quote} is no length I can read.", quote=quote(self._word(ahead)))
+            )
         return total, used, terms
 
     def _term_at(self, ahead: int) -> tuple[float, float, int] | None:
@@ -386,7 +388,7 @@ class TimeTokens:
         if unit is None:
             return None
         if numeral.value < 0:
-            raise Unclear(said("A time cannot be shorter than nothing."))
+            raise UnclearTime(said("A time cannot be shorter than nothing."))
         return numeral.value * unit, unit, 1 + apart
 
     # ---- times of day ----
@@ -402,7 +404,7 @@ class TimeTokens:
         if dash:
             self._words[self._at] = second  # the rest of the word is a word of its own
             if not self._end_time(0, half):
-                raise Unclear(
+                raise UnclearTime(
                     said(
                         "I cannot read {quote} as a time.",
                         quote=quote(f"{first}-{second}"),
@@ -448,7 +450,7 @@ def length_said(low: list[str]) -> tuple[float, int]:
     for used in range(ends, 0, -1):
         try:
             said = TimeTokens(" ".join(low[:used]))
-        except Unclear:
+        except UnclearTime:
             continue
         other = (said.start, said.end, said.day, said.date, said.delay_s, said.count, said.until)
         if said.length_s is not None and not said.weekdays and all(o is None for o in other):

@@ -12,8 +12,8 @@ from rosic.core.language.formatting import show_bound, show_number, shown_bound,
 from rosic.core.language.sanitise import quote
 from rosic.core.language.skill_values import fits
 from rosic.core.language.suggestions import AND, did_you_mean, listed, one_each
-from rosic.core.language.values import Doubt, ValueReader
-from rosic.core.order import Spoken
+from rosic.core.language.values import AmbiguousNumber, ValueReader
+from rosic.core.order import SpokenValue
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ _EXTENTS = frozenset({"angle", "distance", "duration"})
 _NOTHING_DONE = said("Nothing was done.")
 
 
-class Objection:
+class ValueErrorBuilder:
     """Finds out what is wrong with values that could not be bound."""
 
     __slots__ = ("_addressee", "_compiled", "_robot", "_skill", "_spoken", "_units")
@@ -91,7 +91,7 @@ class Objection:
         vocabulary: Vocabulary,
         robot: RobotId,
         compiled: CompiledSkill,
-        spoken: tuple[Spoken, ...],
+        spoken: tuple[SpokenValue, ...],
         addressee: str,
     ) -> None:
         self._units = vocabulary.units
@@ -156,7 +156,7 @@ class Objection:
 
     # ---- values without a name ----
 
-    def _to_unnamed(self, at: int, value: Spoken, given: Mapping[str, Argument]) -> Refusal:
+    def _to_unnamed(self, at: int, value: SpokenValue, given: Mapping[str, Argument]) -> Refusal:
         if value.number is None:
             return self._unknown_word(at, value, given)
         unit = self._units.find(value.word) if value.word else None
@@ -174,7 +174,7 @@ class Objection:
             return self._no_place(value)
         return self._wrong_dimension(value, unit, self._compiled.numbers)
 
-    def _no_place(self, value: Spoken) -> Refusal:
+    def _no_place(self, value: SpokenValue) -> Refusal:
         skill, given = self._skill, _said(value)
         if not self._compiled.numbers:
             return self._refuse(
@@ -195,7 +195,7 @@ class Objection:
             )
         )
 
-    def _unknown_word(self, at: int, value: Spoken, given: Mapping[str, Argument]) -> Refusal:
+    def _unknown_word(self, at: int, value: SpokenValue, given: Mapping[str, Argument]) -> Refusal:
         word = value.word
         knowing = [p for p in self._compiled.choices if p.words and word in p.words]
         if knowing:
@@ -205,7 +205,7 @@ class Objection:
         close = did_you_mean(word, chain(self._compiled.words, self._compiled.by_name))
         return self._guess(at, word, close, takes)
 
-    def _unknown_unit(self, at: int, value: Spoken) -> Refusal:
+    def _unknown_unit(self, at: int, value: SpokenValue) -> Refusal:
         dimensions = dict.fromkeys(p.unit.dimension for p in self._compiled.numbers)
         # No other unit for a symbol that nobody knows: it would be another quantity.
         close = (
@@ -227,14 +227,15 @@ class Objection:
         value = self._spoken[at]
         meanings = dict(item for p in self._compiled.choices for item in (p.words or {}).items())
         others = {
-            other: Spoken(value.name, value.number, other) for other in one_each(close, meanings)
+            other: SpokenValue(value.name, value.number, other)
+            for other in one_each(close, meanings)
         }
         if (meant := self._meant(sentence, at, others)) is not None:
             return meant
         known = [said("It takes {listed}.", listed=listed(_few(takes)))] if takes else []
         return self._refuse(joined(" ", (sentence, *known, _NOTHING_DONE)))
 
-    def _meant(self, sentence: str, at: int, others: Mapping[str, Spoken]) -> Refusal | None:
+    def _meant(self, sentence: str, at: int, others: Mapping[str, SpokenValue]) -> Refusal | None:
         """Return the refusal that proposes something else at a place; None if nothing would do.
 
         Args:
@@ -251,11 +252,11 @@ class Objection:
             list(lines.values()),
         )
 
-    def _unknown_parameter(self, at: int, value: Spoken) -> Refusal:
+    def _unknown_parameter(self, at: int, value: SpokenValue) -> Refusal:
         names = tuple(p.name for p in self._compiled.parameters)
         close = did_you_mean(value.name, names)
         sentence = said("{spoken} has no {quote}.", spoken=self._skill, quote=quote(value.name))
-        others = {name: Spoken(name, value.number, value.word) for name in close}
+        others = {name: SpokenValue(name, value.number, value.word) for name in close}
         if (meant := self._meant(sentence, at, others)) is not None:
             return meant
         takes = (
@@ -267,7 +268,7 @@ class Objection:
 
     # ---- values that have a place ----
 
-    def _to_number(self, at: int, value: Spoken, parameter: CompiledParameter) -> Refusal:
+    def _to_number(self, at: int, value: SpokenValue, parameter: CompiledParameter) -> Refusal:
         """Say what is wrong with a value for a parameter."""
         if value.number is None:
             return self._wrong_word(at, value, parameter)
@@ -287,7 +288,7 @@ class Objection:
             )
         return self._out_of_bounds(at, value, parameter, unit)
 
-    def _wrong_word(self, at: int, value: Spoken, parameter: CompiledParameter) -> Refusal:
+    def _wrong_word(self, at: int, value: SpokenValue, parameter: CompiledParameter) -> Refusal:
         if not value.word:
             return self._refuse(
                 said(
@@ -305,7 +306,7 @@ class Objection:
             )
         return self._not_a_word(at, value, parameter)
 
-    def _not_a_word(self, at: int, value: Spoken, parameter: CompiledParameter) -> Refusal:
+    def _not_a_word(self, at: int, value: SpokenValue, parameter: CompiledParameter) -> Refusal:
         if parameter.words is None:
             return self._refuse(
                 said(
@@ -315,7 +316,9 @@ class Objection:
             )
         choices = tuple(dict.fromkeys(parameter.words.values()))
         close = did_you_mean(value.word, parameter.words) if value.number is None else ()
-        offers = [self._command(at, Spoken(value.name, None, word)) for word in close or choices]
+        offers = [
+            self._command(at, SpokenValue(value.name, None, word)) for word in close or choices
+        ]
         return self._refuse(
             said(
                 "{shown} is one of {listed}, not {rest}.",
@@ -327,7 +330,7 @@ class Objection:
         )
 
     def _wrong_dimension(
-        self, value: Spoken, unit: Unit, parameters: tuple[CompiledParameter, ...]
+        self, value: SpokenValue, unit: Unit, parameters: tuple[CompiledParameter, ...]
     ) -> Refusal:
         taker = parameters[0].shown if len(parameters) == 1 else self._skill
         return self._refuse(
@@ -341,7 +344,7 @@ class Objection:
         )
 
     def _out_of_bounds(
-        self, at: int, value: Spoken, parameter: CompiledParameter, unit: Unit
+        self, at: int, value: SpokenValue, parameter: CompiledParameter, unit: Unit
     ) -> Refusal:
         si = unit.to_si(value.number or 0.0)
         upper = si > parameter.high
@@ -365,7 +368,7 @@ class Objection:
                 kind=OutOfBounds,
             )
         bound = show_bound(parameter.low, parameter.high, unit, upper=upper)
-        offer = self._command(at, Spoken(value.name, float(bound), value.word or unit.symbol))
+        offer = self._command(at, SpokenValue(value.name, float(bound), value.word or unit.symbol))
         parts = {
             "subject": subject,
             "bound": shown_bound(parameter.low, parameter.high, unit, upper=upper),
@@ -395,7 +398,7 @@ class Objection:
             offers=tuple(filter(None, offers or ()))[:MOST_OFFERS],
         )
 
-    def _command(self, at: int = -1, instead: Spoken | None = None, extra: str = "") -> str:
+    def _command(self, at: int = -1, instead: SpokenValue | None = None, extra: str = "") -> str:
         """Return the command with another value at one place, or with one more word.
 
         Empty where not every value of it has a place then: what would be refused is not offered.
@@ -417,12 +420,12 @@ class Objection:
         low = [word.casefold() for word in raw]
         try:
             spoken = ValueReader(raw, low, 0, self._compiled, self._units).read()
-        except Doubt:
+        except AmbiguousNumber:
             return False
         return fits(self._compiled, spoken, self._units)
 
 
-def _typed(value: Spoken) -> str:
+def _typed(value: SpokenValue) -> str:
     """Return a value as a person would type it."""
     name = f"{value.name}=" if value.name else ""
     if value.number is None:
@@ -430,7 +433,7 @@ def _typed(value: Spoken) -> str:
     return f"{name}{value.number:.12g} {value.word}".rstrip()
 
 
-def _said(value: Spoken) -> str:
+def _said(value: SpokenValue) -> str:
     if value.number is None:
         return quote(value.word)
     return f"{show_number(value.number)} {value.word[:16]}".rstrip()

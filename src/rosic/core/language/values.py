@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language.keywords import FILLERS, NOT_FINITE, NUMBERS, SOFT_FILLERS
 from rosic.core.language.numbers import read_numeral
-from rosic.core.order import Spoken
+from rosic.core.order import SpokenValue
 
 if TYPE_CHECKING:
     from rosic.core.language.compiled import CompiledSkill
@@ -16,7 +16,7 @@ _SKIPPED = FILLERS | SOFT_FILLERS
 _PER = frozenset({"per", "pro"})
 
 
-class Doubt(Exception):  # never leaves this package
+class AmbiguousNumber(Exception):  # never leaves this package
     """A number may mean two numbers.
 
     Attributes:
@@ -47,7 +47,7 @@ class ValueReader:
         self._skill = skill
         self._units = units
 
-    def read(self) -> tuple[Spoken, ...]:
+    def read(self) -> tuple[SpokenValue, ...]:
         """Return the values from here to the end of the line.
 
         Raises:
@@ -56,12 +56,12 @@ class ValueReader:
         low = self._low
         words = self._skill.words
         end = len(low)
-        spoken: list[Spoken] = []
+        spoken: list[SpokenValue] = []
         while self._at < end:
             word = low[self._at]
             if word in words and not self._has_equals():
                 self._at += 1
-                spoken.append(Spoken("", None, word))
+                spoken.append(SpokenValue("", None, word))
             elif word.replace(".", "", 1).isdecimal():
                 spoken.append(self._value(""))
             elif (word in FILLERS and not self._is_one(word)) or self._is_soft(word):
@@ -93,7 +93,7 @@ class ValueReader:
             and self._units.find(self._raw[after]) is not None
         )
 
-    def _named_or_value(self, word: str) -> Spoken:
+    def _named_or_value(self, word: str) -> SpokenValue:
         if self._has_equals():
             self._at += 2
             return self._value(word)
@@ -104,36 +104,36 @@ class ValueReader:
             return self._value(word)
         return self._value("")
 
-    def _value(self, name: str) -> Spoken:
+    def _value(self, name: str) -> SpokenValue:
         """Read one value here; at the end of the line there is none."""
         at = self._at
         if at >= len(self._low):
-            return Spoken(name, None, "")
+            return SpokenValue(name, None, "")
         word = self._low[at]
         self._at = at + 1
         if word.replace(".", "", 1).isdecimal():
-            return Spoken(name, float(word), self._unit())
+            return SpokenValue(name, float(word), self._unit())
         numeral = read_numeral(self._raw[at])
         if numeral is not None:
             if numeral.readings:
-                raise Doubt(at, tuple(r + numeral.rest for r in numeral.readings))
-            return Spoken(name, numeral.value, numeral.rest or self._unit())
+                raise AmbiguousNumber(at, tuple(r + numeral.rest for r in numeral.readings))
+            return SpokenValue(name, numeral.value, numeral.rest or self._unit())
         return self._word(name, word)
 
-    def _word(self, name: str, word: str) -> Spoken:
+    def _word(self, name: str, word: str) -> SpokenValue:
         for count in range(self._skill.longest_word.get(word, 0), 1, -1):
             phrase = " ".join(self._low[self._at - 1 : self._at - 1 + count])
             if phrase in self._skill.words:
                 self._at += count - 1
-                return Spoken(name, None, phrase)
+                return SpokenValue(name, None, phrase)
         if word in self._skill.words:
-            return Spoken(name, None, word)
+            return SpokenValue(name, None, word)
         number = 1.0 if word in {"a", "an"} else NUMBERS.get(word, NOT_FINITE.get(word))
         if number is None:
-            return Spoken(name, None, word)
+            return SpokenValue(name, None, word)
         while self._at < len(self._low) and self._low[self._at] in {"a", "an", "of"}:
             self._at += 1
-        return Spoken(name, number, self._unit())
+        return SpokenValue(name, number, self._unit())
 
     def _unit(self) -> str:
         """Read the unit of the number before, if one follows; else return an empty text."""

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 _RESERVED = VERBS | FILLERS | EVERYTHING | NOTHING | frozenset(NUMBERS) | frozenset(NOT_FINITE)
 
 
-class Callee(msgspec.Struct, frozen=True):
+class NameTarget(msgspec.Struct, frozen=True):
     """Whom a name calls.
 
     Attributes:
@@ -61,7 +61,7 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
     units: UnitTable
     profiles: dict[RobotId, Profile]
     robots: dict[RobotId, CompiledRobot]
-    callees: dict[str, Callee]
+    callees: dict[str, NameTarget]
     longest_callee: dict[str, int]
     having: dict[str, frozenset[RobotId]]
     longest_skill: dict[str, int]
@@ -245,10 +245,10 @@ def _phrases(robot: RobotId, skills: dict[str, CompiledSkill]) -> dict[str, Comp
     return phrases
 
 
-def _callees(robots: dict[RobotId, CompiledRobot]) -> dict[str, Callee]:
-    callees: dict[str, Callee] = {}
+def _callees(robots: dict[RobotId, CompiledRobot]) -> dict[str, NameTarget]:
+    callees: dict[str, NameTarget] = {}
     for robot in robots.values():
-        callee = Callee(robot.id, (robot,))
+        callee = NameTarget(robot.id, (robot,))
         for name in dict.fromkeys((robot.id, *map(fold, robot.profile.words))):
             _refuse_reserved(name, f"robot {robot.id}")
             if name in callees:
@@ -262,15 +262,15 @@ def _callees(robots: dict[RobotId, CompiledRobot]) -> dict[str, Callee]:
         _refuse_reserved(group, f"a group of {members[0].id}")
         if group in callees:
             raise ValueError(f"{quote(group)} is both a group and a name for {callees[group].name}")
-        callees[group] = Callee(group, tuple(members), group=True)
+        callees[group] = NameTarget(group, tuple(members), group=True)
     return callees
 
 
 def _add_loose_names(
-    robots: dict[RobotId, CompiledRobot], callees: dict[str, Callee], taken: frozenset[str]
+    robots: dict[RobotId, CompiledRobot], callees: dict[str, NameTarget], taken: frozenset[str]
 ) -> None:
     """Let titles and looser spellings be said too, where they leave no doubt."""
-    loose: dict[str, list[Callee]] = {}
+    loose: dict[str, list[NameTarget]] = {}
     for callee in _distinct(callees):
         titles = () if callee.group else (fold(robots[callee.name].shown),)
         for name in dict.fromkeys((*titles, *spellings(callee.name))):
@@ -280,7 +280,7 @@ def _add_loose_names(
             callees.setdefault(name, meant[0])
 
 
-def _distinct(callees: dict[str, Callee]) -> Iterator[Callee]:
+def _distinct(callees: dict[str, NameTarget]) -> Iterator[NameTarget]:
     seen: set[str] = set()
     for callee in tuple(callees.values()):
         if callee.name not in seen:

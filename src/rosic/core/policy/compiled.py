@@ -12,7 +12,7 @@ from weakref import WeakValueDictionary
 
 import msgspec
 
-from rosic.core.policy.limits import Limit, LimitRule, Unfit, fit_limits, parse_limit
+from rosic.core.policy.limits import Limit, LimitMismatch, LimitRule, fit_limits, parse_limit
 from rosic.core.policy.roles import (
     ASSURANCES,
     Assurance,
@@ -126,7 +126,7 @@ class GrantTable(msgspec.Struct, frozen=True, eq=False, weakref=True):
     priority: int
 
 
-class Held(msgspec.Struct, frozen=True, eq=False, weakref=True):
+class HeldGrant(msgspec.Struct, frozen=True, eq=False, weakref=True):
     """A grant in somebody's hands.
 
     Attributes:
@@ -199,9 +199,9 @@ class Tables:
         self._together: dict[tuple[frozenset[RobotId], ...], frozenset[RobotId]] = {}
         # Weak: what the last holder gave back is forgotten.
         self._shared: WeakValueDictionary[Grant, GrantTable] = WeakValueDictionary()
-        self._holdings: WeakValueDictionary[Grant, Held] = WeakValueDictionary()
+        self._holdings: WeakValueDictionary[Grant, HeldGrant] = WeakValueDictionary()
 
-    def holding(self, grant: Grant) -> Held:
+    def holding(self, grant: Grant) -> HeldGrant:
         """Return a grant spread out. What is nobody's own is the same object for all of them."""
         anybodys = not grant.id and grant.expires_ns is None
         held = self._holdings.get(grant) if anybodys else None
@@ -214,7 +214,7 @@ class Tables:
             table = self._shared.get(kind)
             if table is None:
                 table = self._shared[kind] = self._table(kind)
-            held = Held(grant, until_ns, table, table.rows)
+            held = HeldGrant(grant, until_ns, table, table.rows)
             if anybodys:
                 self._holdings[grant] = held
         return held
@@ -354,7 +354,7 @@ class Tables:
                     self._touching(level, robot, word), word, skill, self.convert
                 )
             ]
-        except Unfit:
+        except LimitMismatch:
             return None
         return tuple(dict.fromkeys(fitted))
 

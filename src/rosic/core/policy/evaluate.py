@@ -45,7 +45,7 @@ from rosic.core.policy.scope import FLEET, READ
 
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
-    from rosic.core.policy.compiled import Held, RightReason
+    from rosic.core.policy.compiled import HeldGrant, RightReason
     from rosic.core.policy.permissions import Permissions
     from rosic.core.policy.roles import Grant
     from rosic.core.robot.profile import RobotId
@@ -130,7 +130,7 @@ def _reaches(state: PolicyState, robot: RobotId, skill: str) -> bool:
     return state.key is not None and state.rights.covers(state.key.scopes, robot, skill)
 
 
-def _choose(state: PolicyState, ask: Query) -> tuple[RightReason, Held] | Deny:
+def _choose(state: PolicyState, ask: Query) -> tuple[RightReason, HeldGrant] | Deny:
     """Return the right they act under."""
     rights = state.rights
     if not _reaches(state, ask.robot, ask.skill):
@@ -149,8 +149,8 @@ def _choose(state: PolicyState, ask: Query) -> tuple[RightReason, Held] | Deny:
 
 
 def _within(
-    state: PolicyState, ask: Query, near: list[tuple[RightReason, Held]]
-) -> tuple[RightReason, Held] | Deny:
+    state: PolicyState, ask: Query, near: list[tuple[RightReason, HeldGrant]]
+) -> tuple[RightReason, HeldGrant] | Deny:
     """Return the right of the highest priority under whose limits the arguments are."""
     if len(near) == 1 and not near[0][0].limits:
         return near[0]
@@ -170,7 +170,7 @@ def _within(
     )
 
 
-def _priority(one: tuple[RightReason, Held]) -> int:
+def _priority(one: tuple[RightReason, HeldGrant]) -> int:
     return one[0].priority
 
 
@@ -257,7 +257,7 @@ def may_agree(rights: Permissions, second: PrincipalId, ask: Query, now_ns: int)
     )
 
 
-def _not_given(state: PolicyState, ask: Query, found: list[tuple[RightReason, Held]]) -> Deny:
+def _not_given(state: PolicyState, ask: Query, found: list[tuple[RightReason, HeldGrant]]) -> Deny:
     if not found:
         return _refuse(state, ask, PolicyCode.NOT_GRANTED, PolicyRule.RIGHT)
     _, holding = max(found, key=lambda one: one[1].until_ns)

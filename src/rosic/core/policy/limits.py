@@ -78,7 +78,7 @@ class Limit(msgspec.Struct, frozen=True, gc=False):
     said: str
 
 
-class Unfit(ValueError):
+class LimitMismatch(ValueError):
     """A limit does not fit a skill; nobody may use the skill under it. Says why."""
 
 
@@ -164,7 +164,7 @@ def _fit(
     limits = " and ".join(rule.said for rule in rules)
     own_min, own_max = parameter.min, parameter.max
     if own_min is None or own_max is None:
-        raise Unfit(
+        raise LimitMismatch(
             said(
                 "{name} of {skill} is a word, so {limits!r} cannot limit it",
                 name=name,
@@ -182,7 +182,7 @@ def _fit(
         floor, ceiling = convert(own_min, "", parameter), convert(own_max, "", parameter)
     except ValueError as fault:
         why = fault.args[0]
-        raise Unfit(
+        raise LimitMismatch(
             said(
                 "{limits!r} does not fit {name} of {skill}: {why}",
                 limits=limits,
@@ -195,7 +195,7 @@ def _fit(
         low = -high
     low, high = _with_slack(low, -1), _with_slack(high, 1)
     if max(low, floor) > min(high, ceiling):
-        raise Unfit(
+        raise LimitMismatch(
             said(
                 "{limits!r} leaves nothing of {name} of {skill}, which goes from {least} to {most}",
                 limits=limits,

@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from rosic.core.identity import PrincipalId
-    from rosic.core.policy.compiled import Held, Precondition, Right, RightReason
+    from rosic.core.policy.compiled import HeldGrant, Precondition, Right, RightReason
     from rosic.core.policy.limits import Convert
     from rosic.core.policy.roles import Grant, RoleRules
     from rosic.core.policy.scope import Fleet, Scope
-    from rosic.core.policy.validation import Mistake
+    from rosic.core.policy.validation import RoleMistake
     from rosic.core.rate_limit import RateLimit
     from rosic.core.robot.profile import RobotId
 
@@ -49,7 +49,7 @@ class Permissions:
         self,
         epoch: int,
         tables: Tables,
-        people: dict[PrincipalId, tuple[Held, ...]],
+        people: dict[PrincipalId, tuple[HeldGrant, ...]],
         givers: dict[RobotId, tuple[PrincipalId, ...]],
         policy: int,
     ) -> None:
@@ -147,7 +147,7 @@ class Permissions:
 
     def ways(
         self, principal: PrincipalId, robot: RobotId, skill: str
-    ) -> Iterator[tuple[RightReason, Held]]:
+    ) -> Iterator[tuple[RightReason, HeldGrant]]:
         """Return everything that gives somebody a right, ended or not, in the order of grants."""
         for holding in self._people.get(principal, ()):
             right = holding.rows.get(robot, {}).get(skill)
@@ -272,12 +272,12 @@ class Permissions:
         """Return the priority of a role; 0 for one that is unknown."""
         return priority_of(self._tables.rulebook.roles, role)
 
-    def mistakes(self, grant: Grant) -> list[Mistake]:
+    def mistakes(self, grant: Grant) -> list[RoleMistake]:
         """Find what is wrong with a grant that somebody is about to give."""
         tables = self._tables
         return grant_mistakes(grant, tables.rulebook, tables.fleet, tables.convert)
 
-    def rule_mistakes(self, rulebook: RoleRules) -> list[Mistake]:
+    def rule_mistakes(self, rulebook: RoleRules) -> list[RoleMistake]:
         """Find what is wrong with other rules, for these robots."""
         return rulebook_mistakes(rulebook, self._tables.fleet, self._tables.convert)
 
@@ -314,5 +314,5 @@ class PolicyInForce:
         self.rights, self.epoch = rights, rights.epoch
 
 
-def _giving(holdings: tuple[Held, ...]) -> set[RobotId]:
+def _giving(holdings: tuple[HeldGrant, ...]) -> set[RobotId]:
     return {robot for holding in holdings for robot in holding.giving}

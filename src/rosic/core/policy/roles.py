@@ -146,7 +146,7 @@ class RoleRules(msgspec.Struct, frozen=True, kw_only=True):
     preempt: tuple[str, ...] = ()
 
 
-class Chain(msgspec.Struct, frozen=True):
+class RoleChain(msgspec.Struct, frozen=True):
     """One way from a granted role down to a role it includes.
 
     Attributes:
@@ -167,7 +167,7 @@ class Chain(msgspec.Struct, frozen=True):
 _Step: TypeAlias = tuple[tuple[str, ...], tuple[tuple[str, ...], ...], Assurance]
 
 
-def chains(roles: Mapping[str, Role], name: str) -> Iterator[Chain]:
+def chains(roles: Mapping[str, Role], name: str) -> Iterator[RoleChain]:
     """Walk down from a role. What is unknown, in a loop or too deep gives nothing.
 
     Two ways to the same role that ask for the same are walked once.
@@ -186,7 +186,7 @@ def chains(roles: Mapping[str, Role], name: str) -> Iterator[Chain]:
         if mark in met:
             continue
         met.add(mark)
-        yield Chain(via, role, limits, least, rates)
+        yield RoleChain(via, role, limits, least, rates)
         if len(via) < DEEPEST:
             walk += [
                 ((*via, inner), limits, least)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from rosic.core.i18n import capital, joined, said
 from rosic.core.language.suggestions import did_you_mean
-from rosic.core.policy.limits import LimitRule, Unfit, fit_limits, parse_limit
+from rosic.core.policy.limits import LimitMismatch, LimitRule, fit_limits, parse_limit
 from rosic.core.policy.roles import ASSURANCES, DEEPEST, chains, loops
 from rosic.core.policy.scope import FLEET, Scope, words_given, words_meant
 from rosic.core.rate_limit import parse_rate
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Place: TypeAlias = tuple[str | int, ...]
 
 
-class Mistake(NamedTuple):
+class RoleMistake(NamedTuple):
     """One thing that is wrong.
 
     Attributes:
@@ -40,14 +40,14 @@ class Mistake(NamedTuple):
     hint: str = ""
 
 
-def rulebook_mistakes(rulebook: RoleRules, fleet: Fleet, convert: Convert) -> list[Mistake]:
+def rulebook_mistakes(rulebook: RoleRules, fleet: Fleet, convert: Convert) -> list[RoleMistake]:
     """Return everything that is wrong with roles, care and pre-emption."""
-    found: list[Mistake] = []
+    found: list[RoleMistake] = []
     for name, role in rulebook.roles.items():
         found += _role(name, role, rulebook.roles, fleet, convert)
     for loop in loops(rulebook.roles):
         found.append(
-            Mistake(
+            RoleMistake(
                 ("role", loop[0], "includes"),
                 said(
                     "The role {role} includes itself: {loop}.",
@@ -66,11 +66,11 @@ def rulebook_mistakes(rulebook: RoleRules, fleet: Fleet, convert: Convert) -> li
 
 def grant_mistakes(
     grant: Grant, rulebook: RoleRules, fleet: Fleet, convert: Convert
-) -> list[Mistake]:
+) -> list[RoleMistake]:
     """Return everything that is wrong with one grant."""
-    found: list[Mistake] = []
+    found: list[RoleMistake] = []
     if not grant.role and not grant.scopes:
-        found.append(Mistake((), said("This gives nothing."), said("Name a role, or scopes.")))
+        found.append(RoleMistake((), said("This gives nothing."), said("Name a role, or scopes.")))
     if grant.role and grant.role not in rulebook.roles:
         found.append(_unknown_role(("role",), grant.role, rulebook.roles))
     for index, text in enumerate(grant.scopes):
@@ -88,7 +88,7 @@ def grant_mistakes(
             nothing = said(
                 "The role {role} gives nothing on {where}.", role=grant.role, where=where
             )
-            found.append(Mistake(("robots",), nothing))
+            found.append(RoleMistake(("robots",), nothing))
     return found + list(_limits(grant.limits, given, fleet, convert))
 
 
@@ -99,13 +99,13 @@ def given_by(rulebook: RoleRules, role: str, fleet: Fleet) -> dict[RobotId, froz
 
 def _role(
     name: str, role: Role, roles: Mapping[str, Role], fleet: Fleet, convert: Convert
-) -> Iterator[Mistake]:
+) -> Iterator[RoleMistake]:
     here: Place = ("role", name)
     for index, inner in enumerate(role.includes):
         if inner not in roles:
             yield _unknown_role((*here, "includes", index), inner, roles)
     if any(len(chain.via) >= DEEPEST and chain.last.includes for chain in chains(roles, name)):
-        yield Mistake(
+        yield RoleMistake(
             (*here, "includes"),
             said("The role {name} includes roles more than {n} deep.", name=name, n=DEEPEST),
             said("Include the inner ones directly."),
@@ -114,7 +114,7 @@ def _role(
         yield from _scope((*here, "scopes", index), text, fleet)
     if not role.scopes and not role.includes:
         nothing = said("The role {name} gives nothing.", name=name)
-        yield Mistake(here, nothing, said("Give it scopes, or includes."))
+        yield RoleMistake(here, nothing, said("Give it scopes, or includes."))
     yield from _assurance((*here, "assurance"), role.assurance)
     yield from _rate((*here, "rate"), role.rate)
     given = dict(_given(_scopes_of(name, (), roles), fleet))
@@ -122,10 +122,10 @@ def _role(
         yield mistake._replace(place=(*here, *mistake.place))
 
 
-def _care(here: Place, care: SkillPrecondition, fleet: Fleet) -> Iterator[Mistake]:
+def _care(here: Place, care: SkillPrecondition, fleet: Fleet) -> Iterator[RoleMistake]:
     if not care.needs and not care.assurance:
         hint = said("Set confirm, step_up or second_person.")
-        yield Mistake(here, said("This asks for nothing."), hint)
+        yield RoleMistake(here, said("This asks for nothing."), hint)
     for index, text in enumerate(care.scopes):
         place = (*here, "scopes", index)
         mistakes = list(_scope(place, text, fleet))
@@ -133,7 +133,7 @@ def _care(here: Place, care: SkillPrecondition, fleet: Fleet) -> Iterator[Mistak
         if not mistakes:
             scope = Scope.parse(text)
             if not any(words_meant(scope, r, fleet) for r in fleet.robots(scope.robot)):
-                yield Mistake(
+                yield RoleMistake(
                     place,
                     said("{text!r} touches no skill.", text=text),
                     said("A wildcard stands for a robot's own skills; name read, resume or grant."),
@@ -141,26 +141,26 @@ def _care(here: Place, care: SkillPrecondition, fleet: Fleet) -> Iterator[Mistak
     yield from _assurance((*here, "assurance"), care.assurance)
 
 
-def _unknown_role(place: Place, role: str, roles: Iterable[str]) -> Mistake:
+def _unknown_role(place: Place, role: str, roles: Iterable[str]) -> RoleMistake:
     unknown = said("No role is called {role!r}.", role=role)
-    return Mistake(place, unknown, _nearest(role, roles))
+    return RoleMistake(place, unknown, _nearest(role, roles))
 
 
-def _assurance(place: Place, named: str) -> Iterator[Mistake]:
+def _assurance(place: Place, named: str) -> Iterator[RoleMistake]:
     if named and named not in ASSURANCES:
-        yield Mistake(
+        yield RoleMistake(
             place,
             said("{named!r} is no assurance of a channel.", named=named),
             said("Known: {names}.", names=", ".join(ASSURANCES)),
         )
 
 
-def _rate(place: Place, text: str) -> Iterator[Mistake]:
+def _rate(place: Place, text: str) -> Iterator[RoleMistake]:
     try:
         if text:
             parse_rate(text)
     except ValueError as fault:
-        yield Mistake(place, _ended(fault))
+        yield RoleMistake(place, _ended(fault))
 
 
 def _ended(fault: ValueError) -> str:
@@ -168,23 +168,23 @@ def _ended(fault: ValueError) -> str:
     return joined("", (fault.args[0], "."))
 
 
-def _robots(place: Place, whom: str, fleet: Fleet) -> Iterator[Mistake]:
+def _robots(place: Place, whom: str, fleet: Fleet) -> Iterator[RoleMistake]:
     if fleet.robots(whom):
         return
     if "*" in whom or "?" in whom:
         none = said("No robot matches {whom!r}.", whom=whom)
-        yield Mistake(place, none, _known(fleet.skills))
+        yield RoleMistake(place, none, _known(fleet.skills))
     else:
         known = (*fleet.skills, *fleet.groups)
         unknown = said("No robot or group is called {whom!r}.", whom=whom)
-        yield Mistake(place, unknown, _nearest(whom, known))
+        yield RoleMistake(place, unknown, _nearest(whom, known))
 
 
-def _scope(place: Place, text: str, fleet: Fleet) -> Iterator[Mistake]:
+def _scope(place: Place, text: str, fleet: Fleet) -> Iterator[RoleMistake]:
     try:
         scope = Scope.parse(text)
     except ValueError as fault:
-        yield Mistake(place, _ended(fault))
+        yield RoleMistake(place, _ended(fault))
         return
     mistakes = list(_robots(place, scope.robot, fleet))
     yield from mistakes
@@ -199,7 +199,7 @@ def _scope(place: Place, text: str, fleet: Fleet) -> Iterator[Mistake]:
                 robots=scope.robot,
                 skill=scope.skill,
             )
-        yield Mistake(place, none, _nearest(scope.skill, words))
+        yield RoleMistake(place, none, _nearest(scope.skill, words))
 
 
 def _scopes_of(role: str, bare: Iterable[str], roles: Mapping[str, Role]) -> Iterator[Scope]:
@@ -225,7 +225,7 @@ def _limits(
     given: Mapping[RobotId, frozenset[str]],
     fleet: Fleet,
     convert: Convert,
-) -> Iterator[Mistake]:
+) -> Iterator[RoleMistake]:
     """Find limits that cannot be read, touch nothing, or do not fit what they touch."""
     rules: list[LimitRule] = []
     for index, text in enumerate(texts):
@@ -233,17 +233,17 @@ def _limits(
         try:
             rule = parse_limit(text)
         except ValueError as fault:
-            yield Mistake(place, _ended(fault))
+            yield RoleMistake(place, _ended(fault))
             continue
         sentence = _misfit([rule], given, fleet, convert) or _idle(rule, given, fleet)
         if sentence:
             shown = capital(joined("", (sentence, ".")))
-            yield Mistake(place, shown, _near_parameter(rule, given, fleet))
+            yield RoleMistake(place, shown, _near_parameter(rule, given, fleet))
         else:
             rules.append(rule)
     together = _misfit(rules, given, fleet, convert)
     if together:
-        yield Mistake(("limits",), capital(joined("", (together, "."))))
+        yield RoleMistake(("limits",), capital(joined("", (together, "."))))
 
 
 def _misfit(
@@ -258,7 +258,7 @@ def _misfit(
             touching = [r for r in rules if _touches(r, robot, word, fleet)]
             try:
                 fit_limits(touching, word, fleet.skills[robot][word], convert)
-            except Unfit as fault:
+            except LimitMismatch as fault:
                 return said("on {robot}, {fault}", robot=robot, fault=fault.args[0])
     return ""
 

@@ -20,7 +20,7 @@ _E2: Final = _FLATTENING * (2 - _FLATTENING)
 HALF_TURN_DEG: Final = 180.0
 
 
-class TooFar(ValueError):
+class OutsidePlane(ValueError):
     """A place is too far from the frame's origin for both to lie in one plane."""
 
 
@@ -53,7 +53,7 @@ def local_m(frame: GeographicFrame, latitude: float, longitude: float) -> tuple[
         TooFar: It is no place, or more than 10 km away.
     """
     if not (isfinite(latitude) and isfinite(longitude)):
-        raise TooFar
+        raise OutsidePlane
     x0, y0, z0 = _geocentric_m(frame.latitude, frame.longitude)
     x, y, z = _geocentric_m(latitude, longitude)
     dx, dy, dz = x - x0, y - y0, z - z0
@@ -63,7 +63,7 @@ def local_m(frame: GeographicFrame, latitude: float, longitude: float) -> tuple[
     north = dz * cos(phi) - outward * sin(phi)
     up = dz * sin(phi) + outward * cos(phi)
     if hypot(north, east, up) > FARTHEST_M:
-        raise TooFar
+        raise OutsidePlane
     heading = radians(frame.heading_deg)
     return (
         north * cos(heading) + east * sin(heading),

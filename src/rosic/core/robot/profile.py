@@ -13,7 +13,7 @@ from rosic.core.robot.geography import GeographicFrame
 from rosic.core.robot.joints import Joints
 from rosic.core.robot.skill import MOTION, ServiceBinding, Skill, TopicBinding
 from rosic.core.robot.strategy import Strategy
-from rosic.core.robot.view import Pose, Sight
+from rosic.core.robot.view import Pose, ViewKind
 
 RobotId: TypeAlias = str
 
@@ -323,9 +323,9 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         """Whether anything is expected of it."""
         return any(skill.benchmark is not None for skill in self.skills.values())
 
-    def offers(self, sight: Sight) -> bool:
+    def offers(self, sight: ViewKind) -> bool:
         """Whether people may look at the robot in this way: opt-in, robot by robot."""
-        return (self.camera if sight is Sight.PICTURE else self.map) is not None
+        return (self.camera if sight is ViewKind.PICTURE else self.map) is not None
 
 
 class Presence(msgspec.Struct, frozen=True, kw_only=True):

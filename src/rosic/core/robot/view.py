@@ -12,7 +12,7 @@ Point: TypeAlias = tuple[float, float, float]
 Colour: TypeAlias = tuple[int, int, int]
 
 
-class Sight(enum.Enum):
+class ViewKind(enum.Enum):
     """What a robot's side can be asked to show."""
 
     __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
@@ -39,7 +39,7 @@ class Pose(msgspec.Struct, frozen=True, gc=False):
 # ---- what a robot's side shows ----
 
 
-class Encoded(msgspec.Struct, frozen=True, gc=False, tag="encoded"):
+class CompressedFrame(msgspec.Struct, frozen=True, gc=False, tag="encoded"):
     """A frame as a camera driver compressed it: JPEG or PNG, unless it says what is not so."""
 
     data: bytes
@@ -48,7 +48,7 @@ class Encoded(msgspec.Struct, frozen=True, gc=False, tag="encoded"):
         return f"Encoded({len(self.data)} bytes)"
 
 
-class Raster(msgspec.Struct, frozen=True, gc=False, tag="raster"):
+class RawFrame(msgspec.Struct, frozen=True, gc=False, tag="raster"):
     """A frame of bare pixels, as ``sensor_msgs/Image`` has it.
 
     Attributes:
@@ -67,7 +67,7 @@ class Raster(msgspec.Struct, frozen=True, gc=False, tag="raster"):
         return f"Raster({self.width} x {self.height} {self.encoding}, {len(self.data)} bytes)"
 
 
-class Grid(msgspec.Struct, frozen=True, gc=False, tag="grid"):
+class OccupancyMap(msgspec.Struct, frozen=True, gc=False, tag="grid"):
     """A map of what is occupied, and where the robot is and goes on it.
 
     Attributes:
@@ -167,7 +167,7 @@ class Scene(msgspec.Struct, frozen=True, gc=False, tag="scene"):
     backdrop: tuple[Solid, ...] = ()
 
 
-Content: TypeAlias = Encoded | Raster | Grid | Scene
+Content: TypeAlias = CompressedFrame | RawFrame | OccupancyMap | Scene
 
 
 class View(msgspec.Struct, frozen=True, gc=False):
@@ -186,7 +186,7 @@ class View(msgspec.Struct, frozen=True, gc=False):
 # ---- what the gateway has kept ----
 
 
-class Curve(msgspec.Struct, frozen=True, gc=False, tag="curve"):
+class TimeSeries(msgspec.Struct, frozen=True, gc=False, tag="curve"):
     """One value over time.
 
     Attributes:
@@ -236,7 +236,7 @@ class Clip(msgspec.Struct, frozen=True, gc=False, tag="clip"):
     every_s: float
 
 
-Subject: TypeAlias = Content | Curve | PathView | PathsView | Clip
+Subject: TypeAlias = Content | TimeSeries | PathView | PathsView | Clip
 
 
 class Drawing(msgspec.Struct, frozen=True, gc=False):

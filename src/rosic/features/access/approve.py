@@ -16,7 +16,7 @@ from rosic.gateway.commands import Reply
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from rosic.authoriser.enrolment_records import Applicant, CodeRedeemed, Declined
+    from rosic.authoriser.enrolment_records import Applicant, CodeRedeemed, EnrolmentDeclined
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Record
     from rosic.features.access.admin_policy import AdminPolicy
@@ -111,7 +111,7 @@ class ApprovalCommands:
         self._tell_others(applicant, by, told)
         return Reply(words.not_let_in(applicant.name))
 
-    async def lapse(self) -> tuple[Declined, ...]:
+    async def lapse(self) -> tuple[EnrolmentDeclined, ...]:
         """Turn away everybody for whom no admin tapped in time; call it every minute or so.
 
         Returns:
@@ -128,7 +128,7 @@ class ApprovalCommands:
             await self._turned_away(declined)
         return late
 
-    async def _turned_away(self, declined: Declined) -> None:
+    async def _turned_away(self, declined: EnrolmentDeclined) -> None:
         self._newcomer_chat.tell(declined.address, declined.sentence)
         if declined.newcomer:
             await self._forget(declined.principal)

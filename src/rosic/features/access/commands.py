@@ -38,7 +38,7 @@ class AccessCommands(msgspec.Struct, frozen=True):
     rolemaking: RoleCommands | None = None
 
 
-class Answers:
+class AnswerRouter:
     """Brings a yes or a no to whoever asked.
 
     A second person is wanted, somebody wants in, or somebody asks for a right.
@@ -122,7 +122,7 @@ def register_access_commands(
     commands: CommandRegistry, handlers: AccessCommands, confirmation: Confirmation | None = None
 ) -> None:
     """Give each handler their commands; yes and no are shared with whoever asks for consent."""
-    answers = Answers(handlers.admitting, confirmation, handlers.request_commands)
+    answers = AnswerRouter(handlers.admitting, confirmation, handlers.request_commands)
     commands.register("me", handlers.about.me)
     commands.register("people", handlers.about.people)
     commands.register("security", handlers.about.security)

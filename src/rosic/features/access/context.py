@@ -9,7 +9,7 @@ import msgspec
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.enrolment import Enrolment
 from rosic.authoriser.keys import KeyRing
-from rosic.authoriser.locks import Locks
+from rosic.authoriser.locks import AccountLocks
 from rosic.authoriser.security_report import SecurityReports
 from rosic.authoriser.two_factor import TwoFactor
 from rosic.contracts.clock import Clock
@@ -36,7 +36,7 @@ class AccessContext(msgspec.Struct, frozen=True, kw_only=True):
     authoriser: Authoriser
     enrolment: Enrolment
     keys: KeyRing
-    locks: Locks
+    locks: AccountLocks
     two_factor: TwoFactor
     security: SecurityReports
     grants_book: Grants

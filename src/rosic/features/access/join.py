@@ -7,10 +7,10 @@ import re
 from typing import TYPE_CHECKING
 
 from rosic.authoriser import messages
-from rosic.authoriser.enrolment_records import ApplicantWaits, CodeRedeemed, TurnedAway
+from rosic.authoriser.enrolment_records import ApprovalPending, CodeRedeemed, EnrolmentRefused
 from rosic.authoriser.invite_codes import code_said
 from rosic.core.i18n import joined
-from rosic.core.message import ChatKind, Standing
+from rosic.core.message import ChatKind, MessageValidity
 from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.secret import Secret
 from rosic.errors import Expired, RecordUnavailable, Refusal
@@ -91,7 +91,7 @@ class JoinHandler:
             known = self._newcomer_chat.knows(inbound.nonce)
             return await self._tapped(messenger, inbound) if known else None
         private = inbound.chat.kind is ChatKind.PRIVATE
-        if private and inbound.standing is not Standing.FRESH:
+        if private and inbound.standing is not MessageValidity.FRESH:
             return None
         if not private:
             return await self._in_group(messenger, inbound, text)
@@ -111,7 +111,7 @@ class JoinHandler:
     def _shown(self, messenger: Messenger, inbound: Inbound, code: str, text: str) -> Reply:
         """Show what a code gives; it is not used up by that."""
         found = self._enrolment.look(code, inbound.sender, private=True)
-        if isinstance(found, TurnedAway):
+        if isinstance(found, EnrolmentRefused):
             return self._turned_away(found)
         what = found.given.words
         good_for_ns = found.expires_ns - self._registry.clock.wall_ns()
@@ -142,7 +142,7 @@ class JoinHandler:
                 said = await self._burnt(turn, inbound, codes)
         if said is not None:
             self._registry.retracting.now(messenger, inbound.chat, inbound.message)
-        asks = inbound.standing is Standing.FRESH and text.lstrip().startswith("/")
+        asks = inbound.standing is MessageValidity.FRESH and text.lstrip().startswith("/")
         code = code_said(text) if asks else None
         if said is None and code is not None:
             said = self._enrolment.look(code, inbound.sender, private=False)  # type: ignore[assignment]  # never an invitation
@@ -153,7 +153,7 @@ class JoinHandler:
 
     async def _burnt(
         self, turn: UnitOfWork, inbound: Inbound, codes: tuple[str, ...]
-    ) -> TurnedAway | None:
+    ) -> EnrolmentRefused | None:
         burnt = None
         for code in codes:
             if (found := self._enrolment.leaked(code, inbound.sender)) is None:
@@ -164,7 +164,7 @@ class JoinHandler:
             await turn.act(found.records)
         return burnt
 
-    def _turned_away(self, found: TurnedAway) -> Reply:
+    def _turned_away(self, found: EnrolmentRefused) -> Reply:
         self._raise_alarm(found.alarm)
         if self._answers.take(self._registry.clock.monotonic_ns()):
             return SILENT
@@ -233,19 +233,19 @@ class JoinHandler:
         code = tapped.code.reveal()
         async with self._registry.changes.turn() as turn:
             answer = self._enrolment.redeem(code, inbound.sender, private=private, name=name)
-            if isinstance(answer, TurnedAway):
+            if isinstance(answer, EnrolmentRefused):
                 await turn.act(answer.records)
-            elif isinstance(answer, ApplicantWaits):
+            elif isinstance(answer, ApprovalPending):
                 await turn.write(answer.records)
             else:
                 await turn.write(self._admitting.records(answer, tapped.offered.issuer))
-        if isinstance(answer, TurnedAway):
+        if isinstance(answer, EnrolmentRefused):
             return self._turned_away(answer)
-        if isinstance(answer, ApplicantWaits):
+        if isinstance(answer, ApprovalPending):
             return self._waits(answer)
         return self._is_in(inbound, answer, tapped)
 
-    def _waits(self, answer: ApplicantWaits) -> Reply:
+    def _waits(self, answer: ApprovalPending) -> Reply:
         asked = self._admitting.ask(answer.applicant)
         return Reply(
             answer.sentence if asked else joined(" ", (answer.sentence, words.NOBODY_TO_ASK))

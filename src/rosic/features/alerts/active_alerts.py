@@ -52,7 +52,7 @@ def unpacked(content: bytes) -> tuple[ActiveAlert, ...]:
     return tuple(ActiveAlert(*of) for of in _decode(content))
 
 
-class AlertMessages:
+class AlertMessageIndex:
     """Bounded. What changes is so at once, and returned to be written behind it.
 
     A message stands there as a digest of where it is: a chat's id is an account's.
@@ -64,7 +64,9 @@ class AlertMessages:
         self._count = 0
         self._of_rule: dict[str, dict[str, None]] = {}
 
-    def restore(self, facts: Iterable[Fact], alarms: Mapping[str, Alarm]) -> tuple[Fact, ...]:
+    def restore(
+        self, facts: Iterable[Fact], alarms: Mapping[str, AlertOccurrence]
+    ) -> tuple[Fact, ...]:
         """Take over what earlier runs said of alarms that are open still; return what ends."""
         ended: list[Fact] = []
         for fact in facts:
@@ -142,7 +144,7 @@ class AlertMessages:
         return tuple(ended)
 
 
-def _is_open(of: ActiveAlert, alarms: Mapping[str, Alarm]) -> bool:
+def _is_open(of: ActiveAlert, alarms: Mapping[str, AlertOccurrence]) -> bool:
     alarm = alarms.get(of.rule)
     return alarm is not None and alarm.at_ns == of.at_ns
 
@@ -164,7 +166,7 @@ MUTE: Final = "alarm-mute"
 RUN: Final = "alarm-run"
 
 
-class Alarm(msgspec.Struct, frozen=True, array_like=True):
+class AlertOccurrence(msgspec.Struct, frozen=True, array_like=True):
     """One occurrence; the key of its fact is the rule's.
 
     Attributes:
@@ -194,8 +196,8 @@ class AlertRun(msgspec.Struct, frozen=True, array_like=True):
     alarm_ns: int
 
 
-_TYPES: Final[dict[str, type[Alarm | Silence | AlertRun]]] = {
-    ALARM: Alarm,
+_TYPES: Final[dict[str, type[AlertOccurrence | Silence | AlertRun]]] = {
+    ALARM: AlertOccurrence,
     MUTE: Silence,
     RUN: AlertRun,
 }
@@ -209,7 +211,7 @@ class AlertLog:
     """
 
     def __init__(self) -> None:
-        self.alarms: dict[str, Alarm] = {}
+        self.alarms: dict[str, AlertOccurrence] = {}
         self._mutes: dict[str, Silence] = {}
         self._runs: dict[str, AlertRun] = {}
 
@@ -226,7 +228,7 @@ class AlertLog:
 
     # ---- what is to be written ----
 
-    def raised(self, key: str, alarm: Alarm) -> Fact:
+    def raised(self, key: str, alarm: AlertOccurrence) -> Fact:
         """Return what makes an alarm open, or changes it."""
         return Fact(kind=ALARM, key=key, body=_encode(alarm))
 

@@ -15,7 +15,7 @@ from rosic.core.time_units import SECOND_NS
 from rosic.errors import Refusal, RosicError
 from rosic.features.alerts import grouped_messages
 from rosic.features.alerts import messages as words
-from rosic.features.alerts.active_alerts import ActiveAlert, Alarm, unpacked
+from rosic.features.alerts.active_alerts import ActiveAlert, AlertOccurrence, unpacked
 from rosic.features.alerts.notifications import AlertNotifications
 from rosic.features.alerts.recipients import AlertNews, NewsKind
 from rosic.gateway.scheduling import go_round
@@ -55,7 +55,7 @@ class ActiveRule:
     def __init__(self, rule: AlertRule) -> None:
         self.rule = rule
         self.watch = AlertWatch(rule.pace)
-        self.alarm: Alarm | None = None
+        self.alarm: AlertOccurrence | None = None
 
     def now(self, presence: Presence) -> str:
         """Return what is measured, as people read it."""
@@ -189,7 +189,7 @@ class AlertEvaluator:
         wall_ns = self._clock.wall_ns()
         alarm = following.alarm
         if alarm is None:
-            alarm = Alarm(wall_ns)
+            alarm = AlertOccurrence(wall_ns)
         people = self.circles.of(rule.robot, rule.alert.tell, level)
         text = self._text(rule, now, event, alarm.at_ns)
         alarmed = ActiveAlert(rule.key, alarm.at_ns)

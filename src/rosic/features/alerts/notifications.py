@@ -11,7 +11,7 @@ from rosic.core.robot.alert_config import Severity
 from rosic.core.time_units import DAY_S
 from rosic.features.alerts import grouped_messages
 from rosic.features.alerts import messages as words
-from rosic.features.alerts.active_alerts import AlertMessages, packed
+from rosic.features.alerts.active_alerts import AlertMessageIndex, packed
 from rosic.features.alerts.recipients import AlertGrouping, AlertNews, NewsKind
 from rosic.gateway.delivery.notifier import Notification
 
@@ -47,7 +47,7 @@ class AlertNotifications:
     def __init__(
         self, rooms: Components, reach: Notifier, clock: Clock, circles: Recipients, write: Write
     ) -> None:
-        self.placed = AlertMessages()
+        self.placed = AlertMessageIndex()
         self._write = write
         self._rooms = rooms
         self._reach = reach

@@ -42,7 +42,7 @@ class _Moving(NamedTuple):
     until_ns: int
 
 
-class Absences:
+class OfflineNotices:
     """Follows robots that carry something out, and tells whoever asked for it.
 
     Whoever was told that a robot moves is told once that it is at rest, when that is measured, or

@@ -26,7 +26,7 @@ LOOKS: Final = 2
 """So often in a row it is seen to move: one measurement alone may be a push, or noise."""
 
 
-class BrokenStops:
+class StopViolations:
     """Follows robots that are stopped, from their measured rest on.
 
     ROSIC sends nothing: whoever drives the robot stands beside it, or has to be found. Whoever

@@ -9,7 +9,7 @@ import msgspec
 from msgspec.structs import replace
 
 from rosic.core.identity import PrincipalId
-from rosic.core.order import Ending, Order
+from rosic.core.order import Order, OrderEnding
 from rosic.core.records import Fact
 from rosic.core.robot.benchmark import (
     DEVIATION,
@@ -100,7 +100,7 @@ class BenchmarkEvaluation:
     def ended(self, order: Order, outcome: Outcome) -> None:
         """Judge what was done; what was cut short or failed says nothing of a benchmark."""
         attempt = self._attempts.pop(order.robot, None)
-        if outcome.ending is not Ending.DONE:
+        if outcome.ending is not OrderEnding.DONE:
             return
         if order.skill.kind is SkillClass.CONFIG:
             # Set anew, or calibrated: what it did before says nothing of what it will do.
@@ -179,7 +179,7 @@ class BenchmarkEvaluation:
             return None
 
 
-class BothWatchers:
+class WatcherPair:
     """Lets two follow what robots do."""
 
     def __init__(self, one: OrderWatcher, other: OrderWatcher) -> None:
@@ -203,9 +203,9 @@ def _nowhere() -> None:
 def follow(executor: OrderExecutor, watcher: OrderWatcher) -> None:
     """Let somebody follow what robots do; whoever does so already is not told twice."""
     there = executor.watch
-    if there is watcher or (isinstance(there, BothWatchers) and watcher in there.both):
+    if there is watcher or (isinstance(there, WatcherPair) and watcher in there.both):
         return
-    executor.watch = watcher if there is None else BothWatchers(there, watcher)
+    executor.watch = watcher if there is None else WatcherPair(there, watcher)
 
 
 def _number(presence: Presence, name: str) -> float | None:

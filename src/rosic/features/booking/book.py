@@ -9,7 +9,7 @@ from rosic.core.i18n import said
 from rosic.core.language.ast import Misunderstood
 from rosic.core.language.compiled import fold
 from rosic.core.language.syntax_errors import LONGEST_OFFER
-from rosic.core.language.time_parser import When, read_when
+from rosic.core.language.time_parser import RequestedTime, read_when
 from rosic.core.message import Button
 from rosic.core.robot.profile import Slots
 from rosic.core.slot import SLOT, BookedSlot, Pattern, read_fact
@@ -75,7 +75,7 @@ class BookCommand:
     def _is_time(self, asked: CommandContext, text: str) -> bool:
         """Whether a line without a name is a time all the same."""
         zone = self._times.sides.zone_of(asked.caller.principal)
-        return isinstance(read_when(text, self._times.clock.wall_ns(), zone.local), When)
+        return isinstance(read_when(text, self._times.clock.wall_ns(), zone.local), RequestedTime)
 
     def _check(self, principal: PrincipalId, robot: RobotId) -> None:
         refusal = self._times.sides.may_book(principal, robot)
@@ -107,7 +107,7 @@ class BookCommand:
         return words.right_ends_within(shown, at)
 
     async def _once(
-        self, turn: UnitOfWork, principal: PrincipalId, robot: RobotId, when: When
+        self, turn: UnitOfWork, principal: PrincipalId, robot: RobotId, when: RequestedTime
     ) -> Reply:
         times = self._times
         zone = times.sides.zone_of(principal)
@@ -123,7 +123,7 @@ class BookCommand:
         turn: UnitOfWork,
         principal: PrincipalId,
         robot: RobotId,
-        when: When,
+        when: RequestedTime,
         *,
         skip_taken: bool = False,
     ) -> Reply:
@@ -151,7 +151,7 @@ class BookCommand:
         return tuple(slot for slot in found if slot is not None)
 
     def _instead(
-        self, taken: SlotTaken, principal: PrincipalId, when: When, rest: str
+        self, taken: SlotTaken, principal: PrincipalId, when: RequestedTime, rest: str
     ) -> tuple[str, ...]:
         """Offer the times of a series that nobody has; else to see the first day that is taken."""
         zone, robot = self._times.sides.zone_of(principal), taken.slot.robot
@@ -177,11 +177,11 @@ def _without_where_free(text: str) -> tuple[str, bool]:
     return text, False
 
 
-def _pattern(when: When, zone: Zone) -> Pattern:
+def _pattern(when: RequestedTime, zone: Zone) -> Pattern:
     return Pattern(when.start, when.length_s, when.rrule, zone.name)
 
 
-def _moved(slots: tuple[BookedSlot, ...], when: When, zone: Zone) -> str:
+def _moved(slots: tuple[BookedSlot, ...], when: RequestedTime, zone: Zone) -> str:
     """Return what to know about the first time that the clocks skip; mostly nothing."""
     minute = when.start.minute_of_day
     starts = (zone.local(slot.start_ns) for slot in slots)

@@ -18,7 +18,7 @@ from rosic.features.booking.context import decided
 from rosic.gateway.commands import Reply
 from rosic.organiser.planning.figures import figures_of
 from rosic.organiser.planning.greedy import first_come_first_served
-from rosic.organiser.planning.problem import Booked, PlanCaveat, PlanningProblem
+from rosic.organiser.planning.problem import PlanCaveat, PlanningProblem, StandingSlot
 from rosic.organiser.planning.solver import propose
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rosic.features.booking.context import BookingContext
     from rosic.gateway.commands import CommandContext
     from rosic.organiser.planning.problem import Allocation, Proposal
-    from rosic.organiser.planning.wishes import Wished
+    from rosic.organiser.planning.wishes import RecordedWish
 
 LIMIT_S = 5.0
 MOST_LINES = 40
@@ -99,12 +99,14 @@ class PlanCommand:
         yes = Button(said("Book all of it"), f"/plan {BOOK} {key}")
         return Reply(text, ((yes, Button(said("Leave it"), f"/plan {LEAVE}")),))
 
-    def _shared(self, wishes: tuple[Wished, ...]) -> tuple[list[Wished], list[Wished]]:
+    def _shared(
+        self, wishes: tuple[RecordedWish, ...]
+    ) -> tuple[list[RecordedWish], list[RecordedWish]]:
         """Split off what is beyond the times that one person may have to come."""
         most = self._times.calendar.limits.most_upcoming
         count: Counter[PrincipalId] = Counter()
-        kept: list[Wished] = []
-        full: list[Wished] = []
+        kept: list[RecordedWish] = []
+        full: list[RecordedWish] = []
         for wished in wishes:
             who = wished.principal
             if who not in count:
@@ -113,7 +115,7 @@ class PlanCommand:
             count[who] += 1
         return kept, full
 
-    def _problem(self, by: PrincipalId, wishes: list[Wished]) -> PlanningProblem:
+    def _problem(self, by: PrincipalId, wishes: list[RecordedWish]) -> PlanningProblem:
         times, robots = self._times, self._robots(by)
         now_ns, may_book = times.clock.wall_ns(), times.sides.may_book
         last_ns = max((wished.latest_ns for wished in wishes), default=now_ns)
@@ -132,10 +134,10 @@ class PlanCommand:
                 for wished in wishes
             ),
             robots=tuple(used),
-            booked=tuple(Booked(slot.robot, slot.start_ns, slot.end_ns) for slot in booked),
+            booked=tuple(StandingSlot(slot.robot, slot.start_ns, slot.end_ns) for slot in booked),
         )
 
-    def _text(self, by: PrincipalId, weighed: WeighedProposal, full: list[Wished]) -> str:
+    def _text(self, by: PrincipalId, weighed: WeighedProposal, full: list[RecordedWish]) -> str:
         times, proposal = self._times, weighed.proposal
         count = len(proposal.allocations) + len(proposal.left) + len(full)
         lines = [words.slot(times, place, by) for place in proposal.allocations]

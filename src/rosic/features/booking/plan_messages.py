@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.features.booking.context import BookingContext
     from rosic.organiser.planning.problem import Allocation
-    from rosic.organiser.planning.wishes import Wished
+    from rosic.organiser.planning.wishes import RecordedWish
     from rosic.organiser.timezones import Zone
 
 WHYS = {
@@ -40,7 +40,7 @@ def _from_to(start_ns: int, end_ns: int, now_ns: int, zone: Zone) -> str:
     )
 
 
-def one(times: BookingContext, wished: Wished, reader: PrincipalId) -> str:
+def one(times: BookingContext, wished: RecordedWish, reader: PrincipalId) -> str:
     """Return ``KUKA iiwa for 1 h, tomorrow 09:00 to 17:00``."""
     zone, now_ns = times.sides.zone_of(reader), times.clock.wall_ns()
     line = said(
@@ -137,7 +137,7 @@ def slot(times: BookingContext, place: Allocation, reader: PrincipalId) -> str:
 
 
 def left(
-    times: BookingContext, wished: Wished, why: LeftOverReason | None, reader: PrincipalId
+    times: BookingContext, wished: RecordedWish, why: LeftOverReason | None, reader: PrincipalId
 ) -> str:
     """Say why somebody gets nothing; None is that they have as many times as one may."""
     return said(

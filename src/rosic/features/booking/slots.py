@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import joined, said
 from rosic.core.language.compiled import fold
-from rosic.core.language.time_parser import When, read_when
+from rosic.core.language.time_parser import RequestedTime, read_when
 from rosic.core.local_time import LocalTime
 from rosic.core.message import Attachment, Button
 from rosic.core.robot.profile import RobotId, Slots
@@ -98,7 +98,7 @@ class SlotListing:
         """Read a day alone: with the last minute of it said, it is a time like any other."""
         zone = self._times.sides.zone_of(asked.caller.principal)
         when = read_when(f"{text} 23:59 1 min", self._times.clock.wall_ns(), zone.local)
-        if not isinstance(when, When) or when.rrule or when.start_ns is not None:
+        if not isinstance(when, RequestedTime) or when.rrule or when.start_ns is not None:
             return None
         day = LocalTime.at(when.start.day_number)
         try:

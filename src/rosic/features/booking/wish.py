@@ -26,7 +26,7 @@ from rosic.organiser.recurrence import occasion
 
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
-    from rosic.core.language.time_parser import When
+    from rosic.core.language.time_parser import RequestedTime
     from rosic.core.robot.profile import RobotId
     from rosic.features.booking.context import BookingContext
     from rosic.gateway.commands import CommandContext
@@ -78,7 +78,7 @@ class WishCommand:
         button = Button(said("Take it back"), f"/wish {OFF} {place}")
         return Reply(plan_messages.noted(line), ((button,),))
 
-    def _read(self, principal: PrincipalId, robot: RobotId, text: str) -> tuple[int, When]:
+    def _read(self, principal: PrincipalId, robot: RobotId, text: str) -> tuple[int, RequestedTime]:
         """Return how long, and the window; the length is said before the window or after it."""
         zone, now_ns = self._times.sides.zone_of(principal), self._times.clock.wall_ns()
         raw = text.split()

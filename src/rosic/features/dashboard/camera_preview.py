@@ -61,7 +61,7 @@ class CameraPreview(Protocol):
         ...
 
 
-class PicturedChats(Protocol):
+class PreviewedDashboards(Protocol):
     """The cards that chats have, as far as a picture needs them."""
 
     def of(self, messenger: Messenger, chat: Chat) -> Dashboard | None:
@@ -110,7 +110,7 @@ class CameraPreviews:
             return ()
         return tuple(robot for robot in robots if camera.offers(robot))[:BUTTONS_AT_MOST]
 
-    def ask(self, asked: CommandContext, live: PicturedChats, robot: RobotId) -> None:
+    def ask(self, asked: CommandContext, live: PreviewedDashboards, robot: RobotId) -> None:
         """Look at a robot for the card of this chat, which then shows it.
 
         Raises:

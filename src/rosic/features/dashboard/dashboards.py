@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from rosic.contracts.messenger import pictures_of, retract_of, turn_of
 from rosic.core.i18n import in_language
-from rosic.core.message import ChatKind, Weight
+from rosic.core.message import ChatKind, SendPriority
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessageGone, MessengerFault, RecordUnavailable, TooManyRequests
 from rosic.features.dashboard import messages as words
@@ -243,7 +243,7 @@ class Dashboards:
                 self._look_at(card, robots, now_ns)
         for card in self._leaving:
             if card.task is None and now_ns >= card.again_ns:
-                card.task = asyncio.create_task(self._bring(card, Weight.QUESTION))
+                card.task = asyncio.create_task(self._bring(card, SendPriority.QUESTION))
 
     def _robots(self, card: Dashboard) -> tuple[RobotId, ...]:
         """Return what a card shows now: never what its owner may not see (I11)."""
@@ -267,7 +267,7 @@ class Dashboards:
             card.task = None
         if forbidden or self._is_due(card, robots, now_ns):
             idle = bool(card.message) and not forbidden
-            weight = Weight.IDLE if idle else Weight.QUESTION
+            weight = SendPriority.IDLE if idle else SendPriority.QUESTION
             card.task = asyncio.create_task(self._bring(card, weight))
 
     def _is_due(self, card: Dashboard, robots: tuple[RobotId, ...], now_ns: int) -> bool:
@@ -281,7 +281,7 @@ class Dashboards:
 
     # ---- showing ----
 
-    async def _bring(self, card: Dashboard, weight: Weight) -> None:
+    async def _bring(self, card: Dashboard, weight: SendPriority) -> None:
         """Bring a chat up to date with its card, or the card to its end."""
         mine = asyncio.current_task()
         try:
@@ -300,7 +300,7 @@ class Dashboards:
             if card.task is mine:
                 card.task = None
 
-    async def _show(self, card: Dashboard, weight: Weight) -> None:
+    async def _show(self, card: Dashboard, weight: SendPriority) -> None:
         first, turn = not card.message, turn_of(card.messenger)
         if turn is not None and not first:
             await turn(card.chat, weight)  # what it says is chosen last

@@ -63,7 +63,7 @@ class FleetSnapshots(RobotSnapshots):
         return self._number
 
 
-class FleetDrawing(DashboardRendering):
+class FleetRendering(DashboardRendering):
     """Makes the fleet into a message."""
 
     def __init__(
@@ -93,7 +93,7 @@ class FleetDrawing(DashboardRendering):
         return joined("\n", lines)
 
 
-class FleetCards(Dashboards):
+class FleetDashboards(Dashboards):
     """All cards of the fleet; at most one a chat."""
 
     kind = FLEET_CARD
@@ -108,4 +108,4 @@ class FleetCards(Dashboards):
     ) -> None:
         self.snapshots = FleetSnapshots(overview)
         super().__init__(self.snapshots, changes, messengers, clock, sides)
-        self.drawing = FleetDrawing(self.snapshots, sides, clock, overview)
+        self.drawing = FleetRendering(self.snapshots, sides, clock, overview)

@@ -12,7 +12,7 @@ import msgspec
 from rosic.contracts.messenger import Messenger
 from rosic.core.i18n import Catalogue, joined
 from rosic.core.identity import PrincipalId
-from rosic.core.message import Button, Chat, ChatKind, Outbound, Weight
+from rosic.core.message import Button, Chat, ChatKind, Outbound, SendPriority
 from rosic.core.order_status import Face
 from rosic.core.robot.profile import RobotId
 from rosic.features.dashboard import messages as words
@@ -112,7 +112,9 @@ class DashboardRendering:
         stamp = words.as_of(self._sides.face(self._clock.wall_ns()))
         return joined("\n", (self.text(chat, owner, robots), stamp))
 
-    def outbound(self, card: Dashboard, robots: tuple[RobotId, ...], weight: Weight) -> Outbound:
+    def outbound(
+        self, card: Dashboard, robots: tuple[RobotId, ...], weight: SendPriority
+    ) -> Outbound:
         """Return the message, stamped with the time at which it is so.
 
         Beneath a picture there is less room: then it is of fewer robots.
@@ -124,7 +126,7 @@ class DashboardRendering:
         return self._outbound(card, robots, weight, 1)
 
     def _outbound(
-        self, card: Dashboard, robots: tuple[RobotId, ...], weight: Weight, most: int
+        self, card: Dashboard, robots: tuple[RobotId, ...], weight: SendPriority, most: int
     ) -> Outbound:
         now_ns, pace = self._clock.wall_ns(), pace_of(card.chat)
         lag_s = ceil(card.lag_s) if card.lag_s >= LATE_S else 0

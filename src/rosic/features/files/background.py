@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from msgspec.structs import replace
 
 from rosic.container import file_messages as words
-from rosic.core.message import Attachment, Outbound, Pieces
+from rosic.core.message import Attachment, Outbound, StreamedContent
 from rosic.errors import ChatGone, MessengerFault, RosicError, TooManyRequests
 from rosic.gateway.commands import Reply
 
@@ -58,7 +58,7 @@ class TransferProgress:
         """Return the same file, counted while it is sent."""
         if attachment.pieces is None:
             return attachment
-        pieces = Pieces(attachment.size, lambda: self.counted(attachment.read()))
+        pieces = StreamedContent(attachment.size, lambda: self.counted(attachment.read()))
         return replace(attachment, pieces=pieces)
 
 

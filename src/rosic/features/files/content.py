@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.container import file_messages as words
 from rosic.container.files import PART
-from rosic.core.message import Attachment, Pieces
+from rosic.core.message import Attachment, StreamedContent
 from rosic.errors import RecordUnavailable, StoreFault
 
 if TYPE_CHECKING:
@@ -66,5 +66,5 @@ async def attachment_of(vault: ContainerStore, filed: StoredFile) -> Attachment:
     """
     if filed.size <= IN_PIECES_FROM:
         return Attachment(filed.name, filed.media_type, await content_of(vault, filed))
-    pieces = Pieces(filed.size, lambda: pieces_of(vault, filed))
+    pieces = StreamedContent(filed.size, lambda: pieces_of(vault, filed))
     return Attachment(filed.name, filed.media_type, pieces=pieces)

@@ -14,7 +14,7 @@ from rosic.container import file_messages as words
 from rosic.container.file_types import SORTS, file_name
 from rosic.container.messages import age
 from rosic.core.i18n import joined
-from rosic.core.message import Attachment, Button, Pieces
+from rosic.core.message import Attachment, Button, StreamedContent
 from rosic.core.policy.scope import FILES
 from rosic.core.records import Decided
 from rosic.core.robot.file_transfer import FileForRobot
@@ -291,7 +291,7 @@ class FileTransfer:
     ) -> Reply:
         """Read it twice: to know what it is, and while it is sent."""
         seen = await self._outboxes.seen(asked.caller.principal, robot, own, size)
-        pieces = Pieces(size, partial(self._outboxes.same, robot, own, size, seen.digest))
+        pieces = StreamedContent(size, partial(self._outboxes.same, robot, own, size, seen.digest))
         attachment = Attachment(seen.called, seen.media_type, pieces=pieces)
         text = words.handed(seen.called, size, seen.digest)
         return await send_file(asked, self._plain, attachment, text, progress)

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from rosic.container.files import StoredFile
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, PrincipalId
-    from rosic.core.message import Enclosure, Inbound
+    from rosic.core.message import Inbound, IncomingFile
     from rosic.gateway.container_context import ContainerContext
 
 Tell: TypeAlias = "Callable[[Messenger, Inbound, Caller, Reply], None]"
@@ -99,7 +99,7 @@ class FileUpload:
         self._coming[file] = (principal, task)
         task.add_done_callback(lambda _: self._coming.pop(file, None))
 
-    async def _take(self, arrival: _Arrival, caller: Caller, enclosure: Enclosure) -> None:
+    async def _take(self, arrival: _Arrival, caller: Caller, enclosure: IncomingFile) -> None:
         """Take one file in, and say what became of it."""
         try:
             # What is too large is refused at once, whatever else is coming.
@@ -179,7 +179,7 @@ class _Arrival:
         self._file = _file_id(inbound)
         self._shown_ns = 0
 
-    async def take(self, enclosure: Enclosure) -> StoredFile:
+    async def take(self, enclosure: IncomingFile) -> StoredFile:
         """Fetch, look, seal.
 
         Raises:
@@ -200,7 +200,7 @@ class _Arrival:
                 await close()
 
     async def _keep(
-        self, enclosure: Enclosure, pieces: AsyncIterator[bytes], first: bytes, most: int
+        self, enclosure: IncomingFile, pieces: AsyncIterator[bytes], first: bytes, most: int
     ) -> StoredFile:
         data_context, files = self._data_context, self._data_context.files
         called = file_name(enclosure.name, SORTS["text"])

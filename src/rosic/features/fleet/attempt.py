@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.container.records import ReplyTo
 from rosic.core.deadman import INTERRUPTED, STOOD_STILL
-from rosic.core.fleet.events import End
+from rosic.core.fleet.events import AttemptEnd
 from rosic.core.fleet.task import TaskReason
 from rosic.core.i18n import in_language, joined
 from rosic.core.identity import command_id
-from rosic.core.order import Ending, Outcome, Request
+from rosic.core.order import OrderEnding, Outcome, Request
 from rosic.core.order_status import ENGLISH, OrderStatus, wording_in
 from rosic.errors import (
     FirstNeeded,
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
-    from rosic.core.fleet.events import Begin, Recall
+    from rosic.core.fleet.events import BeginAttempt, RecallAttempt
     from rosic.core.fleet.task import Task
     from rosic.core.identity import Caller, CommandId, PrincipalId
     from rosic.core.language import Do
@@ -61,7 +61,7 @@ NEVER = (NotPermitted, OutOfBounds, NotUnderstood, FirstNeeded)
 """What a robot will refuse the next time as well."""
 
 
-class AwaitedLife(OrderStatus):
+class AwaitedOrder(OrderStatus):
     """A life whose end somebody waits for: told once it is on disk, with what the robot did."""
 
     __slots__ = ("_outcome", "over")
@@ -132,7 +132,7 @@ class TaskAttempts:
         return caller
 
     async def attempt(
-        self, task: Task, doing: Begin, said: TaskText, asker: TaskRequester
+        self, task: Task, doing: BeginAttempt, said: TaskText, asker: TaskRequester
     ) -> TaskAttempt | None:
         """Ask a robot for one step. On return its order is on disk and under way.
 
@@ -175,7 +175,7 @@ class TaskAttempts:
             doing.attempt, line.skills[0].id, self._clock.monotonic_ns(), _took(permits)
         )
 
-    def _request(self, doing: Begin, line: Do, said: TaskText, cid: CommandId) -> Request:
+    def _request(self, doing: BeginAttempt, line: Do, said: TaskText, cid: CommandId) -> Request:
         [skill] = line.skills
         now_ns, wall_ns = self._clock.monotonic_ns(), self._clock.wall_ns()
         lives_ns = skill.order_lifetime_ns
@@ -231,7 +231,7 @@ class TaskAttempts:
         catalogue = card.words.catalogue
         what = in_language(asked, catalogue)
         title = in_language(words.order_title(f"{shown}: {what}", task), catalogue)
-        life = AwaitedLife(shown, title, hands.face, self._clock.wall_ns(), card.words)
+        life = AwaitedOrder(shown, title, hands.face, self._clock.wall_ns(), card.words)
         card.show(order.cid, life)
         wanted = asker.wanted()
         if wanted:
@@ -250,16 +250,16 @@ def attempt_id(task: Task, attempt: int) -> CommandId:
     return command_id("task", task.id, str(task.given_ns), str(attempt))
 
 
-def end_of(refusal: Refusal) -> End:
+def end_of(refusal: Refusal) -> AttemptEnd:
     """Return what a refusal means for a task."""
     if isinstance(refusal, Repeated):
-        return End.UNKNOWN  # it was claimed before, and nobody here saw its end
+        return AttemptEnd.UNKNOWN  # it was claimed before, and nobody here saw its end
     if isinstance(refusal, RobotStopped):
-        return End.STOPPED
-    return End.REFUSED if isinstance(refusal, NEVER) else End.BUSY
+        return AttemptEnd.STOPPED
+    return AttemptEnd.REFUSED if isinstance(refusal, NEVER) else AttemptEnd.BUSY
 
 
-def end_after(outcome: Outcome, *, stopped: bool) -> End:
+def end_after(outcome: Outcome, *, stopped: bool) -> AttemptEnd:
     """Return what the outcome of an order means for a task.
 
     Args:
@@ -267,24 +267,24 @@ def end_after(outcome: Outcome, *, stopped: bool) -> End:
         stopped: Somebody has stopped the robot since it was admitted, resumed or not.
     """
     ending = outcome.ending
-    if stopped and ending not in {Ending.DONE, Ending.SENT}:
-        return End.STOPPED
+    if stopped and ending not in {OrderEnding.DONE, OrderEnding.SENT}:
+        return AttemptEnd.STOPPED
     if outcome.code == STOOD_STILL:
-        return End.INTERRUPTED
-    if ending is Ending.CANCELLED:
+        return AttemptEnd.INTERRUPTED
+    if ending is OrderEnding.CANCELLED:
         # Nobody took it who has seen it at rest: it was ended by its own side.
-        return End.FAILED if outcome.code == INTERRUPTED else End.TAKEN
-    if ending is Ending.REFUSED:
+        return AttemptEnd.FAILED if outcome.code == INTERRUPTED else AttemptEnd.TAKEN
+    if ending is OrderEnding.REFUSED:
         never = {refusal.code for refusal in NEVER} | {Unrecognised.code}
-        return End.REFUSED if outcome.code in never else End.BUSY
+        return AttemptEnd.REFUSED if outcome.code in never else AttemptEnd.BUSY
     return _ENDS[ending]
 
 
 _ENDS = {
-    Ending.DONE: End.DONE,
-    Ending.FAILED: End.FAILED,
-    Ending.SENT: End.SENT,
-    Ending.UNKNOWN: End.UNKNOWN,
+    OrderEnding.DONE: AttemptEnd.DONE,
+    OrderEnding.FAILED: AttemptEnd.FAILED,
+    OrderEnding.SENT: AttemptEnd.SENT,
+    OrderEnding.UNKNOWN: AttemptEnd.UNKNOWN,
 }
 
 
@@ -308,7 +308,7 @@ class TaskRecall:
         self._hands = hands
         self._clock = clock
 
-    async def recall(self, doing: Recall, author: PrincipalId, cid: CommandId) -> bool:
+    async def recall(self, doing: RecallAttempt, author: PrincipalId, cid: CommandId) -> bool:
         """Return once the robot rests, or once nothing counts that it does for the task.
 
         Args:

@@ -45,7 +45,7 @@ class RuleTasks:
             task is None
             or not self._others(task, robot)
             or not await self._dispatching.feed(
-                e.Deviated(task.id, task.attempt, TaskReason.LATE), happened=True
+                e.RobotDeviated(task.id, task.attempt, TaskReason.LATE), happened=True
             )
         ):
             raise RobotBusy(no_tasks(self._rooms.profiles[robot].shown))

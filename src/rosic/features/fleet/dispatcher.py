@@ -14,7 +14,7 @@ from rosic.core.fleet import events as e
 from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import HELD, OVER, RESTING, TaskReason, TaskState, idle_first
 from rosic.core.fleet.transitions import react
-from rosic.core.order import Ending
+from rosic.core.order import OrderEnding
 from rosic.core.signal import Signal
 from rosic.errors import RecordUnavailable, Refusal, RosicError, Unrecognised
 from rosic.features.fleet.attempt import TaskRequester, attempt_id, end_after, end_of
@@ -140,7 +140,7 @@ class TaskDispatcher:
             facts += self.origins.facts(cid, now_ns)
             for task, said in given:
                 facts.append(self.letters.fact(task.id, task.author, said))
-                facts += self.fleet.facts(react(self.fleet, e.Given(task), now_ns))
+                facts += self.fleet.facts(react(self.fleet, e.TaskGiven(task), now_ns))
             await turn.write((decided, *facts))
         for gone in stale:
             self.why.pop(gone, None)
@@ -196,9 +196,9 @@ class TaskDispatcher:
 
     def _do(self, doings: Iterable[e.Doing]) -> None:
         for doing in doings:
-            if isinstance(doing, e.Begin):
+            if isinstance(doing, e.BeginAttempt):
                 self._spawn(self._begin(doing))
-            elif isinstance(doing, e.Recall):
+            elif isinstance(doing, e.RecallAttempt):
                 self._spawn(self._recall(doing))
             else:
                 self._forget_attempt(doing.after)
@@ -217,14 +217,14 @@ class TaskDispatcher:
 
     # ---- what follows ----
 
-    async def _begin(self, doing: e.Begin) -> None:
+    async def _begin(self, doing: e.BeginAttempt) -> None:
         while self.behind():  # a stop may be on its way: until it is heard nothing begins
             await self._clock.sleep(BEHIND_S)
         task = self.fleet.tasks.get(doing.task)
         if task is not None and task.attempt == doing.attempt and self._counts(task):
             await self._ask(task, doing)  # else it was called back before it began
 
-    async def _ask(self, task: Task, doing: e.Begin) -> None:
+    async def _ask(self, task: Task, doing: e.BeginAttempt) -> None:
         said = self.letters.get(task.id)
         if said is None:
             await self._feed(e.TaskHeld(task.id, TaskReason.CANCELLED))
@@ -237,7 +237,7 @@ class TaskDispatcher:
                 await self._refused(task, refusal)
         except (RosicError, Exception):
             log.exception("task %s could not be given to %s", task.id, doing.robot)
-            await self._feed(e.Ended(task.id, doing.attempt, e.End.UNKNOWN))
+            await self._feed(e.AttemptEnded(task.id, doing.attempt, e.AttemptEnd.UNKNOWN))
         else:
             if attempt is None:
                 self._give_back(doing.robot, task.author)
@@ -245,7 +245,7 @@ class TaskDispatcher:
             before = self.begun.get(task.id)
             took = attempt.took or (before is not None and before.took)  # with an earlier step
             self.begun[task.id] = attempt._replace(took=took)
-            await self._feed(e.Begun(task.id, doing.attempt))
+            await self._feed(e.AttemptBegun(task.id, doing.attempt))
 
     async def _refused(self, task: Task, refusal: Refusal) -> None:
         """An attempt was not admitted, or not claimed."""
@@ -254,7 +254,7 @@ class TaskDispatcher:
         if isinstance(refusal, Unrecognised):
             await self._feed(e.TaskHeld(task.id, TaskReason.PAUSED))
         else:
-            await self._feed(e.Ended(task.id, task.attempt, end_of(refusal)))
+            await self._feed(e.AttemptEnded(task.id, task.attempt, end_of(refusal)))
 
     def _counts(self, task: Task) -> bool:
         """Whether the attempt that a task had is still the one to be made."""
@@ -271,7 +271,7 @@ class TaskDispatcher:
         attempt, robot = self.begun.get(task.id), order.robot
         number = task.attempt
         if self._closing:
-            self._note(e.Ended(task.id, number, e.End.SHUT_DOWN), outcome)
+            self._note(e.AttemptEnded(task.id, number, e.AttemptEnd.SHUT_DOWN), outcome)
             return
         current = self.fleet.tasks.get(task.id)
         if current is not None and current.author != task.author:
@@ -279,13 +279,15 @@ class TaskDispatcher:
         stopped = self._rooms.board[robot].generation != order.permit.stop_generation
         end = end_after(outcome, stopped=stopped)
         self.why[task.id] = outcome.note  # not what an earlier attempt came to
-        if end is e.End.DONE:
+        if end is e.AttemptEnd.DONE:
             self.finished[robot] = self.finished.get(robot, 0) + 1
-        if end is e.End.BUSY:
+        if end is e.AttemptEnd.BUSY:
             self.patience.refused(task.id, robot, self._clock.monotonic_ns())
-        self._spawn(self._ended(e.Ended(task.id, number, end), robot, attempt))
+        self._spawn(self._ended(e.AttemptEnded(task.id, number, end), robot, attempt))
 
-    async def _ended(self, event: e.Ended, robot: RobotId, attempt: TaskAttempt | None) -> None:
+    async def _ended(
+        self, event: e.AttemptEnded, robot: RobotId, attempt: TaskAttempt | None
+    ) -> None:
         await self._feed(event)
         took = attempt is not None and attempt.number == event.attempt and attempt.took
         if took and robot not in self.fleet.holds:
@@ -298,18 +300,18 @@ class TaskDispatcher:
             organiser.release(robot)
             self.changed.emit()
 
-    def _note(self, event: e.Ended, outcome: Outcome) -> None:
+    def _note(self, event: e.AttemptEnded, outcome: Outcome) -> None:
         """ROSIC is being shut down: what is known is kept, and nothing begins because of it."""
         known = self.fleet.tasks.get(event.task)
         ends: e.Event = event
-        if outcome.ending is Ending.DONE:
-            ends = e.Ended(event.task, event.attempt, e.End.DONE)
+        if outcome.ending is OrderEnding.DONE:
+            ends = e.AttemptEnded(event.task, event.attempt, e.AttemptEnd.DONE)
         elif known is not None and known.leaving:
             ends = e.RobotRested(event.task, event.attempt)
         step = react(self.fleet, ends, self._clock.wall_ns())
         self._changes.note(self.fleet.facts(step))
 
-    async def _recall(self, doing: e.Recall) -> None:
+    async def _recall(self, doing: e.RecallAttempt) -> None:
         task = self.fleet.tasks[doing.task]
         cid = attempt_id(task, doing.attempt)
         self.rested[task.id] = await self._recalling.recall(doing, task.author, cid)
@@ -323,7 +325,7 @@ class TaskDispatcher:
 
     # ---- beginning and ending ----
 
-    async def settle(self, ends: Callable[[Task], e.End | None]) -> None:
+    async def settle(self, ends: Callable[[Task], e.AttemptEnd | None]) -> None:
         """Settle tasks that had a robot when the last run ended.
 
         Args:

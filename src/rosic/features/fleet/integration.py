@@ -167,7 +167,9 @@ class AssistCommands:
             self._watching.prefer[task.id] = helper
         if task.leaving:
             return self._goes(task, robot, helper) if takes_over else ""
-        if not await self._dispatching.feed(e.Deviated(task.id, task.attempt, TaskReason.TAKEN)):
+        if not await self._dispatching.feed(
+            e.RobotDeviated(task.id, task.attempt, TaskReason.TAKEN)
+        ):
             return ""
         if takes_over:
             return self._goes(task, robot, helper)

@@ -12,8 +12,8 @@ from rosic.core.fleet.mission import Late, Mission, lay_out
 from rosic.core.fleet.task import (
     OVER,
     RESTING,
-    Due,
     Task,
+    TaskDeadline,
     TaskNeed,
     TaskReason,
     TaskState,
@@ -41,7 +41,7 @@ from rosic.gateway.requests import check_command_fresh
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from rosic.core.fleet.mission import Leaf
+    from rosic.core.fleet.mission import MissionTask
     from rosic.core.fleet.template import TemplateValues
     from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.robot.profile import RobotId
@@ -63,7 +63,7 @@ ACTS: Final[dict[str, TaskReason | None]] = {
 }
 
 
-class MeantMission(NamedTuple):
+class ResolvedMission(NamedTuple):
     """What is to be begun.
 
     Attributes:
@@ -150,12 +150,12 @@ class MissionCommands:
                     asked, e.TaskHeld(task.id, ACTS[verb] or TaskReason.NONE)
                 )
             elif task.state is not TaskState.UNKNOWN:  # whether it was done is asked task by task
-                changed += await self._feed(asked, e.Released(task.id))
+                changed += await self._feed(asked, e.TaskReleased(task.id))
         return Reply(
             joined("\n", [words.changed(changed), *self._tasks_of(run, asked.caller.principal)])
         )
 
-    async def _feed(self, asked: CommandContext, event: e.TaskHeld | e.Released) -> bool:
+    async def _feed(self, asked: CommandContext, event: e.TaskHeld | e.TaskReleased) -> bool:
         decided = Decided(
             act="mission",
             by=asked.caller.principal,
@@ -241,7 +241,7 @@ class MissionCommands:
         where = MissionChat(asked.messenger.name, asked.inbound.chat)
         if values.rest:
             return await self._plan(asked, mission, values, where)
-        meant = MeantMission(mission, values.given, where)
+        meant = ResolvedMission(mission, values.given, where)
         run, count = await self._begin(asked.caller.principal, meant, asked.cid)
         return Reply(words.started(mission.shown, run, count), words.run_buttons(run))
 
@@ -254,20 +254,24 @@ class MissionCommands:
         organiser = self._rooms.organiser
         organiser.check_unlocked(self._rooms.authoriser.stand_for(plan.author))
         mission = self._named(plan.mission)
-        run, count = await self._begin(plan.author, MeantMission(mission, plan.values, where), cid)
+        run, count = await self._begin(
+            plan.author, ResolvedMission(mission, plan.values, where), cid
+        )
         return words.started(mission.shown, run, count)
 
     async def _begin(
-        self, who: PrincipalId, meant: MeantMission, cid: CommandId
+        self, who: PrincipalId, meant: ResolvedMission, cid: CommandId
     ) -> tuple[str, int]:
         """Give all tasks of a mission at once; each waits for those before it."""
         given = await self._dispatching.give(cid, lambda: self._made(who, meant, cid))
         return given[0][0].mission, len(given)
 
-    def _laid_out(self, mission: Mission, given: Mapping[str, float] | None = None) -> list[Leaf]:
+    def _laid_out(
+        self, mission: Mission, given: Mapping[str, float] | None = None
+    ) -> list[MissionTask]:
         return lay_out(mission, self._missions, self._rooms.vocabulary.units, given)
 
-    def _made(self, who: PrincipalId, meant: MeantMission, cid: CommandId) -> Given:
+    def _made(self, who: PrincipalId, meant: ResolvedMission, cid: CommandId) -> Given:
         """Return the tasks of a mission.
 
         Raises:
@@ -290,7 +294,7 @@ class MissionCommands:
         )
         return given, decided
 
-    def _task(self, who: PrincipalId, leaf: Leaf, run: str, first: int, number: int) -> Task:
+    def _task(self, who: PrincipalId, leaf: MissionTask, run: str, first: int, number: int) -> Task:
         """Return one task.
 
         Raises:
@@ -320,13 +324,13 @@ class MissionCommands:
             after=tuple(str(first + other) for other in leaf.after),
         )
 
-    def _due(self, mission: Mission, leaf: Leaf) -> Due:
+    def _due(self, mission: Mission, leaf: MissionTask) -> TaskDeadline:
         """Return by when one task of a mission is to be done that begins now."""
         units, part = self._rooms.vocabulary.units, leaf.part
         at_ns = 0
         if mission.deadline:
             at_ns = self._rooms.organiser.wall_ns() + int(seconds(mission.deadline, units) * 1e9)
-        return Due(
+        return TaskDeadline(
             lasts_ns=int(seconds(part.deadline, units) * 1e9) if part.deadline else 0,
             at_ns=at_ns,
             cancels=part.late is Late.CANCEL,
@@ -366,11 +370,11 @@ class MissionCommands:
         timetable.look()
         moment = self._rooms.organiser.moment("", at_ns)  # as it is kept
         text = words.planned(key, mission.name, moment, again=bool(when.rrule))
-        meant = MeantMission(mission, values.given, where)
+        meant = ResolvedMission(mission, values.given, where)
         remark = self._hindrance(who, meant, asked.cid)
         return Reply(joined("\n", filter(None, (text, remark))), words.off_button(key))
 
-    def _hindrance(self, who: PrincipalId, meant: MeantMission, cid: CommandId) -> str:
+    def _hindrance(self, who: PrincipalId, meant: ResolvedMission, cid: CommandId) -> str:
         """Return what would keep a mission from beginning now; empty if nothing would.
 
         It is planned all the same: until its time comes, a robot may be back, or a right given.

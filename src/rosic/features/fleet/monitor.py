@@ -61,7 +61,7 @@ class TaskDeadlines:
         return now_ns > max((task.given_ns, *before)) + task.due.lasts_ns
 
     async def _late(self, task: Task, *, whole: bool) -> None:
-        await self._dispatching.feed(e.Overdue(task.id, whole), happened=True)
+        await self._dispatching.feed(e.TaskOverdue(task.id, whole), happened=True)
         if task.due.cancels_all if whole else task.due.cancels:
             fleet = self._dispatching.fleet
             await self._cancel(fleet.mission(task.mission) if task.mission else (task,))
@@ -165,7 +165,7 @@ class FleetMonitor:
             task = fleet.tasks[key]
             why = TaskReason.NONE if task.leaving else self._deviates(robot, task)
             if why is not TaskReason.NONE:
-                await self._dispatching.feed(e.Deviated(key, task.attempt, why), happened=True)
+                await self._dispatching.feed(e.RobotDeviated(key, task.attempt, why), happened=True)
 
     def _deviates(self, robot: RobotId, task: Task) -> TaskReason:
         now_ns = self._clock.monotonic_ns()
@@ -218,7 +218,7 @@ class FleetMonitor:
 
     async def _choose(self, task: TaskId, robot: RobotId) -> None:
         try:
-            await self._dispatching.feed(e.Chosen(task, robot))
+            await self._dispatching.feed(e.RobotChosen(task, robot))
         except RecordUnavailable:
             log.warning("task %s waits: nothing can be written down", task)
 

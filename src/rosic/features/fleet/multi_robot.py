@@ -16,14 +16,14 @@ from rosic.core.identity import robot_command_id
 from rosic.core.language import Do
 from rosic.core.language.suggestions import AND, listed
 from rosic.core.messages import no_robot_or_group
-from rosic.core.order import NEVER_BEGUN, Ending
+from rosic.core.order import NEVER_BEGUN, OrderEnding
 from rosic.core.order_status import ENGLISH, wording_in
 from rosic.core.policy.roles import StepRequired
 from rosic.core.synchronised_start import begin_together
 from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, RobotBusy
 from rosic.features.fleet import multi_robot_messages as words
 from rosic.features.fleet.alternatives import TaskAlternatives, refused
-from rosic.features.fleet.attempt import AwaitedLife
+from rosic.features.fleet.attempt import AwaitedOrder
 from rosic.features.fleet.messages import wants_a_person
 from rosic.features.fleet.readiness import why_not_ready
 from rosic.features.fleet.task_parser import step_for
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from rosic.gateway.order_services import OrderServices
 
 AT_THE_END: Final = frozenset({SHUT_DOWN, NEVER_BEGUN})
-ACTED: Final = frozenset({Ending.DONE, Ending.SENT})
+ACTED: Final = frozenset({OrderEnding.DONE, OrderEnding.SENT})
 
 
 class AllOrNothingStart:
@@ -84,7 +84,7 @@ class AllOrNothingStart:
         """Tell whether it has not moved; once it has, how it ends is its own affair."""
         if outcome.note in AT_THE_END:
             return False  # ROSIC ends them all, and each says so itself
-        if outcome.ending is Ending.REFUSED:
+        if outcome.ending is OrderEnding.REFUSED:
             return True
         early = self._clock.monotonic_ns() < (order.start_ns or 0)
         return early and outcome.ending not in ACTED
@@ -94,7 +94,7 @@ ROBOTS_AT_MOST: Final = 200
 JOINED: Final = "+"
 
 
-class MeantRobots(NamedTuple):
+class ResolvedRobots(NamedTuple):
     """Whom a command means, and what.
 
     Attributes:
@@ -157,7 +157,7 @@ class MultiRobotCommands:
         self._begin(asked, said, meant, orders, start)
         return Reply("")
 
-    def _step(self, meant: MeantRobots, robot: RobotId) -> Do:
+    def _step(self, meant: ResolvedRobots, robot: RobotId) -> Do:
         """Return what one of them is to do; whatever is offered instead is for all of them.
 
         Raises:
@@ -176,7 +176,7 @@ class MultiRobotCommands:
         for line in lines:
             step_for(self._rooms, robot, line)
 
-    def _none(self, meant: MeantRobots, states: Mapping[RobotId, str]) -> Reply:
+    def _none(self, meant: ResolvedRobots, states: Mapping[RobotId, str]) -> Reply:
         """Say who is not ready, and offer to begin with the others."""
         lines = [words.state(self._shown(robot), why) for robot, why in states.items()]
         ready = [robot for robot, why in states.items() if not why]
@@ -225,7 +225,7 @@ class MultiRobotCommands:
         return Reply(text)
 
     async def _one(
-        self, asked: CommandContext, said: MessageContext, meant: MeantRobots
+        self, asked: CommandContext, said: MessageContext, meant: ResolvedRobots
     ) -> tuple[Order, ...]:
         [robot] = meant.robots
         self._rooms.linker.check_free(robot)
@@ -235,7 +235,7 @@ class MultiRobotCommands:
 
     # ---- the way of any order ----
 
-    def _meant(self, asked: CommandContext, verb: str) -> MeantRobots:
+    def _meant(self, asked: CommandContext, verb: str) -> ResolvedRobots:
         """Return whom and what.
 
         Raises:
@@ -254,7 +254,7 @@ class MultiRobotCommands:
         if not robots or not line.strip() or len(robots) > ROBOTS_AT_MOST:
             raise NotUnderstood(words.HOW_TO)
         again = f"/{verb} {asked.rest.strip()}"
-        return MeantRobots(name, tuple(robots), " ".join(line.split()), again)
+        return ResolvedRobots(name, tuple(robots), " ".join(line.split()), again)
 
     def _said(self, asked: CommandContext) -> MessageContext:
         now_ns = self._clock.monotonic_ns()
@@ -262,7 +262,11 @@ class MultiRobotCommands:
         return MessageContext(asked.messenger, asked.inbound, asked.caller, now_ns, two_factor)
 
     def _requests(
-        self, said: MessageContext, asked: CommandContext, meant: MeantRobots, steps: Sequence[Do]
+        self,
+        said: MessageContext,
+        asked: CommandContext,
+        meant: ResolvedRobots,
+        steps: Sequence[Do],
     ) -> list[Request]:
         """Return what is asked of each; fresh, and each with an identity of its own.
 
@@ -309,7 +313,7 @@ class MultiRobotCommands:
     async def _prepare(
         self,
         asked: CommandContext,
-        meant: MeantRobots,
+        meant: ResolvedRobots,
         permits: tuple[Permit, ...],
         requests: Sequence[Request],
     ) -> tuple[Order, ...]:
@@ -327,7 +331,7 @@ class MultiRobotCommands:
         self,
         asked: CommandContext,
         said: MessageContext,
-        meant: MeantRobots,
+        meant: ResolvedRobots,
         orders: tuple[Order, ...],
         start: AllOrNothingStart | None = None,
     ) -> None:
@@ -345,7 +349,7 @@ class MultiRobotCommands:
             shown = self._shown(order.robot)
             what = in_language(order.words, catalogue)
             at_ns = self._clock.wall_ns()
-            life = AwaitedLife(shown, f"{shown}: {what}", hands.face, at_ns, wording)
+            life = AwaitedOrder(shown, f"{shown}: {what}", hands.face, at_ns, wording)
             card.show(order.cid, life)
             if start is not None:
                 life.over = partial(start.ended, order)

@@ -145,7 +145,7 @@ class PauseCommands:
             decided = Decided(act="task-go", by=who, about=task.id, at_ns=at_ns, digest=asked.cid)
             try:
                 if not task.too_late(at_ns) and await self._dispatching.feed(
-                    e.Released(task.id), decided
+                    e.TaskReleased(task.id), decided
                 ):
                     went_on.append(task.id)
             except Refusal as why:

@@ -136,7 +136,7 @@ class RobotCommands:
             digest=asked.cid,
         )
         out = standing is not FleetMembership.ACTIVE  # and that, too, waits for no disk
-        await self._dispatching.feed(e.Stood(robot, standing), decided, happened=out)
+        await self._dispatching.feed(e.MembershipSet(robot, standing), decided, happened=out)
 
 
 def _is_file(low: list[str]) -> bool:

@@ -258,13 +258,13 @@ class TaskCommands:
         if task.too_late(self._rooms.organiser.wall_ns()):
             raise NotUnderstood(words.begins_no_more(task))
         check_command_fresh(asked.inbound, f"/task go {task.id}")
-        return await self._act(asked, task, e.Released(task.id), "go")
+        return await self._act(asked, task, e.TaskReleased(task.id), "go")
 
     async def _was_done(self, asked: CommandContext, task: Task) -> Reply:
         if task.state is not TaskState.UNKNOWN:
             raise NotUnderstood(words.does_not_fit(task))
         check_command_fresh(asked.inbound, f"/task done {task.id}")
-        return await self._act(asked, task, e.Released(task.id, skip=True), "done")
+        return await self._act(asked, task, e.TaskReleased(task.id, skip=True), "done")
 
 
 def check_room(fleet: FleetState, who: PrincipalId, more: int) -> None:

@@ -10,7 +10,7 @@ import msgspec
 
 from rosic.core.fleet.task import PRIORITIES, STEPS_AT_MOST, FleetMembership
 from rosic.core.language import bind, clean
-from rosic.core.language.time_parser import When, read_when
+from rosic.core.language.time_parser import RequestedTime, read_when
 from rosic.core.language.time_tokens import length_said
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 from rosic.features.fleet import messages as words
@@ -177,7 +177,7 @@ def _by(wish: TaskWish, said: list[str], now_ns: int, zone: Zone) -> bool:
         wish.until_ns = now_ns + int(seconds * 1e9)
         return True
     when = read_when(f"{' '.join(said)} 1 min", now_ns, zone.local) if said else None
-    if not isinstance(when, When) or when.rrule:
+    if not isinstance(when, RequestedTime) or when.rrule:
         return False
     at_ns = when.start_ns
     if at_ns is None:
@@ -212,7 +212,7 @@ LOOKED_AT_MOST = 50  # robots, for what one of them could do instead
 GO_TO_PARTS = 3  # of what a profile says: a skill, x and y
 
 
-class Able(NamedTuple):
+class CapableRobots(NamedTuple):
     """Who can carry out some lines.
 
     Attributes:
@@ -245,7 +245,7 @@ def able(
     who: PrincipalId,
     robots: Iterable[RobotId],
     lines: Sequence[str],
-) -> Able:
+) -> CapableRobots:
     """Return which of some robots can carry out all of the lines, by rights and by skills.
 
     One that is retired can do nothing: nobody waits for it.
@@ -268,9 +268,9 @@ def able(
             TaskAlternatives(rooms, robot, partial(_all, rooms, who, robot)).lacking(lines, refusal)
             for robot, refusal in refused
         )
-        return Able((), None, (), _rather(why))
+        return CapableRobots((), None, (), _rather(why))
     skills = tuple(step_for(rooms, found[0], line).skills[0].id for line in lines)
-    return Able(tuple(found), place, skills, None)
+    return CapableRobots(tuple(found), place, skills, None)
 
 
 def _rather(found: Iterable[MissingPart]) -> MissingPart | None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import joined, said
 from rosic.core.language import clean_name
-from rosic.core.message import Button, ChatKind, Passage
+from rosic.core.message import Button, ChatEventKind, ChatKind
 from rosic.core.policy.scope import FLEET, GRANT
 from rosic.core.records import Decided
 from rosic.core.time_units import DAY_S
@@ -27,7 +27,7 @@ from rosic.gateway.delivery.notifier import Notification
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
-    from rosic.core.message import Chat, Passing
+    from rosic.core.message import Chat, ChatEvent
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.chat_dashboards import ChatDashboards
     from rosic.gateway.commands import CommandContext, CommandRegistry
@@ -67,19 +67,19 @@ class ChannelDisplays:
 
     # ---- we come and go ----
 
-    def passed(self, messenger: Messenger, passing: Passing) -> None:
+    def passed(self, messenger: Messenger, passing: ChatEvent) -> None:
         """We were put into a channel, or out of it. Returns at once."""
         if passing.chat.kind is not ChatKind.CHANNEL:
             return
         key = key_of(messenger, passing.chat)
-        if passing.what is Passage.REMOVED:
+        if passing.what is ChatEventKind.REMOVED:
             self._known.pop(key, None)
             if self._live.of(messenger, passing.chat) is not None:
                 self._left.add(key)
             task = asyncio.create_task(self._close(messenger, passing.chat))
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)
-        elif passing.what is Passage.ADDED:
+        elif passing.what is ChatEventKind.ADDED:
             self._left.discard(key)
             title = clean_name(passing.title)
             self._known[key] = (messenger, passing.chat, title)

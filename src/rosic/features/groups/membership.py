@@ -14,7 +14,7 @@ from rosic.contracts.clock import Clock
 from rosic.core.i18n import joined, said
 from rosic.core.identity import PrincipalId
 from rosic.core.language import clean_name
-from rosic.core.message import ChatKind, Outbound, Passage
+from rosic.core.message import ChatEventKind, ChatKind, Outbound
 from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.records import Fact
 from rosic.errors import Refusal
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Principal
-    from rosic.core.message import Chat, Passing
+    from rosic.core.message import Chat, ChatEvent
     from rosic.gateway.chat_dashboards import ChatDashboard
 
 KIND: Final = "deaf"
@@ -86,23 +86,23 @@ class GroupMembership:
         else:
             self._deaf.discard(fact.key)
 
-    def passed(self, messenger: Messenger, passing: Passing) -> None:
+    def passed(self, messenger: Messenger, passing: ChatEvent) -> None:
         """Follow what has happened to a chat. Returns at once."""
         if not passing.chat.id:
-            self._spawn(self._account(messenger, deaf=passing.what is Passage.DEAF))
-        elif passing.what is Passage.REMOVED:
+            self._spawn(self._account(messenger, deaf=passing.what is ChatEventKind.DEAF))
+        elif passing.what is ChatEventKind.REMOVED:
             self._around.followers.leave(messenger.name, passing.chat.id)
             self._spawn(self._end_archive(passing.chat))
-        elif passing.what is Passage.LEFT:
+        elif passing.what is ChatEventKind.LEFT:
             self._left(messenger, passing)
-        elif passing.what is Passage.MOVED:
+        elif passing.what is ChatEventKind.MOVED:
             self._moved(messenger, passing)
         elif passing.chat.kind is ChatKind.GROUP:
             self._greet(messenger, passing)
 
     # ---- we come and go ----
 
-    def _greet(self, messenger: Messenger, passing: Passing) -> None:
+    def _greet(self, messenger: Messenger, passing: ChatEvent) -> None:
         """Say once in a new group what being there means, and tell the admins what is heard."""
         around = self._around
         found = self._known(passing)
@@ -110,14 +110,14 @@ class GroupMembership:
             around.rooms.container.meet(found.id, passing.chat)
         if self._greetings.take(around.clock.monotonic_ns()):
             return
-        if passing.what is Passage.ADDED:
+        if passing.what is ChatEventKind.ADDED:
             text = joined(" ", (greeting(around.place), heard(deaf=passing.deaf)))
             said_by = around.chat_sender.languages
             reader = said_by.of_address(passing.who) if passing.who is not None else None
             greeted = translated(Outbound(chat=passing.chat, text=text), reader)
             around.chat_sender.say(OutgoingMessage(messenger, greeted))
         group = clean_name(passing.title) or said("a group")
-        if passing.what is Passage.ADDED:
+        if passing.what is ChatEventKind.ADDED:
             first = said("{who} put me into {group}.", who=self._who(passing), group=group)
         else:
             first = said(
@@ -126,12 +126,12 @@ class GroupMembership:
         rest = deaf_there() if passing.deaf else said("I read everything there.")
         around.reach.tell(around.admins(), joined(" ", (first, rest)))
 
-    def _who(self, passing: Passing) -> str:
+    def _who(self, passing: ChatEvent) -> str:
         """Return how the one who brought it about is called here; strangers have no name."""
         found = self._known(passing)
         return clean_name(found.name) if found is not None else said("Somebody I do not know")
 
-    def _known(self, passing: Passing) -> Principal | None:
+    def _known(self, passing: ChatEvent) -> Principal | None:
         directory = self._around.rooms.authoriser.directory
         found = directory.at(passing.who) if passing.who is not None else None
         return None if found is None else found[0]
@@ -154,7 +154,7 @@ class GroupMembership:
 
     # ---- they move, people leave ----
 
-    def _left(self, messenger: Messenger, passing: Passing) -> None:
+    def _left(self, messenger: Messenger, passing: ChatEvent) -> None:
         """Somebody left: what was told there because of them is told there no longer."""
         rooms, found = self._around.rooms, self._known(passing)
         if found is None:
@@ -163,7 +163,7 @@ class GroupMembership:
         self._around.followers.leave(messenger.name, passing.chat.id, principal)
         rooms.container.part(principal, passing.chat)
 
-    def _moved(self, messenger: Messenger, passing: Passing) -> None:
+    def _moved(self, messenger: Messenger, passing: ChatEvent) -> None:
         old = passing.chat
         new = msgspec.structs.replace(old, id=passing.new_id)
         self._around.rooms.container.moved(old, new)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
 from rosic.core.message import Button
-from rosic.core.robot.view import Sight
+from rosic.core.robot.view import ViewKind
 from rosic.features.media.history import HistoryCommands
 from rosic.features.media.snapshot import SnapshotCommands
 
@@ -33,12 +33,12 @@ def sights(media: MediaContext, robot: RobotId) -> list[Button]:
     if not media.render_queue.works:
         return []
     buttons: list[Button] = []
-    if profile.offers(Sight.PICTURE):
+    if profile.offers(ViewKind.PICTURE):
         buttons += [
             Button(said("Picture"), f"/picture {robot}"),
             Button(said("Clip"), f"/clip {robot}"),
         ]
-    if profile.offers(Sight.MAP):
+    if profile.offers(ViewKind.MAP):
         buttons.append(Button(said("Map"), f"/map {robot}"))
     if profile.telemetry:
         buttons.append(Button(said("Chart"), f"/chart {robot}"))

@@ -8,7 +8,7 @@ from rosic.core.i18n import figure, joined, said
 from rosic.core.language.common_names import shown_name, typed_names
 from rosic.core.language.compiled import fold
 from rosic.core.message import Button
-from rosic.core.robot.view import Curve, PathView
+from rosic.core.robot.view import PathView, TimeSeries
 from rosic.errors import NothingToSee, NotUnderstood
 from rosic.features.media import messages as words
 from rosic.features.media.render_queue import RenderJob
@@ -20,7 +20,7 @@ from rosic.gateway.robot_argument import RobotArgument
 if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.features.media.context import MediaContext
-    from rosic.features.media.telemetry_buffer import Track
+    from rosic.features.media.telemetry_buffer import RobotTrack
     from rosic.gateway.commands import CommandContext
 
 MOST_BUTTONS = 12
@@ -90,7 +90,7 @@ class HistoryCommands:
         several = len(profile.telemetry) > 1
         return _Take(
             RenderJob(
-                Curve(title, described.unit, points, described.alert_below),
+                TimeSeries(title, described.unit, points, described.alert_below),
                 lambda: words.caption(
                     profile.shown, what, media.age_s(newest_ns), foreign=False, low=low
                 ),
@@ -125,7 +125,7 @@ class HistoryCommands:
         )
         return ANSWERED_LATER
 
-    def _way(self, robot: RobotId, track: Track, *, low: bool) -> _Take:
+    def _way(self, robot: RobotId, track: RobotTrack, *, low: bool) -> _Take:
         media, profile = self._media, self._media.profiles[robot]
         until_ns = track.ended_ns or media.clock.monotonic_ns()
         seconds = (until_ns - track.begun_ns) / 1e9

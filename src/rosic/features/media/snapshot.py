@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from rosic.core.i18n import joined, said
 from rosic.core.language.compiled import fold
 from rosic.core.message import Button
-from rosic.core.robot.view import Clip, Encoded, Grid, Raster, Sight, View
+from rosic.core.robot.view import Clip, CompressedFrame, OccupancyMap, RawFrame, View, ViewKind
 from rosic.errors import NothingToSee, NotUnderstood
 from rosic.features.media import messages as words
 from rosic.features.media.render_queue import RenderJob
@@ -52,7 +52,7 @@ class SnapshotCommands:
         Raises:
             Refusal: No such robot, no camera, not now.
         """
-        robot, low = self._asked(asked, "picture", Sight.PICTURE)
+        robot, low = self._asked(asked, "picture", ViewKind.PICTURE)
         self._begin(asked, robot, PICTURE_COST, partial(self._picture, robot, low=low))
         return ANSWERED_LATER
 
@@ -71,7 +71,7 @@ class SnapshotCommands:
         """
 
         async def take() -> RenderJob:
-            view = await self._first(robot, Sight.PICTURE)
+            view = await self._first(robot, ViewKind.PICTURE)
             past_ns = int(self._media.age_s(view.taken_ns) * 1e9)
             shot = self._shot(robot, view, words.camera(), (), low=True)
             at_ns = self._media.clock.wall_ns() - past_ns
@@ -81,24 +81,24 @@ class SnapshotCommands:
 
     async def clip(self, asked: CommandContext) -> Reply:
         """Show some seconds. Raises as `picture` does."""
-        robot, low = self._asked(asked, "clip", Sight.PICTURE)
+        robot, low = self._asked(asked, "clip", ViewKind.PICTURE)
         self._begin(asked, robot, CLIP_COST, partial(self._clip, robot, low=low))
         return ANSWERED_LATER
 
     async def map(self, asked: CommandContext) -> Reply:
         """Show the map. Raises as `picture` does."""
-        robot, low = self._asked(asked, "map", Sight.MAP)
+        robot, low = self._asked(asked, "map", ViewKind.MAP)
         self._begin(asked, robot, PICTURE_COST, partial(self._map, robot, low=low))
         return ANSWERED_LATER
 
-    def _asked(self, asked: CommandContext, verb: str, sight: Sight) -> tuple[RobotId, bool]:
+    def _asked(self, asked: CommandContext, verb: str, sight: ViewKind) -> tuple[RobotId, bool]:
         """Return which robot is meant, and whether it may be coarse."""
         text = asked.rest.strip().rstrip(_ENDS)
         alone = fold(text) == LOW and not self._naming.calls(asked, text)
         robot, rest = self._naming.robot(asked, verb, text, nameless=alone)
         profile = self._media.profiles[robot]
         if not profile.offers(sight):
-            why = words.no_camera if sight is Sight.PICTURE else words.no_map
+            why = words.no_camera if sight is ViewKind.PICTURE else words.no_map
             raise NothingToSee(why(profile.shown))
         if rest and fold(rest) != LOW:
             raise NotUnderstood(words.too_much(verb), offers=(f"{verb} {robot}",))
@@ -114,14 +114,14 @@ class SnapshotCommands:
         self._media.render_queue.begin(asked, robot, cost, take)
 
     async def _picture(self, robot: RobotId, *, low: bool) -> RenderJob:
-        view = await self._first(robot, Sight.PICTURE)
+        view = await self._first(robot, ViewKind.PICTURE)
         again = Button(said("Again"), _command("picture", robot, low=low))
         moving = Button(said("Clip"), _command("clip", robot, low=low))
         buttons = (again, moving, *_coarser("picture", robot, low=low))
         return self._shot(robot, view, words.camera(), buttons, low=low)
 
     async def _map(self, robot: RobotId, *, low: bool) -> RenderJob:
-        view = await self._first(robot, Sight.MAP)
+        view = await self._first(robot, ViewKind.MAP)
         again = Button(said("Again"), _command("map", robot, low=low))
         buttons = (again, *_coarser("map", robot, low=low))
         return self._shot(robot, view, words.plan(), buttons, low=low)
@@ -130,7 +130,7 @@ class SnapshotCommands:
         self, robot: RobotId, view: View, what: str, buttons: tuple[Button, ...], *, low: bool
     ) -> RenderJob:
         shown, age_s = self._media.profiles[robot].shown, self._media.age_s
-        grid = view.content if isinstance(view.content, Grid) else None
+        grid = view.content if isinstance(view.content, OccupancyMap) else None
 
         def caption() -> str:
             pose_ns = None if grid is None else grid.pose_ns
@@ -147,7 +147,7 @@ class SnapshotCommands:
 
         return RenderJob(view.content, caption, robot, low, (buttons,))
 
-    async def _first(self, robot: RobotId, sight: Sight) -> View:
+    async def _first(self, robot: RobotId, sight: ViewKind) -> View:
         shown = self._media.profiles[robot].shown
         try:
             async with (
@@ -191,7 +191,7 @@ class SnapshotCommands:
         try:
             async with (
                 asyncio.timeout(WITHIN_S),
-                aclosing(self._media.linker.look(robot, Sight.PICTURE)) as frames,
+                aclosing(self._media.linker.look(robot, ViewKind.PICTURE)) as frames,
             ):
                 async for view in frames:
                     views.append(view)
@@ -219,7 +219,7 @@ def _coarser(verb: str, robot: RobotId, *, low: bool) -> tuple[Button, ...]:
 
 
 def _size(view: View) -> int:
-    return len(view.content.data) if isinstance(view.content, (Encoded, Raster)) else 0
+    return len(view.content.data) if isinstance(view.content, (CompressedFrame, RawFrame)) else 0
 
 
 # ---- pictures for live cards ----
@@ -234,7 +234,9 @@ class DashboardCamera:
 
     def offers(self, robot: RobotId) -> bool:
         """Whether anybody may look through its camera, and something can be drawn."""
-        return self._media.render_queue.works and self._media.profiles[robot].offers(Sight.PICTURE)
+        return self._media.render_queue.works and self._media.profiles[robot].offers(
+            ViewKind.PICTURE
+        )
 
     def look(
         self,

@@ -30,7 +30,7 @@ FOLLOW_S = 0.1
 NEGLIGIBLE_M = 1e-4
 
 
-class Ring:
+class SampleRing:
     """The newest samples of one value; 16 bytes each."""
 
     __slots__ = ("_count", "_next", "_times", "_values")
@@ -59,7 +59,7 @@ class TelemetryBuffer:
     """Rings, by robot and value."""
 
     def __init__(self) -> None:
-        self._rings: dict[tuple[RobotId, str], Ring] = {}
+        self._rings: dict[tuple[RobotId, str], SampleRing] = {}
 
     def take(self, robot: RobotId, values: Iterable[tuple[str, float | str]], now_s: float) -> None:
         """Keep what is a number."""
@@ -68,7 +68,7 @@ class TelemetryBuffer:
                 continue
             ring = self._rings.get((robot, name))
             if ring is None:
-                ring = self._rings[robot, name] = Ring()
+                ring = self._rings[robot, name] = SampleRing()
             ring.add(now_s, value)
 
     def names(self, robot: RobotId) -> tuple[str, ...]:
@@ -81,7 +81,7 @@ class TelemetryBuffer:
         return () if ring is None else ring.points(now_s)
 
 
-class Track:
+class RobotTrack:
     """Where a robot went while it carried out one order.
 
     Attributes:
@@ -146,13 +146,13 @@ class TelemetrySampler:
 
     def __init__(self, linker: Linker, clock: Clock) -> None:
         self.samples = TelemetryBuffer()
-        self.tracks: dict[RobotId, Track] = {}
+        self.tracks: dict[RobotId, RobotTrack] = {}
         self._linker = linker
         self._clock = clock
         self._reporting: dict[RobotId, None] = {}
         self._some = asyncio.Event()
         self._placed: set[RobotId] = set()
-        self._open: dict[RobotId, Track] = {}
+        self._open: dict[RobotId, RobotTrack] = {}
         self._following: asyncio.Task[None] | None = None
 
     def add_robot(self, profile: Profile) -> None:
@@ -185,7 +185,7 @@ class TelemetrySampler:
         robot = order.robot
         if robot not in self._placed:
             return
-        track = Track(order.words or order.skill.id, self._clock.monotonic_ns())
+        track = RobotTrack(order.words or order.skill.id, self._clock.monotonic_ns())
         self.tracks[robot] = self._open[robot] = track
         self._note(robot, track)
         if self._following is None or self._following.done():
@@ -204,7 +204,7 @@ class TelemetrySampler:
             for robot, track in tuple(self._open.items()):
                 self._note(robot, track)
 
-    def _note(self, robot: RobotId, track: Track, *, last: bool = False) -> None:
+    def _note(self, robot: RobotId, track: RobotTrack, *, last: bool = False) -> None:
         try:
             pose = self._linker.presence(robot).pose
         except Exception:

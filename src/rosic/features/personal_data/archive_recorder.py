@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar
 import msgspec
 
 from rosic.authoriser.invite_codes import without_these
-from rosic.container.archive import NOBODY, Author
+from rosic.container.archive import NOBODY, MessageAuthor
 from rosic.contracts.messenger import (
     account_of,
     account_since,
@@ -51,10 +51,10 @@ if TYPE_CHECKING:
         Settle,
     )
     from rosic.contracts.store import Store
-    from rosic.core.message import Chat, Enclosure, Inbound, Outbound
+    from rosic.core.message import Chat, Inbound, IncomingFile, Outbound
     from rosic.core.records import Fact
 
-AuthorOf: TypeAlias = Callable[[Address], Author]
+AuthorOf: TypeAlias = Callable[[Address], MessageAuthor]
 P = TypeVar("P", "Inbound", "Outbound")
 
 NOT_KEPT: Final = "(not kept)"
@@ -201,7 +201,7 @@ class ArchivingMessenger:
         """Answer a tap; what is shown for a moment only is not kept."""
         await self._messenger.answer_tap(inbound, text)
 
-    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+    def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
         """Fetch a file; an archive keeps what was written, not what was enclosed."""
         return self._messenger.fetch(enclosure)
 
@@ -220,7 +220,7 @@ class ArchivingMessenger:
         text = without_these(passed.text, self._codes_in(passed.text), NOT_KEPT)
         return passed if text is passed.text else msgspec.structs.replace(passed, text=text)
 
-    def _reader(self, chat: Chat) -> Author:
+    def _reader(self, chat: Chat) -> MessageAuthor:
         """Return who reads a private chat, which has the account's own id."""
         if chat.kind is not ChatKind.PRIVATE:
             return NOBODY

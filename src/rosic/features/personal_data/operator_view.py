@@ -9,7 +9,7 @@ import msgspec
 from rosic.container import archive_records, export
 from rosic.container.export import ContainerSummary
 from rosic.container.messages import size
-from rosic.container.shared_data import Quota
+from rosic.container.shared_data import SharedDataQuota
 from rosic.core.i18n import said, said_n
 from rosic.core.records import Decided
 from rosic.errors import NotUnderstood, OutOfBounds
@@ -220,7 +220,7 @@ async def limit_container(
         raise NotUnderstood(NO_SHELF)
     await _known(data_context, container)
     before = data_context.shelf.quota(container)
-    quota = Quota(
+    quota = SharedDataQuota(
         names=before.names if names is None else names,
         history=before.history,
         most_bytes=before.most_bytes if most_bytes is None else most_bytes,

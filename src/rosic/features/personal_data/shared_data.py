@@ -9,7 +9,7 @@ from rosic.container import messages
 from rosic.core.i18n import joined
 from rosic.core.language.option_words import option_typed
 from rosic.core.language.sanitise import clean_name
-from rosic.core.language.time_tokens import TimeTokens, Unclear
+from rosic.core.language.time_tokens import TimeTokens, UnclearTime
 from rosic.core.message import Button
 from rosic.core.time_units import DAY_S
 from rosic.errors import NotUnderstood
@@ -207,7 +207,7 @@ def _length_ns(text: str) -> int:
     """
     try:
         length_s = TimeTokens(text).length_s
-    except Unclear:
+    except UnclearTime:
         length_s = None
     if length_s is None or not 0 < length_s <= LONGEST_S:
         raise NotUnderstood(words.HOW_LONG)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.i18n import joined
-from rosic.core.message import Button, Outbound, Weight
+from rosic.core.message import Button, Outbound, SendPriority
 from rosic.core.time_units import HOUR_NS
 from rosic.features.robot_to_robot import messages as words
 from rosic.gateway.delivery.sender import OutgoingMessage
@@ -99,7 +99,7 @@ class ConversationDigests:
             if self._rights.operates(page.who, robot)
         )
         outbound = Outbound(
-            chat=page.where.chat, text=text, buttons=(row,) if row else (), weight=Weight.IDLE
+            chat=page.where.chat, text=text, buttons=(row,) if row else (), weight=SendPriority.IDLE
         )
         plain = translated(outbound, self._chat_sender.languages.of(page.who))
         self._chat_sender.say(OutgoingMessage(messenger, plain))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.contracts.messenger import waits_for_disk
 from rosic.core.i18n import joined, said, said_n
-from rosic.core.message import Outbound, Weight
+from rosic.core.message import Outbound, SendPriority
 from rosic.errors import Expired
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 
@@ -192,7 +192,7 @@ def together(
     text: str = _network_away(len(cids)) if away else _unheard(len(cids))
     if offers:
         text = joined("\n", [text, said("What you still want, tap to send it again.")])
-    outbound = Outbound(chat=chat, text=text, buttons=offers, weight=Weight.OUTCOME)
+    outbound = Outbound(chat=chat, text=text, buttons=offers, weight=SendPriority.OUTCOME)
     first, *also = cids
     return OutgoingMessage(messenger, outbound, first, also=tuple(also))
 

@@ -10,7 +10,7 @@ import msgspec
 
 from rosic.contracts.messenger import Messenger
 from rosic.core.identity import CommandId, PrincipalId
-from rosic.core.message import Chat, Outbound, Weight
+from rosic.core.message import Chat, Outbound, SendPriority
 from rosic.errors import MessageGone
 from rosic.gateway.order_status import OrderMessage
 
@@ -60,7 +60,7 @@ class OutgoingMessage(msgspec.Struct):
 
 
 Item: TypeAlias = OrderMessage | OutgoingMessage
-OUTCOME, QUESTION, FEEDBACK = Weight.OUTCOME, Weight.QUESTION, Weight.FEEDBACK
+OUTCOME, QUESTION, FEEDBACK = SendPriority.OUTCOME, SendPriority.QUESTION, SendPriority.FEEDBACK
 
 
 class ChatQueue:
@@ -79,7 +79,7 @@ class ChatQueue:
         self.task: asyncio.Task[None] | None = None
         self.wake: asyncio.Future[None] | None = None
         self.asking: asyncio.Future[None] | None = None
-        self.weight = Weight.FEEDBACK
+        self.weight = SendPriority.FEEDBACK
 
     def hasten(self, item: Item) -> None:
         """Have it ask anew if it asks for a turn with less weight than this deserves."""
@@ -128,7 +128,7 @@ def matters(item: Item) -> bool:
     return item.cid is not None or item.then is not None
 
 
-def weight_of(item: Item) -> Weight:
+def weight_of(item: Item) -> SendPriority:
     """Return how important it is now: a card grows in weight when one of its lives has ended."""
     if not isinstance(item, OrderMessage):
         return item.outbound.weight

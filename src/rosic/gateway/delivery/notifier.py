@@ -13,7 +13,7 @@ from rosic.authoriser.button_tokens import is_lasting
 from rosic.contracts.messenger import Messenger, bot_name_of
 from rosic.core.deferred import Deferred
 from rosic.core.i18n import said
-from rosic.core.message import Button, Chat, Outbound, Weight
+from rosic.core.message import Button, Chat, Outbound, SendPriority
 from rosic.errors import ChatNotBegun
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 from rosic.gateway.delivery.translation import translated
@@ -114,7 +114,7 @@ class Notifier:
     def give(self, people: Iterable[PrincipalId], notice: Notification) -> int:
         """Tell each of them a notice in private. Return how many places that were."""
         places = 0
-        weight = Weight.ALARM if notice.urgent else Weight.QUESTION
+        weight = SendPriority.ALARM if notice.urgent else SendPriority.QUESTION
         offers = any(not is_lasting(button) for row in notice.buttons for button in row)
         lasts = notice.urgent or not offers or bool(notice.matter)
         for principal in dict.fromkeys(people):
@@ -170,7 +170,7 @@ class Notifier:
             for messenger, chat in self._chats(principal):
                 if (messenger.name, chat.id) == besides:
                     continue
-                outbound = Outbound(chat=chat, text=text, weight=Weight.OUTCOME)
+                outbound = Outbound(chat=chat, text=text, weight=SendPriority.OUTCOME)
                 note = OutgoingMessage(
                     messenger, translated(outbound, catalogue), to=principal, hops=hops
                 )
@@ -281,7 +281,7 @@ def _what_matters(item: Item) -> str:
     """Return what somebody waits for; empty for what only shows how things go."""
     if isinstance(item, OrderMessage):
         return item.text(endings=True) if item.untold else ""
-    weighs = bool(item.to) or item.outbound.weight <= Weight.ALARM
+    weighs = bool(item.to) or item.outbound.weight <= SendPriority.ALARM
     return item.outbound.text if weighs else ""
 
 

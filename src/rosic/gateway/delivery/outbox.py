@@ -15,7 +15,7 @@ import msgspec
 
 from rosic.core import messages
 from rosic.core.identity import OUTBOX_KEY_BYTES
-from rosic.core.message import Chat, Outbound, Weight
+from rosic.core.message import Chat, Outbound, SendPriority
 from rosic.core.records import Fact, Letter
 from rosic.core.time_units import DAY_NS
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
@@ -133,7 +133,7 @@ class Outbox:
         messengers: Mapping[str, Messenger],
         dress: Callable[[OutgoingMessage, bytes], None],
     ) -> bool:
-        owed = _Owed(0, Weight.ALARM)
+        owed = _Owed(0, SendPriority.ALARM)
         try:
             owed = _read_owed(fact.body)
             found = _read_words(fact.letter.content) if fact.letter is not None else None
@@ -149,7 +149,7 @@ class Outbox:
             chat=found.chat,
             text=messages.said_again(found.text),
             reply_to=found.reply_to,
-            weight=Weight(owed.weight),
+            weight=SendPriority(owed.weight),
         )
         catalogue = self._chat_sender.languages.of(self._owed[fact.key])
         note = self._note(fact.key, messenger, translated(outbound, catalogue))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import msgspec
 
-from rosic.core.i18n import Catalogue, Imperial, in_language
+from rosic.core.i18n import Catalogue, ImperialCatalogue, in_language
 from rosic.core.message import LIES_IN
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ class ChatLanguages:
         code = self._chosen.get(principal) or self._heard.get(principal, "")
         catalogue = self.spoken(code)
         if principal in self._imperial:
-            catalogue = self._imperials.setdefault(catalogue, Imperial(catalogue))
+            catalogue = self._imperials.setdefault(catalogue, ImperialCatalogue(catalogue))
         if catalogue is None:
             self._readers.pop(principal, None)
         else:

@@ -19,9 +19,9 @@ from telegram.request import HTTPXRequest
 
 from rosic.errors import ConfigurationError, RosicError
 from rosic.messengers.telegram import updates as wire
-from rosic.messengers.telegram.errors import DEFAULT_WAIT_S, TooFast, trouble
+from rosic.messengers.telegram.errors import DEFAULT_WAIT_S, FloodControl, trouble
 from rosic.messengers.telegram.settings import API_BASE
-from rosic.messengers.telegram.upload_stream import Spoilt, UploadStream
+from rosic.messengers.telegram.upload_stream import ChangedUpload, UploadStream
 
 if TYPE_CHECKING:
     import ssl
@@ -80,7 +80,7 @@ class _Request(HTTPXRequest):
         else:
             code, payload = await super().do_request(*args, **kwargs)
         if code == HTTPStatus.TOO_MANY_REQUESTS:
-            raise TooFast(_retry_after_s(payload))
+            raise FloodControl(_retry_after_s(payload))
         return code, payload
 
     async def _upload(
@@ -96,7 +96,7 @@ class _Request(HTTPXRequest):
                     timeout=(CONNECT_S, read_timeout, read_timeout, CONNECT_S),
                 )
         except RosicError as error:
-            raise Spoilt(error.sentence) from None
+            raise ChangedUpload(error.sentence) from None
         except Exception as error:
             raise NetworkError("the file did not go through") from error
         return answer.status_code, answer.content

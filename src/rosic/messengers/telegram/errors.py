@@ -15,7 +15,7 @@ from telegram import error as foreign
 
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.log_redaction import scrub
-from rosic.messengers.telegram.upload_stream import Spoilt
+from rosic.messengers.telegram.upload_stream import ChangedUpload
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -109,7 +109,7 @@ class TelegramError(MessengerFault):
         self.perhaps_sent = kind is ErrorKind.LOST
 
 
-class TooFast(foreign.TelegramError):
+class FloodControl(foreign.TelegramError):
     """429, raised by our own request class.
 
     python-telegram-bot's ``RetryAfter`` warns about its own attribute whenever it is made, and is
@@ -130,7 +130,7 @@ def trouble(error: BaseException) -> TelegramError:
 
 def _trouble(error: BaseException) -> TelegramError:
     reason = scrub(f"{type(error).__name__}: {error}")
-    if isinstance(error, Spoilt):
+    if isinstance(error, ChangedUpload):
         return TelegramError(error.sentence, ErrorKind.REFUSED, reason)
     if (wait_s := _wait_s(error)) is not None:
         return _too_fast(wait_s, reason)
@@ -209,7 +209,7 @@ def _causes(error: BaseException) -> Iterator[BaseException]:
 
 
 def _wait_s(error: BaseException) -> float | None:
-    if isinstance(error, TooFast):
+    if isinstance(error, FloodControl):
         return error.wait_s
     if isinstance(error, foreign.RetryAfter):
         # Its attribute warns on every reading; what it keeps inside is a timedelta.

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from telegram import InlineKeyboardMarkup, Message, ReplyParameters
 
-    from rosic.core.message import Attachment, Enclosure, Outbound
+    from rosic.core.message import Attachment, IncomingFile, Outbound
     from rosic.messengers.telegram.bot_client import ApiBot, BotClient
     from rosic.messengers.telegram.settings import TelegramSettings
 
@@ -52,7 +52,7 @@ GIF: Final = "image/gif"
 _PNG: Final = b"\x89PNG\r\n\x1a\n"
 
 
-class Sendable:
+class SendableFile:
     """A file as Telegram takes it.
 
     Attributes:
@@ -105,7 +105,7 @@ class Sendable:
         return str(message.message_id)
 
 
-def prepared(attachment: Attachment, most: int = FILE_BYTES) -> Sendable:
+def prepared(attachment: Attachment, most: int = FILE_BYTES) -> SendableFile:
     """Return a file as it can be sent.
 
     Raises:
@@ -113,7 +113,7 @@ def prepared(attachment: Attachment, most: int = FILE_BYTES) -> Sendable:
     """
     if attachment.size > most:
         raise MessengerFault("The file is larger than Telegram takes. Nothing was sent.")
-    return Sendable(attachment)
+    return SendableFile(attachment)
 
 
 def picture_of(outbound: Outbound) -> InputMediaPhoto:
@@ -184,7 +184,7 @@ ELSEWHERE = said(
 )
 
 
-class Fetcher:
+class FileFetcher:
     """Fetches for one bot.
 
     Attributes:
@@ -196,7 +196,7 @@ class Fetcher:
         self._folder = settings.local_folder
         self.most = LOCAL_BYTES if settings.local_mode else FETCH_BYTES
 
-    async def fetch(self, enclosure: Enclosure) -> AsyncGenerator[bytes]:
+    async def fetch(self, enclosure: IncomingFile) -> AsyncGenerator[bytes]:
         """Yield a file's content.
 
         Raises:
@@ -222,7 +222,7 @@ class Fetcher:
         if size and count != size:
             raise MessengerFault(NOT_AS_LONG)
 
-    async def _ask(self, enclosure: Enclosure) -> tuple[str, int]:
+    async def _ask(self, enclosure: IncomingFile) -> tuple[str, int]:
         """Return where a file is, and how large."""
         found = await self._line.ask(lambda bot: bot.raw_file(enclosure.id))
         path, size = found.get("file_path"), found.get("file_size", 0)

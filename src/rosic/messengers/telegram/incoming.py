@@ -14,14 +14,14 @@ from rosic.core.language import hears_stop
 from rosic.core.language.stop_detection import FIRST_LINES, LAST_LINES
 from rosic.core.message import (
     Chat,
+    ChatEvent,
+    ChatEventKind,
     ChatKind,
-    Enclosure,
+    GeoPoint,
     Inbound,
-    Passage,
-    Passing,
+    IncomingFile,
+    MessageValidity,
     Reaction,
-    Spot,
-    Standing,
 )
 from rosic.core.time_units import SECOND_NS
 from rosic.messengers.telegram import updates
@@ -97,7 +97,10 @@ def author(update: updates.Update) -> Address | None:
     message = update.message or update.edited_message
     if update.callback_query is not None:
         return Address(PLATFORM, str(update.callback_query.sender.id))
-    if message is None or _standing(message) in {Standing.ANONYMOUS, Standing.CHANNEL}:
+    if message is None or _standing(message) in {
+        MessageValidity.ANONYMOUS,
+        MessageValidity.CHANNEL,
+    }:
         return None
     return Address(PLATFORM, str(_author(message)))
 
@@ -114,7 +117,7 @@ def moved(update: updates.Update) -> tuple[str, str] | None:
     return None
 
 
-def passing(update: updates.Update, *, hears_groups: bool) -> Passing | None:
+def passing(update: updates.Update, *, hears_groups: bool) -> ChatEvent | None:
     """Return what happened to a chat: we came or went, or are told more or less; somebody left.
 
     Args:
@@ -144,7 +147,7 @@ def reaction(update: updates.Update) -> Reaction | None:
     )
 
 
-def _noted(message: updates.TelegramMessage) -> Passing | None:
+def _noted(message: updates.TelegramMessage) -> ChatEvent | None:
     """Return what a service message says; these arrive in privacy mode, too."""
     gone = message.left_chat_member
     if isinstance(gone, dict) and type(gone.get("id")) is int and not gone.get("is_bot"):
@@ -152,17 +155,17 @@ def _noted(message: updates.TelegramMessage) -> Passing | None:
     return None
 
 
-def _own_passing(update: updates.MemberUpdate, *, hears_groups: bool) -> Passing | None:
+def _own_passing(update: updates.MemberUpdate, *, hears_groups: bool) -> ChatEvent | None:
     old, new = update.old_chat_member, update.new_chat_member
     hears = hears_groups or new.status == "administrator"
     heard = hears_groups or old.status == "administrator"
     if old.present != new.present:
-        what = Passage.ADDED if new.present else Passage.REMOVED
+        what = ChatEventKind.ADDED if new.present else ChatEventKind.REMOVED
     elif new.present and hears != heard:
-        what = Passage.HEARING if hears else Passage.DEAF
+        what = ChatEventKind.HEARING if hears else ChatEventKind.DEAF
     else:
         return None
-    return Passing(
+    return ChatEvent(
         chat=_chat(update.chat),
         what=what,
         who=Address(PLATFORM, str(update.sender.id)),
@@ -171,8 +174,8 @@ def _own_passing(update: updates.MemberUpdate, *, hears_groups: bool) -> Passing
     )
 
 
-def _left(chat: updates.TelegramChat, who: int) -> Passing:
-    return Passing(chat=_chat(chat), what=Passage.LEFT, who=Address(PLATFORM, str(who)))
+def _left(chat: updates.TelegramChat, who: int) -> ChatEvent:
+    return ChatEvent(chat=_chat(chat), what=ChatEventKind.LEFT, who=Address(PLATFORM, str(who)))
 
 
 def addressed_here(text: str, own_name: str, *, may_stop: bool = True) -> str | None:
@@ -212,7 +215,7 @@ def _line(line: str, own_name: str, *, may_stop: bool) -> str | None:
 
 def _text(
     message: updates.TelegramMessage,
-    standing: Standing,
+    standing: MessageValidity,
     own_name: str,
     received: ReceivedAt,
     *,
@@ -265,17 +268,17 @@ def _account(message: updates.TelegramMessage, received: ReceivedAt) -> str:
     return "" if shared or earlier else received.account
 
 
-def _placed(message: updates.TelegramMessage) -> Spot | None:
+def _placed(message: updates.TelegramMessage) -> GeoPoint | None:
     found = updates.placed(message)
-    return None if found is None else Spot(found.latitude, found.longitude)
+    return None if found is None else GeoPoint(found.latitude, found.longitude)
 
 
-def _enclosed(message: updates.TelegramMessage) -> Enclosure | None:
+def _enclosed(message: updates.TelegramMessage) -> IncomingFile | None:
     file = updates.enclosed(message)
     if file is None:
         return None
     size = max(file.file_size, 0)
-    return Enclosure(id=file.file_id, name=file.file_name, media_type=file.mime_type, size=size)
+    return IncomingFile(id=file.file_id, name=file.file_name, media_type=file.mime_type, size=size)
 
 
 def _tap(query: updates.CallbackQuery, received: ReceivedAt) -> Inbound | None:
@@ -352,30 +355,30 @@ def _chat(
     return Chat(PLATFORM, str(chat.id), kind, "" if thread is None else str(thread))
 
 
-def _channel(_: updates.TelegramMessage) -> Standing:
-    return Standing.CHANNEL
+def _channel(_: updates.TelegramMessage) -> MessageValidity:
+    return MessageValidity.CHANNEL
 
 
-def _edited(message: updates.TelegramMessage) -> Standing:
-    return Standing.CHANNEL if message.chat.type == "channel" else Standing.EDITED
+def _edited(message: updates.TelegramMessage) -> MessageValidity:
+    return MessageValidity.CHANNEL if message.chat.type == "channel" else MessageValidity.EDITED
 
 
-def _standing(message: updates.TelegramMessage) -> Standing:
+def _standing(message: updates.TelegramMessage) -> MessageValidity:
     """Say whether a person wrote this, here and now, with their own hand (I17)."""
     sender = message.sender
     if message.is_automatic_forward or (
         sender and sender.id in {updates.TELEGRAM, updates.CHANNEL_BOT}
     ):
-        return Standing.CHANNEL
+        return MessageValidity.CHANNEL
     if sender is None or message.sender_chat or sender.id == updates.GROUP_ANONYMOUS_BOT:
-        return Standing.ANONYMOUS
+        return MessageValidity.ANONYMOUS
     if message.forward_origin is not None or message.forward_date is not None:
-        return Standing.FORWARDED
+        return MessageValidity.FORWARDED
     if message.edit_date is not None:  # whatever kind of update it came in
-        return Standing.EDITED
+        return MessageValidity.EDITED
     # A scheduled message was written earlier; what a bot says, in its own name or in that of a
     # business account, was written by nobody.
     by_bot = message.via_bot or message.sender_business_bot or message.business_connection_id
     if by_bot is not None or sender.is_bot or message.is_from_offline:
-        return Standing.VIA_BOT
-    return Standing.FRESH
+        return MessageValidity.VIA_BOT
+    return MessageValidity.FRESH

@@ -12,7 +12,7 @@ from rosic.messengers.telegram.bot_client import BotClient
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.command_menu import TelegramMenus
 from rosic.messengers.telegram.errors import ErrorKind, TelegramError
-from rosic.messengers.telegram.files import FILE_BYTES, LOCAL_BYTES, Fetcher
+from rosic.messengers.telegram.files import FILE_BYTES, LOCAL_BYTES, FileFetcher
 from rosic.messengers.telegram.incoming import PLATFORM
 from rosic.messengers.telegram.log_redaction import hide
 from rosic.messengers.telegram.outgoing import Outgoing
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Keep, Knows, Passed, Reacted, Receive, Serves, Settle
-    from rosic.core.message import Chat, Enclosure, Inbound, Menu, Outbound, Weight
+    from rosic.core.message import Chat, Inbound, IncomingFile, Menu, Outbound, SendPriority
 
 
 # ---- reactions and retracting ----
@@ -154,7 +154,7 @@ class TelegramMessenger:
         self._speaker.file_bytes = self.file_bytes
         self._gestures = Reactions(self._line, chats, limiter)
         self._menus = TelegramMenus(name, self._line, clock)
-        self._fetcher = Fetcher(self._line, settings)
+        self._fetcher = FileFetcher(self._line, settings)
         self.fetch_bytes = self._fetcher.most
         self._running = False
 
@@ -222,7 +222,7 @@ class TelegramMessenger:
         finally:
             self._running = False
 
-    async def turn(self, chat: Chat, weight: Weight) -> None:
+    async def turn(self, chat: Chat, weight: SendPriority) -> None:
         """Wait until something may be said in a chat; see ``contracts.messenger.turn_of``.
 
         Raises:
@@ -318,8 +318,8 @@ class TelegramMessenger:
         """Answer a tap at once, without waiting for the limits. Never raises."""
         await self._speaker.answer(inbound, text)
 
-    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
-        """Yield what somebody sent; see `Fetcher`.
+    def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
+        """Yield what somebody sent; see `FileFetcher`.
 
         Raises:
             MessengerFault: As the contract says.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 from telegram import LinkPreviewOptions, ReplyParameters
 
 from rosic.core.i18n import said
-from rosic.core.message import Weight
+from rosic.core.message import SendPriority
 from rosic.errors import ChatGone, ChatNotBegun, MessageGone, MessengerFault
 from rosic.messengers.telegram import formatting as texts
 from rosic.messengers.telegram.bot_client import CALL_S
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat, Inbound, Outbound
     from rosic.messengers.telegram.bot_client import ApiBot, BotClient
     from rosic.messengers.telegram.chats import Chats
-    from rosic.messengers.telegram.files import Sendable
+    from rosic.messengers.telegram.files import SendableFile
     from rosic.messengers.telegram.rate_limiter import RateLimiter
 
 T = TypeVar("T")
@@ -60,7 +60,7 @@ class BotCall(NamedTuple):
     """
 
     chat: str
-    weight: Weight
+    weight: SendPriority
     repeatable: bool = False
     topic: int | None = None
     message: str = ""
@@ -77,7 +77,7 @@ class Outgoing:
         self._clock = clock
         self._granted: set[str] = set()
 
-    async def turn(self, chat: Chat, weight: Weight) -> None:
+    async def turn(self, chat: Chat, weight: SendPriority) -> None:
         """Wait for a turn in this chat; whatever is said there next takes it.
 
         Raises:
@@ -187,7 +187,7 @@ class Outgoing:
                 await bot.unpin_chat_message(where, message_id=number)
 
         try:
-            call = BotCall(chat, Weight.QUESTION, repeatable=True, message=message)
+            call = BotCall(chat, SendPriority.QUESTION, repeatable=True, message=message)
             await self._call(call, act)
         except TelegramError as trouble:
             reason = trouble.reason.lower()
@@ -226,7 +226,7 @@ class Outgoing:
     async def _send_file(
         self,
         call: BotCall,
-        file: Sendable,
+        file: SendableFile,
         caption: str,
         reply: ReplyParameters | None,
         markup: InlineKeyboardMarkup | None,

@@ -8,14 +8,14 @@ from collections import Counter
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.i18n import said
-from rosic.core.message import Chat, Passage, Passing
+from rosic.core.message import Chat, ChatEvent, ChatEventKind
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram import incoming, updates
 from rosic.messengers.telegram.batch import BATCH, limit_after
 from rosic.messengers.telegram.bot_client import CALL_S, polled_within_s
 from rosic.messengers.telegram.errors import ErrorKind, TelegramError
 from rosic.messengers.telegram.polling_gap import Outage, PollingGap, PollMoment
-from rosic.messengers.telegram.reading import Reading
+from rosic.messengers.telegram.reading import UpdateReader
 from rosic.messengers.telegram.update_window import UpdateWindow
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ class Poller:
         self.settle: Settle | None = None
         self.account_since_ns = 0
         self.counts: Counter[str] = Counter()
-        self.reading = Reading(name, chats, self.counts)
+        self.reading = UpdateReader(name, chats, self.counts)
         self._name = name
         self._line = line
         self._clock = clock
@@ -113,8 +113,8 @@ class Poller:
             self.reading.begin()
             self.reading.own_name = account.user_name
             self.reading.hears_groups = account.reads_groups
-            what = Passage.HEARING if account.reads_groups else Passage.DEAF
-            self.reading.passes(Passing(chat=Chat(incoming.PLATFORM, ""), what=what))
+            what = ChatEventKind.HEARING if account.reads_groups else ChatEventKind.DEAF
+            self.reading.passes(ChatEvent(chat=Chat(incoming.PLATFORM, ""), what=what))
             try:
                 async with TaskGroup() as group:
                     window = UpdateWindow(group, receive, self._clock, self.counts)

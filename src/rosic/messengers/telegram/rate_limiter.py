@@ -13,7 +13,7 @@ from collections import Counter, deque
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.core.message import Weight
+from rosic.core.message import SendPriority
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.lately import RecentGroupMessages
@@ -93,7 +93,7 @@ class LimitMemory:
         self._under_way = 0
         self._said_ns: deque[int] = deque(maxlen=max(rate.within) if rate.span_s else 0)
 
-    def ready_ns(self, weight: Weight) -> int:
+    def ready_ns(self, weight: SendPriority) -> int:
         """Return when one more of this weight may be said; in the past when it may now."""
         paced_ns = self._paid_ns - (self._rate.at_once[weight] - 1) * self._interval_ns
         if not self._span_ns:
@@ -153,7 +153,7 @@ class LimitMemory:
 class _Waiting(NamedTuple):
     """Somebody who wants to say something."""
 
-    weight: Weight
+    weight: SendPriority
     number: int
     chat: str
     give_up_ns: int
@@ -193,7 +193,7 @@ class RateLimiter:
         """Go on with what an earlier run said in groups; see ``contracts.messenger``."""
         self._lately.restore(kept, keep)
 
-    async def turn(self, chat: str, weight: Weight, *, within_s: float) -> None:
+    async def turn(self, chat: str, weight: SendPriority, *, within_s: float) -> None:
         """Wait for a turn in this chat.
 
         Raises:
@@ -215,10 +215,10 @@ class RateLimiter:
             if not self._waiting:
                 self._rest()
 
-    def _is_full(self, chat: str, weight: Weight) -> bool:
-        if len(self._waiting) >= WAITING_AT_MOST * max(1, Weight.IDLE - weight):
+    def _is_full(self, chat: str, weight: SendPriority) -> bool:
+        if len(self._waiting) >= WAITING_AT_MOST * max(1, SendPriority.IDLE - weight):
             return True
-        return weight > Weight.ALARM and self._in_chat[chat] >= WAITING_IN_A_CHAT
+        return weight > SendPriority.ALARM and self._in_chat[chat] >= WAITING_IN_A_CHAT
 
     def _leave(self, one: _Waiting) -> None:
         self._waiting.remove(one)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
 import msgspec
 
 from rosic.core.language import is_urgent
-from rosic.core.message import Chat, ChatKind, Passage, Passing
+from rosic.core.message import Chat, ChatEvent, ChatEventKind, ChatKind
 from rosic.core.time_units import SECOND_NS
 from rosic.messengers.telegram import incoming, updates
 from rosic.messengers.telegram.batch import BatchPause, turns
@@ -52,7 +52,7 @@ UNREAD_AT_MOST: Final = 1_000
 log = logging.getLogger("rosic.messengers.telegram")
 
 
-class Unread(NamedTuple):
+class UnreadUpdate(NamedTuple):
     """An update that waits for those that are read before it.
 
     Attributes:
@@ -66,7 +66,7 @@ class Unread(NamedTuple):
     received: incoming.ReceivedAt
 
 
-class Reading:
+class UpdateReader:
     """Reads updates for one bot.
 
     Args:
@@ -84,7 +84,7 @@ class Reading:
     """
 
     def __init__(self, name: str, chats: Chats, counts: Counter[str]) -> None:
-        self.passed: Callable[[Passing], None] = _nobody_watches
+        self.passed: Callable[[ChatEvent], None] = _nobody_watches
         self.reacted: Callable[[Reaction], None] = _nobody_watches
         self.known: Callable[[Address], bool] = _anybody
         self.serves: Callable[[Chat], bool] = _anywhere
@@ -96,7 +96,7 @@ class Reading:
         chats.on_moved = self._moved
         self._counts = counts
         self._alike = AlikeLines()
-        self._unread: list[Unread] = []
+        self._unread: list[UnreadUpdate] = []
         self._taking = False
         self._later: Task[None] | None = None
         self.hurried = False
@@ -148,7 +148,7 @@ class Reading:
         for number, update in sorted(parsed.items(), key=itemgetter(0)):
             if update is not None and (rank := self._rank(update)) != KNOWN:
                 window.expect(number, light=rank != UNNAMED)
-                insort(self._unread, Unread(rank, number, since, update, received))
+                insort(self._unread, UnreadUpdate(rank, number, since, update, received))
             else:
                 window.admit(self.news(number, update, received))
                 await pause.after(update)
@@ -244,13 +244,13 @@ class Reading:
     def _moved(self, old: str, new: str) -> None:
         """A group has moved: seen, or found by speaking, before it could be seen."""
         group = Chat(incoming.PLATFORM, old, ChatKind.GROUP)
-        self.passes(Passing(chat=group, what=Passage.MOVED, new_id=new))
+        self.passes(ChatEvent(chat=group, what=ChatEventKind.MOVED, new_id=new))
 
-    def passes(self, passing: Passing) -> None:
+    def passes(self, passing: ChatEvent) -> None:
         """Take in what happened to a chat, and pass it on; nothing that comes of it stops us."""
-        if passing.what is Passage.REMOVED:
+        if passing.what is ChatEventKind.REMOVED:
             self._chats.left(passing.chat.id)
-        elif passing.what is Passage.ADDED:
+        elif passing.what is ChatEventKind.ADDED:
             self._chats.back(passing.chat.id)
         self._follow(self.passed, passing)
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 
-from rosic.core.message import ChatKind, Standing
+from rosic.core.message import ChatKind, MessageValidity
 from rosic.core.time_units import SECOND_NS
 
 if TYPE_CHECKING:
@@ -305,7 +305,7 @@ class AlikeLines:
         if (
             inbound.chat.kind is not ChatKind.GROUP
             or not inbound.account
-            or inbound.standing is Standing.EDITED
+            or inbound.standing is MessageValidity.EDITED
         ):
             return inbound
         of = (inbound.chat.id, inbound.sender.account, str(date_s), written)

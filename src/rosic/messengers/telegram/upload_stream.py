@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Attachment
 
 
-class Spoilt(TelegramError):
+class ChangedUpload(TelegramError):
     """What was to be sent is not what was promised, and was not sent.
 
     Attributes:

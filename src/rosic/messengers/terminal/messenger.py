@@ -13,7 +13,7 @@ from msgspec.structs import replace
 from rosic.core.i18n import said
 from rosic.core.identity import Address
 from rosic.core.language.cancel_detection import is_urgent
-from rosic.core.message import Chat, Enclosure, Inbound, Outbound
+from rosic.core.message import Chat, Inbound, IncomingFile, Outbound
 from rosic.core.time_units import MINUTE_NS, SECOND_NS
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.terminal.completion import Completer
@@ -301,7 +301,7 @@ class TerminalMessenger:
             with suppress(MessengerFault):
                 self.show(text)
 
-    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:  # noqa: ARG002 - the contract
+    def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:  # noqa: ARG002 - the contract
         """Refuse: nobody encloses anything in a line.
 
         Raises:

@@ -72,7 +72,7 @@ class Wish(msgspec.Struct, frozen=True, kw_only=True):
         return self.length_s / 60
 
 
-class Booked(msgspec.Struct, frozen=True):
+class StandingSlot(msgspec.Struct, frozen=True):
     """A slot that stands: nothing is proposed across it."""
 
     robot: RobotId
@@ -91,7 +91,7 @@ class PlanningProblem(msgspec.Struct, frozen=True, kw_only=True):
 
     wishes: tuple[Wish, ...]
     robots: tuple[RobotId, ...]
-    booked: tuple[Booked, ...] = ()
+    booked: tuple[StandingSlot, ...] = ()
     openings: tuple[Span, ...] = ()
 
 

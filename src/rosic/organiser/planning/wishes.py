@@ -79,7 +79,7 @@ MOST_OF_ALL = 300
 log = logging.getLogger("rosic.organiser")
 
 
-class Wished(msgspec.Struct, frozen=True, kw_only=True):
+class RecordedWish(msgspec.Struct, frozen=True, kw_only=True):
     """The body of the fact; its key is the id. Ids and numbers only.
 
     Attributes:
@@ -124,7 +124,7 @@ class Wished(msgspec.Struct, frozen=True, kw_only=True):
         )
 
 
-_decode = msgspec.msgpack.Decoder(Wished).decode
+_decode = msgspec.msgpack.Decoder(RecordedWish).decode
 
 
 class Wishes:
@@ -136,7 +136,7 @@ class Wishes:
 
     def __init__(self, wall_ns: Callable[[], int]) -> None:
         self._wall_ns = wall_ns
-        self._known: dict[str, Wished] = {}
+        self._known: dict[str, RecordedWish] = {}
         self._of: defaultdict[PrincipalId, set[str]] = defaultdict(set)
         self._number = 0
 
@@ -163,19 +163,19 @@ class Wishes:
         self._of[found.principal].add(found.id)
         self._number = max(self._number, found.number)
 
-    def of(self, principal: PrincipalId) -> tuple[Wished, ...]:
+    def of(self, principal: PrincipalId) -> tuple[RecordedWish, ...]:
         """Return somebody's wishes that are not over, as they came."""
         return self._ordered(self._known[key] for key in self._of.get(principal, ()))
 
-    def everybodys(self) -> tuple[Wished, ...]:
+    def everybodys(self) -> tuple[RecordedWish, ...]:
         """Return every wish that is not over, as they came."""
         return self._ordered(self._known.values())
 
-    def get(self, wish: str) -> Wished | None:
+    def get(self, wish: str) -> RecordedWish | None:
         """Return one by its id, even if it is over."""
         return self._known.get(wish)
 
-    def _ordered(self, some: Iterable[Wished]) -> tuple[Wished, ...]:
+    def _ordered(self, some: Iterable[RecordedWish]) -> tuple[RecordedWish, ...]:
         now_ns = self._wall_ns()
         return tuple(sorted((w for w in some if not w.over(now_ns)), key=lambda w: w.number))
 
@@ -199,7 +199,7 @@ class Wishes:
         earliest_ns, latest_ns = window
         number = self._number + 1
         digest = blake2b(ascii((principal, number, now_ns)).encode(), digest_size=REQUEST_ID_BYTES)
-        wished = Wished(
+        wished = RecordedWish(
             id=digest.hexdigest(),
             number=number,
             principal=principal,
@@ -221,7 +221,7 @@ class Wishes:
             raise TooManyRequests(all_enough(MOST_OF_ALL), retry_after_s=float(HOUR_S))
         return (wished.fact(), *self.outdated())
 
-    def off(self, principal: PrincipalId, place: int) -> tuple[Wished, tuple[Fact, ...]]:
+    def off(self, principal: PrincipalId, place: int) -> tuple[RecordedWish, tuple[Fact, ...]]:
         """Decide on taking one back, by its place in the person's list, from 1.
 
         Raises:

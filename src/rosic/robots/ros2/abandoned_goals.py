@@ -27,7 +27,7 @@ EVERY_S: Final = 0.5
 ANSWER_WITHIN_S: Final = 1.0
 
 
-class Loose(NamedTuple):
+class AbandonedGoal(NamedTuple):
     """One of them.
 
     Attributes:
@@ -39,7 +39,7 @@ class Loose(NamedTuple):
     there: Callable[[], bool]
 
 
-class LooseGoals:
+class AbandonedGoals:
     """Those of one robot.
 
     Args:
@@ -50,9 +50,9 @@ class LooseGoals:
     def __init__(self, clock: Clock, settle: Callable[[], None]) -> None:
         self._clock = clock
         self._settle = settle
-        self._following: dict[asyncio.Task[None], Loose] = {}
+        self._following: dict[asyncio.Task[None], AbandonedGoal] = {}
 
-    def add(self, loose: Loose) -> None:
+    def add(self, loose: AbandonedGoal) -> None:
         """Ask for its end until somebody answers."""
         task = asyncio.create_task(self._follow(loose.goal))
         self._following[task] = loose

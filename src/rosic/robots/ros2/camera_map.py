@@ -12,7 +12,7 @@ from math import atan2, isfinite
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
-from rosic.core.robot.view import Encoded, Grid, Pose, Raster, Sight, View
+from rosic.core.robot.view import CompressedFrame, OccupancyMap, Pose, RawFrame, View, ViewKind
 from rosic.core.time_units import DAY_S, SECOND_NS
 from rosic.errors import NothingToSee
 from rosic.robots.ros2.client.topics import LatestMessage, TopicQos
@@ -79,14 +79,14 @@ class CameraAndMap:
 
     # ---- looking ----
 
-    async def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+    async def look(self, sight: ViewKind) -> AsyncGenerator[View, None]:
         """Subscribe, and yield what comes; see ``contracts.robot.Robot``."""
         runtime, profile = self._runtime, self._profile
-        source = profile.camera if sight is Sight.PICTURE else profile.map
+        source = profile.camera if sight is ViewKind.PICTURE else profile.map
         if runtime is None or source is None:
             raise NothingToSee(said("{robot} shows nothing of that kind.", robot=profile.shown))
         news = asyncio.Event()
-        qualities = (_VOLATILE,) if sight is Sight.PICTURE else (_VOLATILE, _KEPT)
+        qualities = (_VOLATILE,) if sight is ViewKind.PICTURE else (_VOLATILE, _KEPT)
         listening: list[LatestMessage] = []
         try:
             for quality in qualities:
@@ -114,7 +114,7 @@ class CameraAndMap:
         return await runtime.latest(source.topic, source.type, quality, lambda _: news.set())
 
     async def _next(
-        self, listening: list[LatestMessage], news: asyncio.Event, sight: Sight
+        self, listening: list[LatestMessage], news: asyncio.Event, sight: ViewKind
     ) -> LatestMessage:
         try:
             async with asyncio.timeout(FIRST_WITHIN_S):
@@ -124,9 +124,9 @@ class CameraAndMap:
         news.clear()
         return max(listening, key=lambda latest: latest.received_ns or -1)
 
-    def _nothing_came(self, sight: Sight) -> str:
+    def _nothing_came(self, sight: ViewKind) -> str:
         shown, within_s = self._profile.shown, round(FIRST_WITHIN_S)
-        if sight is Sight.PICTURE:
+        if sight is ViewKind.PICTURE:
             return said(
                 "{robot} has sent no picture for {seconds} s. Is its camera on?",
                 robot=shown,
@@ -134,7 +134,7 @@ class CameraAndMap:
             )
         return said("{robot} has sent no map for {seconds} s.", robot=shown, seconds=within_s)
 
-    async def _view(self, latest: LatestMessage, sight: Sight) -> View:
+    async def _view(self, latest: LatestMessage, sight: ViewKind) -> View:
         """Decode what came, off the event loop: it may be megabytes."""
         shown = self._profile.shown
         if latest.size_bytes > MOST_BYTES:
@@ -146,11 +146,11 @@ class CameraAndMap:
             raise NothingToSee(said("What {robot} shows cannot be read.", robot=shown)) from fault
         return self._dated(content, message, latest.received_ns or 0)
 
-    def _content(self, message: RosObject, sight: Sight) -> Content:
-        if sight is Sight.MAP:
+    def _content(self, message: RosObject, sight: ViewKind) -> Content:
+        if sight is ViewKind.MAP:
             return self._grid(message)
         if self._profile.camera is not None and self._profile.camera.type == RAW:
-            return Raster(
+            return RawFrame(
                 int(message.width),
                 int(message.height),
                 clean_text(message.encoding, max_bytes=_FRAME_BYTES),
@@ -158,7 +158,7 @@ class CameraAndMap:
                 bytes(message.data),
                 bool(message.is_bigendian),
             )
-        return Encoded(bytes(message.data))
+        return CompressedFrame(bytes(message.data))
 
     def _dated(self, content: Content, message: RosObject, received_ns: int) -> View:
         """Take the time of the stamp, unless it is of another clock than ours."""
@@ -171,7 +171,7 @@ class CameraAndMap:
 
     # ---- the map ----
 
-    def _grid(self, message: RosObject) -> Grid:
+    def _grid(self, message: RosObject) -> OccupancyMap:
         info, frame = message.info, _frame(message)
         pose, note = self.pose(), ""
         if pose is not None and not _same(pose.frame, frame):
@@ -185,7 +185,7 @@ class CameraAndMap:
             note = said("robot as of {age_s:.0f} s ago", age_s=age_s)
         elif pose is None and self._profile.pose is not None:
             note = said("robot not shown: no pose heard")
-        return Grid(
+        return OccupancyMap(
             int(info.width),
             int(info.height),
             float(info.resolution),

@@ -48,7 +48,7 @@ def named_since(first: Ends, now: Ends) -> Ends:
     return {gid: name or now.get(gid, "") for gid, name in first.items()}
 
 
-class Newcomers:
+class UnidentifiedEndpoints:
     """Ends that join those with whom something began, before it is known of whom they are.
 
     The end of a node is shown on the graph before the node's name is, by up to some seconds on a

@@ -7,14 +7,14 @@ import logging
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
-from rosic.core.deadman import Break, Cause
+from rosic.core.deadman import BreakCause, MotionBreak
 from rosic.core.i18n import said
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RobotUnreachable, RosicError
 from rosic.robots.ros2.bindings.answers import note
 from rosic.robots.ros2.feedback_pulse import FeedbackPulse
 from rosic.robots.ros2.messages.decode import compile_path
-from rosic.robots.ros2.odometry_distance import MeasuredWay
+from rosic.robots.ros2.odometry_distance import OdometryDistance
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.bindings.goal_fields import Fraction
     from rosic.robots.ros2.client.actions import Goal
     from rosic.robots.ros2.client.rclpy_import import RosObject
-    from rosic.robots.ros2.stopping import Resting
+    from rosic.robots.ros2.stopping import RestResult
 
 _log = logging.getLogger(__name__)
 
@@ -36,10 +36,10 @@ CANCEL_WITHIN_S: Final = 2.0
 CANCEL_UNHEARD_WITHIN_S: Final = 0.5
 
 
-class Missed(Protocol):
+class ServerPresence(Protocol):
     """Tells whether those who took a goal still offer its action."""
 
-    def __call__(self, *, quiet: bool) -> Cause | None:
+    def __call__(self, *, quiet: bool) -> BreakCause | None:
         """Return why they do not; None: they do.
 
         A server that began anew knows nothing of the goal, and would never say how it ended.
@@ -61,7 +61,7 @@ class GoalWatch:
         way: How far it went.
     """
 
-    def __init__(self, call: BindingCall, fraction: Fraction, missed: Missed) -> None:
+    def __init__(self, call: BindingCall, fraction: Fraction, missed: ServerPresence) -> None:
         """Begin.
 
         Args:
@@ -69,9 +69,9 @@ class GoalWatch:
             fraction: Returns how far a feedback message says that it is.
             missed: Whether those who are there now still offer the action.
         """
-        self.broken: Break | None = None
-        self.resting: Resting | None = None
-        self.way = MeasuredWay(call.side.measured, 0.0)  # as fast as its odometry says
+        self.broken: MotionBreak | None = None
+        self.resting: RestResult | None = None
+        self.way = OdometryDistance(call.side.measured, 0.0)  # as fast as its odometry says
         self._call = call
         self._pulse = FeedbackPulse(self.now_ns())
         self._unserved_ns: int | None = None
@@ -147,7 +147,7 @@ class GoalWatch:
         if not end.done():
             await asyncio.wait({end}, timeout=LAST_WORD_S)
 
-    async def _break_off(self, goal: Goal, end: asyncio.Future[Any], broken: Break) -> None:
+    async def _break_off(self, goal: Goal, end: asyncio.Future[Any], broken: MotionBreak) -> None:
         """Bring the robot to rest: whatever half of it is gone, the other may drive on."""
         side = self._call.side
         self._call.interrupted(broken)
@@ -158,14 +158,14 @@ class GoalWatch:
             await asyncio.wait({end}, timeout=side.rest_timeout_s)
         self.way.look()
 
-    def _late(self) -> Break | None:
+    def _late(self) -> MotionBreak | None:
         """Return that nobody looked for too long: ROSIC, or the whole machine, stood still."""
         now_ns, before_ns = self.now_ns(), self._looked_ns
         self._looked_ns = now_ns
         late_s = (now_ns - before_ns) / SECOND_NS - LOOK_EVERY_S
-        return Break(Cause.LATE, late_s) if late_s > self._call.side.watchdog_s else None
+        return MotionBreak(BreakCause.LATE, late_s) if late_s > self._call.side.watchdog_s else None
 
-    def _look(self) -> Break | None:
+    def _look(self) -> MotionBreak | None:
         """Return why it must not go on: one half of the robot is gone, whatever the other says."""
         now_ns, measured = self.now_ns(), self._call.side.measured
         broken = self._left(self._missed(quiet=self._pulse.quiet(now_ns)))
@@ -175,22 +175,22 @@ class GoalWatch:
         if age_s is not None and age_s > measured.within_s:
             # What was said together with the last word of what shows rest is no later word.
             heard = self.silent_s() < age_s - measured.within_s / 4
-            return Break(Cause.UNMEASURED if heard else Cause.SILENT, age_s)
+            return MotionBreak(BreakCause.UNMEASURED if heard else BreakCause.SILENT, age_s)
         if self._pulse.ceased(now_ns, measured.silence_s):
-            return Break(Cause.UNREPORTED, self._pulse.silent_s(now_ns))
+            return MotionBreak(BreakCause.UNREPORTED, self._pulse.silent_s(now_ns))
         return None
 
-    def _left(self, why: Cause | None) -> Break | None:
+    def _left(self, why: BreakCause | None) -> MotionBreak | None:
         """Return that nobody carries out the goal any more; one look alone may be wrong."""
-        if why is Cause.REBORN or self._call.side.measured.births != self._births:
-            return Break(Cause.REBORN, 0.0)
+        if why is BreakCause.REBORN or self._call.side.measured.births != self._births:
+            return MotionBreak(BreakCause.REBORN, 0.0)
         if why is None:
             self._unserved_ns = None
             return None
         if self._unserved_ns is None:
             self._unserved_ns = self.now_ns()
         unserved_s = (self.now_ns() - self._unserved_ns) / SECOND_NS
-        return Break(why, unserved_s) if unserved_s >= LOOK_EVERY_S else None
+        return MotionBreak(why, unserved_s) if unserved_s >= LOOK_EVERY_S else None
 
     async def _give_up(self, goal: Goal, passed_s: float) -> None:
         """Call a goal off that takes too long, or whose robot is not heard; else do nothing.

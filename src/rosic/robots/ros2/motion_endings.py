@@ -12,7 +12,7 @@ from rosic.errors import RobotUnreachable, StillMoves
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.bindings.binding_call import BindingCall
-    from rosic.robots.ros2.stopping import Resting
+    from rosic.robots.ros2.stopping import RestResult
 
 _log = logging.getLogger(__name__)
 
@@ -67,7 +67,7 @@ async def after_the_end(call: BindingCall) -> NotAtRest:
     return NotAtRest()
 
 
-def in_doubt(shown: str, what: str, resting: Resting) -> RobotUnreachable:
+def in_doubt(shown: str, what: str, resting: RestResult) -> RobotUnreachable:
     """Return what is known of a robot that was to come to rest and was not seen to.
 
     Args:

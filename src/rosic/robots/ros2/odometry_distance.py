@@ -18,7 +18,7 @@ SLACK_S: Final = 0.1
 SLACK_M: Final = 0.05
 
 
-class MeasuredWay:
+class OdometryDistance:
     """Added up from look to look.
 
     Attributes:

@@ -27,7 +27,7 @@ SENDS_WITHIN_NS: Final = 10 * SECOND_NS
 """Who was not heard for so long counts as one of several no more."""
 
 
-class Informed:
+class MessageInfoCallback:
     """A callback that hears of each message what rclpy knows of it.
 
     rclpy asks for the signature. The executor driven by events (9.1) then hands both over as one
@@ -45,7 +45,7 @@ class Informed:
         self._arrived(content, about)
 
 
-class Senders:
+class TopicPublishers:
     """Those who send on one topic. One that is new in the place of another was born anew.
 
     Attributes:

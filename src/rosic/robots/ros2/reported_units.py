@@ -31,7 +31,7 @@ FACTORS: Final[Mapping[str, float]] = MappingProxyType(
 )
 
 
-class Scale:
+class UnitScale:
     """Turns one reported value into the profile's unit.
 
     Many a battery says its charge in per cent, against the definition of its message: one that has

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.robot.profile import AtRest
     from rosic.robots.ros2.client.rclpy_import import RosObject
-    from rosic.robots.ros2.client.topics import Heard, LatestMessage
+    from rosic.robots.ros2.client.topics import LatestMessage, ReceivedMessage
 
 WITHIN_NS: Final = 500_000_000
 """So far back it is compared; and always with the message before, however seldom they come."""
@@ -66,7 +66,7 @@ class PoseChange:
                 return True
         return False
 
-    def _read(self) -> tuple[Heard, ...]:
+    def _read(self) -> tuple[ReceivedMessage, ...]:
         """Return what came before, each decoded once."""
         earlier = self._source.earlier()
         known = self._known

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.contracts.robot import UTTERANCE_BYTES
 from rosic.core.i18n import said
-from rosic.core.order import Ending, Order, Outcome, Rest, Stop
+from rosic.core.order import Order, OrderEnding, Outcome, RestReport, Stop
 from rosic.core.robot.profile import Presence, Profile
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, RosicError
-from rosic.robots.ros2.abandoned_goals import LooseGoals
+from rosic.robots.ros2.abandoned_goals import AbandonedGoals
 from rosic.robots.ros2.bindings.action import ActionSkill
 from rosic.robots.ros2.bindings.binding_call import Binding, BindingCall, RobotSide
 from rosic.robots.ros2.bindings.dialogue import DialogueBinding
@@ -29,8 +29,8 @@ from rosic.robots.ros2.client.rate_limited_topic import WAITING_AT_MOST, RateLim
 from rosic.robots.ros2.client.topics import TopicQos
 from rosic.robots.ros2.errors import BadValue
 from rosic.robots.ros2.messages.names import check_graph_name
-from rosic.robots.ros2.settling import Settling
-from rosic.robots.ros2.stopping import Resting, StopController
+from rosic.robots.ros2.settling import RestInterlock
+from rosic.robots.ros2.stopping import RestResult, StopController
 from rosic.robots.ros2.telemetry import Measurements
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.file_transfer import FileForRobot, Receipt
     from rosic.core.robot.skill import Skill
-    from rosic.core.robot.view import Sight, View
+    from rosic.core.robot.view import View, ViewKind
     from rosic.robots.ros2.client.graph import GraphSnapshot
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.client.topics import Publisher
@@ -161,8 +161,8 @@ class Ros2Robot:
         self._was_online = False
         self._seen: bool | None = None
         self._call: BindingCall | None = None
-        self._settling = Settling(profile, self._measured, clock, self._online, self._to_rest)
-        self._loose = LooseGoals(clock, self._settling.begin)
+        self._settling = RestInterlock(profile, self._measured, clock, self._online, self._to_rest)
+        self._loose = AbandonedGoals(clock, self._settling.begin)
 
     def _text_link(self) -> DialogueBinding | None:
         if not self.profile.link.dialogue:
@@ -280,7 +280,7 @@ class Ros2Robot:
             sentence = said(
                 "{shown} cannot take these values. Nothing was done.", shown=self.profile.shown
             )
-            return Outcome(Ending.REFUSED, sentence, code=UNFIT)
+            return Outcome(OrderEnding.REFUSED, sentence, code=UNFIT)
         except asyncio.CancelledError:
             if call.left:
                 await _to_the_end(asyncio.create_task(self._to_rest()))
@@ -292,7 +292,7 @@ class Ros2Robot:
             if call.unsettled:
                 self._settling.begin()
 
-    async def fall_silent(self, order: Order, tell: Tell) -> Rest:
+    async def fall_silent(self, order: Order, tell: Tell) -> RestReport:
         """Stream as `execute` does, then cease without a zero, and wait for measured rest.
 
         Returns:
@@ -306,7 +306,7 @@ class Ros2Robot:
         if not isinstance(carrier, TopicSkill):
             raise ConfigurationError(f"{order.skill.id} of {self.profile.id} streams nothing.")
         call = self._call = BindingCall(order, tell, self._side(), self._patience_s(order))
-        resting = Resting(confirmed=False, seconds=0.0)
+        resting = RestResult(confirmed=False, seconds=0.0)
         try:
             resting = await carrier.fall_silent(call)
         finally:
@@ -315,7 +315,7 @@ class Ros2Robot:
             if call.left and not (resting.confirmed and self._measured.at_rest(since_ns)):
                 await _to_the_end(asyncio.create_task(self._to_rest()))
             self._call = None
-        return Rest(self.profile.id, resting.confirmed, resting.seconds)
+        return RestReport(self.profile.id, resting.confirmed, resting.seconds)
 
     async def rest_every_s(self, within_s: float) -> float | None:
         """Listen at most so long to what shows rest; return how many seconds apart it comes."""
@@ -325,18 +325,18 @@ class Ros2Robot:
         """Return which values are read as per cent though the profile says nothing of it."""
         return self._measured.guessed()
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         """Latch, then apply everything that could stop it until rest is measured."""
         self.gate.apply_stop(stop)
         if self._dialogue is not None:
             self._dialogue.tell_stop()
         if self._opened_ns is None:
-            return Rest(stop.robot, confirmed=False, seconds=0.0)
+            return RestReport(stop.robot, confirmed=False, seconds=0.0)
         resting = await self._to_rest(lambda: self._call is None)
         self._halted(resting)
         if not resting.confirmed and self._online() is False:
             self._settling.begin()
-        return Rest(
+        return RestReport(
             stop.robot,
             resting.confirmed,
             resting.seconds,
@@ -346,7 +346,7 @@ class Ros2Robot:
 
     async def _to_rest(
         self, quiet: Callable[[], bool] = lambda: True, limit_s: float | None = None
-    ) -> Resting:
+    ) -> RestResult:
         """Apply the brakes; whatever goes wrong with them, it ends with an answer."""
         begun_ns = self._clock.monotonic_ns()
         try:
@@ -354,9 +354,9 @@ class Ros2Robot:
         except Exception:  # noqa: BLE001 - a contract: it never raises
             _log.exception("%s could not be brought to rest", self.profile.id)
             seconds = (self._clock.monotonic_ns() - begun_ns) / SECOND_NS
-            return Resting(confirmed=False, seconds=seconds)
+            return RestResult(confirmed=False, seconds=seconds)
 
-    def _halted(self, resting: Resting) -> None:
+    def _halted(self, resting: RestResult) -> None:
         if self._call is not None:
             self._call.rest = resting
             self._call.halted.set()
@@ -381,7 +381,7 @@ class Ros2Robot:
             pose=self._sights.pose() if online is not False else None,
         )
 
-    def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+    def look(self, sight: ViewKind) -> AsyncGenerator[View, None]:
         """Yield what can be seen."""
         return self._sights.look(sight)
 
@@ -449,7 +449,7 @@ class Ros2Robot:
         )
 
 
-async def _to_the_end(task: asyncio.Task[Resting]) -> Resting:
+async def _to_the_end(task: asyncio.Task[RestResult]) -> RestResult:
     """Wait for a task that must not be cut short, however often the waiting is cancelled."""
     while not task.done():
         with suppress(asyncio.CancelledError):

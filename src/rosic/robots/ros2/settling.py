@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.robot.profile import Profile
     from rosic.robots.ros2.bindings.binding_call import BindingCall
-    from rosic.robots.ros2.stopping import Resting
+    from rosic.robots.ros2.stopping import RestResult
     from rosic.robots.ros2.telemetry import Measurements
 
 EVERY_S: Final = 0.1
@@ -26,7 +26,7 @@ TRIES: Final = 3
 """Whoever drives a robot that is back by its own controls is left alone after so many."""
 
 
-class Settling:
+class RestInterlock:
     """One robot's.
 
     Args:
@@ -41,7 +41,7 @@ class Settling:
         measured: Measurements,
         clock: Clock,
         online: Callable[[], bool | None],
-        to_rest: Callable[[], Awaitable[Resting]],
+        to_rest: Callable[[], Awaitable[RestResult]],
     ) -> None:
         self._profile = profile
         self._measured = measured

@@ -35,7 +35,7 @@ ANSWER_WITHIN_S = 1.0
 CANCEL_GOALS = "action_msgs/srv/CancelGoal"
 
 
-class Resting(NamedTuple):
+class RestResult(NamedTuple):
     """How it went: whether rest was measured, and after how many seconds, or giving up.
 
     Attributes:
@@ -138,7 +138,7 @@ class StopController:
 
     async def apply(
         self, quiet: Callable[[], bool] = lambda: True, *, limit_s: float | None = None
-    ) -> Resting:
+    ) -> RestResult:
         """Apply everything, again and again, until rest is measured or the time is over.
 
         Rest counts when it was measured after the robot's side has answered, or has had
@@ -156,14 +156,14 @@ class StopController:
         finally:
             attempt.end()
 
-    async def measure(self, since_ns: int, limit_s: float) -> Resting:
+    async def measure(self, since_ns: int, limit_s: float) -> RestResult:
         """Only wait until rest is measured; seconds count from ``since_ns``."""
         while True:
             past_s = (self.clock.monotonic_ns() - since_ns) / SECOND_NS
             if self.measured.at_rest(since_ns):
-                return Resting(confirmed=True, seconds=past_s)
+                return RestResult(confirmed=True, seconds=past_s)
             if past_s >= limit_s or not self.measured.measures_rest:
-                return Resting(confirmed=False, seconds=past_s)
+                return RestResult(confirmed=False, seconds=past_s)
             await self.measured.next_word(AGAIN_EVERY_S)
 
 
@@ -179,14 +179,14 @@ class _Attempt:
         self._settled_ns: int | None = None
         self._round_ns: int | None = None
 
-    async def run(self, limit_s: float) -> Resting:
+    async def run(self, limit_s: float) -> RestResult:
         """Go round until rest is measured, or the time is over."""
         resting = await self._run(limit_s)
         own = self._brakes.own
         unanswered = own is not None and own not in self._answered
         return resting._replace(declined=self._declined, unanswered=unanswered)
 
-    async def _run(self, limit_s: float) -> Resting:
+    async def _run(self, limit_s: float) -> RestResult:
         measured, clock = self._brakes.measured, self._brakes.clock
         begun_ns = clock.monotonic_ns()
         while True:
@@ -200,12 +200,12 @@ class _Attempt:
                 self._settled_ns = now_ns
             if self._settled_ns is not None:
                 if measured.at_rest(self._settled_ns):
-                    return Resting(confirmed=True, seconds=past_s)
+                    return RestResult(confirmed=True, seconds=past_s)
                 if not measured.measures_rest:
-                    return Resting(confirmed=False, seconds=past_s)
+                    return RestResult(confirmed=False, seconds=past_s)
             if past_s >= limit_s:
                 moves = measured.at_rest(max(begun_ns, measured.stale_ns())) is False
-                return Resting(confirmed=False, seconds=past_s, moves=moves)
+                return RestResult(confirmed=False, seconds=past_s, moves=moves)
             await self._wait()
 
     def end(self) -> None:

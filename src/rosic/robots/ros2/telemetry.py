@@ -11,7 +11,7 @@ from rosic.core.time_units import SECOND_NS
 from rosic.robots.ros2.errors import BadValue
 from rosic.robots.ros2.messages.decode import FieldReader, Plain, compile_path
 from rosic.robots.ros2.messages.text import clean_text
-from rosic.robots.ros2.reported_units import Scale
+from rosic.robots.ros2.reported_units import UnitScale
 from rosic.robots.ros2.rest_reading import ODOMETRY, RestReading, numbers
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class _Value(NamedTuple):
     name: str
     source: LatestMessage
     read: FieldReader
-    scale: Scale
+    scale: UnitScale
 
 
 class MeasuredPose(NamedTuple):
@@ -87,7 +87,7 @@ class Measurements:
             if entry.topic:
                 source = await self._source(runtime, entry.topic, entry.type)
                 read = compile_path(runtime.types.message(entry.type), entry.field)
-                scale = Scale(entry.unit, f"{name} of {self._profile.id}", entry.full)
+                scale = UnitScale(entry.unit, f"{name} of {self._profile.id}", entry.full)
                 self._values.append(_Value(name, source, read, scale))
         at_rest = self._profile.at_rest
         if at_rest is None:
@@ -271,7 +271,7 @@ class Measurements:
         return found
 
 
-def _shown(value: Plain | None, scale: Scale) -> float | str | None:
+def _shown(value: Plain | None, scale: UnitScale) -> float | str | None:
     if isinstance(value, str):
         return clean_text(value, max_bytes=_TEXT_BYTES)
     if isinstance(value, (bool, int, float)) and isfinite(value):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.core.deadman import Break, Cause, DeadMan
+from rosic.core.deadman import BreakCause, DeadMan, MotionBreak
 from rosic.core.time_units import SECOND_NS
-from rosic.robots.ros2.endpoint_identity import Newcomers, born_anew
+from rosic.robots.ros2.endpoint_identity import UnidentifiedEndpoints, born_anew
 from rosic.robots.ros2.errors import NotSent
-from rosic.robots.ros2.odometry_distance import MeasuredWay, told_m_s
+from rosic.robots.ros2.odometry_distance import OdometryDistance, told_m_s
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.bindings.binding_call import BindingCall
@@ -43,16 +43,16 @@ class VelocityStream:
     ) -> None:
         self.moved = False
         self.seconds = self.sent_s = 0.0
-        self.way = MeasuredWay(call.side.measured, told_m_s(values))
+        self.way = OdometryDistance(call.side.measured, told_m_s(values))
         self._call = call
         self._publisher = publisher
         self._message = publisher.made(values)
         self._pace = pace
         self._begun_ns = self._sent_ns = 0
-        self._newcomers = Newcomers(publisher.takers(), call.side.watchdog_s / 2)
+        self._newcomers = UnidentifiedEndpoints(publisher.takers(), call.side.watchdog_s / 2)
         self._births = call.side.measured.births
 
-    async def run(self) -> Break | None:
+    async def run(self) -> MotionBreak | None:
         """Pass the gate and send, until the time is over, a stop comes, or it is broken off.
 
         Returns:
@@ -78,7 +78,7 @@ class VelocityStream:
             # Whoever had no name for so long may have one now; the robot has come to rest by then.
             unsent_s = (now_ns - self._sent_ns) / SECOND_NS
             if sent and unsent_s > side.watchdog_s:
-                broken = Break(Cause.NAMELESS, unsent_s)
+                broken = MotionBreak(BreakCause.NAMELESS, unsent_s)
                 self._ended(broken, self._sent_ns)
                 return broken
             # A process that was frozen goes on from wherever it was: the look takes its time, so
@@ -91,7 +91,7 @@ class VelocityStream:
                 if not sent:
                     raise call.offline() from fault
                 self._ended(None, now_ns)
-                return Break(Cause.GONE, 0.0)
+                return MotionBreak(BreakCause.GONE, 0.0)
             await clock.sleep(min(self._pace.period_s, self._pace.duration_s - past_s))
             self._tell(past_s / self._pace.duration_s)
 
@@ -103,7 +103,7 @@ class VelocityStream:
         self._sent_ns = self._call.side.clock.monotonic_ns()
         return True
 
-    def _look(self, dead_man: DeadMan, now_ns: int) -> Break | None:
+    def _look(self, dead_man: DeadMan, now_ns: int) -> MotionBreak | None:
         measured = self._call.side.measured
         age_s, judged_s = measured.age_s() or 0.0, measured.judged_age_s()
         rests = self.moved and measured.at_rest(self._begun_ns) is True
@@ -121,14 +121,14 @@ class VelocityStream:
             rests=rests,
         )
 
-    def _another(self, now_ns: int) -> Cause | None:
+    def _another(self, now_ns: int) -> BreakCause | None:
         """Tell whether who takes the velocities, or shows whether it rests, is another now."""
         takers = self._publisher.takers()
         nameless = self._newcomers.nameless(takers, now_ns)
         anew = self._call.side.measured.births != self._births
         if anew or born_anew(self._newcomers.first, takers):
-            return Cause.REBORN
-        return Cause.NAMELESS if nameless else None
+            return BreakCause.REBORN
+        return BreakCause.NAMELESS if nameless else None
 
     def _tell(self, share: float) -> None:
         """Say that it moves, once that is measured, and how much of its time is over."""
@@ -139,8 +139,8 @@ class VelocityStream:
             call.received()
         call.running(min(1.0, share))
 
-    def _ended(self, broken: Break | None, last_ns: int) -> None:
-        unknown = {Cause.SILENT, Cause.UNMEASURED}
+    def _ended(self, broken: MotionBreak | None, last_ns: int) -> None:
+        unknown = {BreakCause.SILENT, BreakCause.UNMEASURED}
         silent_s = broken.seconds if broken is not None and broken.cause in unknown else 0.0
         self.sent_s = (last_ns - self._begun_ns) / SECOND_NS
         self.seconds = max(0.0, self.sent_s - silent_s)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
     from rosic.contracts.messenger import Messenger, Receive
-    from rosic.core.message import Chat, Enclosure, Inbound, Outbound
+    from rosic.core.message import Chat, Inbound, IncomingFile, Outbound
     from rosic.testing.messengers import MessengerHarness
 
 
@@ -61,7 +61,7 @@ class FaultyMessenger:
         """Pass on."""
         await self.honest.answer_tap(inbound, text)
 
-    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+    def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
         """Pass on."""
         return self.honest.fetch(enclosure)
 
@@ -429,7 +429,7 @@ class LiesAboutSize(Tampers):
 class LosesTheEnd(FaultyMessenger):
     """Takes what has come so far for all of it."""
 
-    async def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+    async def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
         """Yield the first piece alone."""
         async for piece in self.honest.fetch(enclosure):
             yield piece[:-1]
@@ -439,7 +439,7 @@ class LosesTheEnd(FaultyMessenger):
 class FetchesWhateverComes(FaultyMessenger):
     """Does not count what it yields."""
 
-    async def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+    async def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
         """Forget how much was said."""
         if enclosure.size > self.fetch_bytes:
             raise MessengerFault("too large")
@@ -450,7 +450,7 @@ class FetchesWhateverComes(FaultyMessenger):
 class TakesTroubleForTheEnd(FaultyMessenger):
     """Yields nothing, and says nothing, where nothing can be had."""
 
-    async def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+    async def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
         """Swallow the fault."""
         try:
             async for piece in self.honest.fetch(enclosure):
@@ -462,7 +462,7 @@ class TakesTroubleForTheEnd(FaultyMessenger):
 class FetchRaisesWhatItGets(FaultyMessenger):
     """Lets the exceptions of its library through."""
 
-    async def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+    async def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
         """Raise something foreign."""
         try:
             async for piece in self.honest.fetch(enclosure):

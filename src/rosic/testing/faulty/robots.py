@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.core.order import Outcome, Rest, Stage, StageReport
-from rosic.core.robot.view import Encoded, View
+from rosic.core.order import OrderStage, Outcome, RestReport, StageReport
+from rosic.core.robot.view import CompressedFrame, View
 from rosic.errors import OrderVoid
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.core.order import Order, Stop
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.profile import Presence, Profile
-    from rosic.core.robot.view import Sight
+    from rosic.core.robot.view import ViewKind
 
 FAR_NS = 2**63 - 1
 
@@ -51,7 +51,7 @@ class FaultyRobot:
         """Let the honest one do it."""
         return await self.honest.execute(order, tell)
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         """Let the honest one stop."""
         return await self.honest.stop(stop)
 
@@ -63,7 +63,7 @@ class FaultyRobot:
         """Return what the honest one says."""
         return self.honest.presence()
 
-    def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+    def look(self, sight: ViewKind) -> AsyncGenerator[View, None]:
         """Show what the honest one shows."""
         return self.honest.look(sight)
 
@@ -82,7 +82,7 @@ class SaysReceivedTooEarly(FaultyRobot):
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Report first."""
-        tell(StageReport(Stage.RECEIVED))
+        tell(StageReport(OrderStage.RECEIVED))
         return await self.honest.execute(order, tell)
 
 
@@ -92,8 +92,8 @@ class FallsBack(FaultyRobot):
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Report progress, then less."""
         outcome = await self.honest.execute(order, tell)
-        tell(StageReport(Stage.RUNNING, 0.9))
-        tell(StageReport(Stage.RUNNING, 0.1))
+        tell(StageReport(OrderStage.RUNNING, 0.9))
+        tell(StageReport(OrderStage.RUNNING, 0.1))
         return outcome
 
 
@@ -133,15 +133,15 @@ class ForgetsTheWallClock(FaultyRobot):
 class StopsOnlyInWords(FaultyRobot):
     """Confirms a stop and goes on."""
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         """Say so."""
-        return Rest(stop.robot, confirmed=True, seconds=0.0)
+        return RestReport(stop.robot, confirmed=True, seconds=0.0)
 
 
 class LatchesLate(FaultyRobot):
     """Thinks before it latches."""
 
-    async def stop(self, stop: Stop) -> Rest:
+    async def stop(self, stop: Stop) -> RestReport:
         """Wait a while first."""
         for _ in range(5):
             await asyncio.sleep(0)
@@ -184,9 +184,9 @@ class GoesOnWhenCancelled(FaultyRobot):
 class ShowsEverything(FaultyRobot):
     """Shows what nobody has opened to people."""
 
-    async def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+    async def look(self, sight: ViewKind) -> AsyncGenerator[View, None]:
         """Show something, whatever it is."""
-        yield View(Encoded(sight.value.encode()), 0)
+        yield View(CompressedFrame(sight.value.encode()), 0)
 
 
 FAULTS_BY_RULE: dict[str, type[FaultyRobot]] = {

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from types import TracebackType
 
-    from rosic.testing.telegram.people import Saying
+    from rosic.testing.telegram.people import MessageOptions
     from rosic.testing.telegram.state import JsonObject
 
 SPARE_S = 60.0
@@ -80,7 +80,9 @@ class Control:
         """See `FakeTelegram.create_chat`."""
         return int(await self.call("create_chat", kind=kind, title=title, **details))
 
-    async def say(self, chat: int, user: int | None, text: str, **unusual: Unpack[Saying]) -> int:
+    async def say(
+        self, chat: int, user: int | None, text: str, **unusual: Unpack[MessageOptions]
+    ) -> int:
         """See `FakeTelegram.say`."""
         return int(await self.call("say", chat=chat, user=user, text=text, **unusual))
 
@@ -94,7 +96,7 @@ class Control:
         return str(await self.call("tap", **press, **how))
 
     async def backlog(
-        self, chat: int, user: int | None, text: str, count: int, **unusual: Unpack[Saying]
+        self, chat: int, user: int | None, text: str, count: int, **unusual: Unpack[MessageOptions]
     ) -> list[int]:
         """See `FakeTelegram.backlog`."""
         numbers: list[int] = await self.call(
@@ -103,7 +105,7 @@ class Control:
         return numbers
 
     async def send_file(
-        self, chat: int, user: int, name: str, content: bytes, **unusual: Unpack[Saying]
+        self, chat: int, user: int, name: str, content: bytes, **unusual: Unpack[MessageOptions]
     ) -> int:
         """See `FakeTelegram.send_file`."""
         coded = base64.b64encode(content).decode()

@@ -19,7 +19,7 @@ from rosic.testing.telegram.refusals import ControlError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rosic.testing.telegram.people import Saying
+    from rosic.testing.telegram.people import MessageOptions
     from rosic.testing.telegram.state import JsonObject
     from rosic.testing.telegram.world import World
 
@@ -87,7 +87,12 @@ class ControlledServer(Protocol):
         ...
 
     def send_file(
-        self, chat: int, user: int, name: str, content: bytes | Path, **unusual: Unpack[Saying]
+        self,
+        chat: int,
+        user: int,
+        name: str,
+        content: bytes | Path,
+        **unusual: Unpack[MessageOptions],
     ) -> int:
         """Send a file as a person does."""
         ...
@@ -133,7 +138,7 @@ class ControlDoor:
         name: str,
         content: str = "",
         path: str = "",
-        **unusual: Unpack[Saying],
+        **unusual: Unpack[MessageOptions],
     ) -> int:
         sent = Path(path) if path else base64.b64decode(content)
         return self._server.send_file(chat, user, name, sent, **unusual)

@@ -20,7 +20,7 @@ from rosic.testing.telegram.methods import bot, chats, media, messages
 from rosic.testing.telegram.methods.call import ApiResult, Call, Method
 from rosic.testing.telegram.parameters import CallParameters, Raw, Upload, check
 from rosic.testing.telegram.refusals import ApiError, bad_request, too_many
-from rosic.testing.telegram.spool import OnDisk, received
+from rosic.testing.telegram.spool import DiskFile, received
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -153,7 +153,7 @@ async def _multipart(request: web.Request, values: dict[str, object], folder: st
 
 async def _spooled(part: BodyPartReader, name: str, folder: str) -> Upload:
     found, kind = await received(part, folder), part.headers.get("Content-Type", "")
-    if isinstance(found, OnDisk):
+    if isinstance(found, DiskFile):
         return Upload(name=name, content_type=kind, on_disk=found)
     return Upload(name=name, content_type=kind, content=found)
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from rosic.testing.telegram.refusals import bad_request
-from rosic.testing.telegram.spool import OnDisk
+from rosic.testing.telegram.spool import DiskFile
 
 if TYPE_CHECKING:
     from rosic.testing.telegram.state import JsonObject
@@ -50,7 +50,7 @@ class Upload(msgspec.Struct, frozen=True, kw_only=True):
     name: str
     content_type: str
     content: bytes = b""
-    on_disk: OnDisk | None = None
+    on_disk: DiskFile | None = None
 
     @property
     def size(self) -> int:

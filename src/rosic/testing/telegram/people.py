@@ -27,7 +27,7 @@ MOST_REACTIONS = 3
 """Of one person with Premium, to one message; Telegram's docs name no number. Others have one."""
 
 
-class Saying(TypedDict, total=False):
+class MessageOptions(TypedDict, total=False):
     """Everything unusual about a message from a person.
 
     Attributes:
@@ -97,7 +97,7 @@ class People:
         """Let somebody's app speak another language from now on."""
         self.world.state.users[user].language_code = language_code
 
-    def say(self, chat: int, user: int | None, text: str, **unusual: Unpack[Saying]) -> int:
+    def say(self, chat: int, user: int | None, text: str, **unusual: Unpack[MessageOptions]) -> int:
         """Write a message, as a person does, and return its id.
 
         Writing in the private chat starts it. In a channel nobody is named: `user` is None there.
@@ -108,7 +108,7 @@ class People:
         content = Content(text=text, entities=entities.found(text) if marked is None else marked)
         return self._post(chat, user, content, unusual).message_id
 
-    def edit(self, chat: int, message: int, text: str, **unusual: Unpack[Saying]) -> int:
+    def edit(self, chat: int, message: int, text: str, **unusual: Unpack[MessageOptions]) -> int:
         """Edit a person's message, as a person does; the bot gets `edited_message`."""
         found = self._message(chat, message)
         if found.from_id == self.world.bot.id:
@@ -126,7 +126,12 @@ class People:
         return message
 
     def send_file(
-        self, chat: int, user: int, name: str, content: bytes | Path, **unusual: Unpack[Saying]
+        self,
+        chat: int,
+        user: int,
+        name: str,
+        content: bytes | Path,
+        **unusual: Unpack[MessageOptions],
     ) -> int:
         """Send a document, or a photo when the content is a PNG or JPEG named .png or .jpg.
 
@@ -232,7 +237,7 @@ class People:
         self.world.journal.add("deleted", chat_id=chat, message_id=message)
 
     def backlog(
-        self, chat: int, user: int | None, text: str, count: int, **unusual: Unpack[Saying]
+        self, chat: int, user: int | None, text: str, count: int, **unusual: Unpack[MessageOptions]
     ) -> list[int]:
         """Write `count` messages at once; `{n}` in the text becomes 1, 2, 3 and so on."""
         return [
@@ -240,7 +245,9 @@ class People:
             for n in range(1, count + 1)
         ]
 
-    def _post(self, chat: int, user: int | None, content: Content, unusual: Saying) -> Message:
+    def _post(
+        self, chat: int, user: int | None, content: Content, unusual: MessageOptions
+    ) -> Message:
         where = self.world.state.chats.get(chat)
         if where is None:
             raise ControlError(f"there is no chat {chat}")
@@ -287,7 +294,7 @@ class People:
             raise ControlError(f"user {user} is not in chat {where.id}")
 
     def _author(
-        self, where: ServerChat, user: int | None, unusual: Saying
+        self, where: ServerChat, user: int | None, unusual: MessageOptions
     ) -> tuple[int | None, int | None]:
         """Return `from` and `sender_chat` (https://core.telegram.org/bots/api#message)."""
         if where.kind == "channel":
@@ -319,7 +326,7 @@ class People:
         )
         self.world.announce(forwarded)
 
-    def _extra(self, unusual: Saying) -> JsonObject:
+    def _extra(self, unusual: MessageOptions) -> JsonObject:
         extra: JsonObject = dict(unusual.get("extra", {}))
         if (via_bot := unusual.get("via_bot")) is not None and via_bot is not False:
             bot = self.world.bot.id if via_bot is True else via_bot
@@ -336,7 +343,7 @@ class People:
         sender = objects.user(self.world.state.users[origin])
         return {"type": "user", "date": date, "sender_user": sender}
 
-    def _date(self, unusual: Saying) -> int:
+    def _date(self, unusual: MessageOptions) -> int:
         default = self.world.clock.date() - int(unusual.get("age_s", 0))
         return unusual.get("date", default)
 

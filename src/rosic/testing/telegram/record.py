@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rosic.testing.telegram.world import World
 
 
-class Record:
+class ServerRecord:
     """The control side's eyes."""
 
     world: World

@@ -17,7 +17,7 @@ from rosic.testing.telegram.groups import Groups
 from rosic.testing.telegram.journal import Journal
 from rosic.testing.telegram.limits import Limiter
 from rosic.testing.telegram.people import People
-from rosic.testing.telegram.record import Record
+from rosic.testing.telegram.record import ServerRecord
 from rosic.testing.telegram.refusals import ControlError
 from rosic.testing.telegram.settings import Limits, Settings
 from rosic.testing.telegram.world import World, dump_state, load_state, new_state
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 # ---- trouble for tests ----
 
 
-class Trouble:
+class ServerSwitches:
     """The control side's switches. All are off at first, except the limits."""
 
     world: World
@@ -105,7 +105,7 @@ def to_stderr(line: str) -> None:
     sys.stderr.flush()
 
 
-class FakeTelegram(People, Groups, Trouble, Record):
+class FakeTelegram(People, Groups, ServerSwitches, ServerRecord):
     """A strict Bot API server on a port of its own.
 
     Args:

@@ -17,7 +17,7 @@ HELD_BYTES: Final = 8_000_000
 PIECE_BYTES: Final = 1_048_576
 
 
-class OnDisk(msgspec.Struct, frozen=True, kw_only=True):
+class DiskFile(msgspec.Struct, frozen=True, kw_only=True):
     """A file that lies on the server's disk.
 
     Attributes:
@@ -31,16 +31,16 @@ class OnDisk(msgspec.Struct, frozen=True, kw_only=True):
     sha256: str
 
 
-def on_disk(path: str) -> OnDisk:
+def on_disk(path: str) -> DiskFile:
     """Return what lies there, looked at piece by piece."""
     digest = hashlib.sha256()
     with Path(path).open("rb") as file:
         while piece := file.read(PIECE_BYTES):
             digest.update(piece)
-        return OnDisk(path=path, size=file.tell(), sha256=digest.hexdigest())
+        return DiskFile(path=path, size=file.tell(), sha256=digest.hexdigest())
 
 
-async def received(part: BodyPartReader, folder: str) -> bytes | OnDisk:
+async def received(part: BodyPartReader, folder: str) -> bytes | DiskFile:
     """Read a file part: into memory, or what is large into a folder as it comes."""
     held = bytearray()
     while len(held) <= HELD_BYTES:
@@ -59,4 +59,4 @@ async def received(part: BodyPartReader, folder: str) -> bytes | OnDisk:
             digest.update(piece)
             file.write(piece)
             piece = await part.read_chunk(PIECE_BYTES)
-    return OnDisk(path=str(path), size=size, sha256=digest.hexdigest())
+    return DiskFile(path=str(path), size=size, sha256=digest.hexdigest())

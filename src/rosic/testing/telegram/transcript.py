@@ -147,8 +147,8 @@ def transcript(
     """Return a chat as one person saw it.
 
     Args:
-        messages: As `Record.messages` returns them.
-        presses: As `Record.presses` returns them; only the reader's count.
+        messages: As `ServerRecord.messages` returns them.
+        presses: As `ServerRecord.presses` returns them; only the reader's count.
         view: Whose.
     """
     chat = _Chat([message for message in messages if _is_shown(message)], view)

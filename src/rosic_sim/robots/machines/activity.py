@@ -15,7 +15,7 @@ class ActivityState(enum.StrEnum):
     CANCELLED = "cancelled"
 
 
-class CannotDo(Exception):
+class ActivityRefused(Exception):
     """The machine will not begin this now. It has not moved.
 
     ``str(error)`` is a sentence that names the robot.

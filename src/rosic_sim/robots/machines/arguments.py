@@ -6,7 +6,7 @@ from math import isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.i18n import said
-from rosic_sim.robots.machines.activity import CannotDo
+from rosic_sim.robots.machines.activity import ActivityRefused
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -15,7 +15,7 @@ Value: TypeAlias = float | str | int | bool
 
 
 class MachineArguments:
-    """Typed access to a mapping from outside; every fault becomes `CannotDo`.
+    """Typed access to a mapping from outside; every fault becomes `ActivityRefused`.
 
     The container has checked all this before. A machine checks again, because inside a ROS 2 node
     anybody on the graph can call it.
@@ -36,11 +36,13 @@ class MachineArguments:
         value = self._values.get(name, default)
         self._read.add(name)
         if value is None:
-            raise CannotDo(self._robot, said("{skill} needs {name}", skill=self._skill, name=name))
+            raise ActivityRefused(
+                self._robot, said("{skill} needs {name}", skill=self._skill, name=name)
+            )
         if isinstance(value, (bool, str)) or not isfinite(value):
-            raise CannotDo(self._robot, said("{name} is not a number", name=name))
+            raise ActivityRefused(self._robot, said("{name} is not a number", name=name))
         if not low <= value <= high:
-            raise CannotDo(
+            raise ActivityRefused(
                 self._robot,
                 said(
                     "{name} must be between {low:g} and {high:g}, not {value:g}",
@@ -61,7 +63,7 @@ class MachineArguments:
         value = self._values.get(name, default)
         self._read.add(name)
         if value not in choices:
-            raise CannotDo(
+            raise ActivityRefused(
                 self._robot,
                 said("{name} must be one of {choices}", name=name, choices=", ".join(choices)),
             )
@@ -79,7 +81,7 @@ class MachineArguments:
         """
         for name in self._values:
             if name not in self._read:
-                raise CannotDo(
+                raise ActivityRefused(
                     self._robot,
                     said("{skill} knows no {name!r}", skill=self._skill, name=str(name)[:40]),
                 )

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import said
 from rosic.core.time_units import HOUR_S
 from rosic.core.units import measured, number_in_units
-from rosic_sim.robots.machines.activity import ActivityFailed, ActivityState, CannotDo
+from rosic_sim.robots.machines.activity import ActivityFailed, ActivityRefused, ActivityState
 from rosic_sim.robots.machines.battery import Battery
 from rosic_sim.robots.machines.flight import NEAR_M, Flight, flight_time_s
-from rosic_sim.robots.machines.following import NEAREST_M, Chase, why_not
+from rosic_sim.robots.machines.following import NEAREST_M, FollowTarget, why_not
 from rosic_sim.robots.machines.separation import APART_M, KEEP_M, SeparationBound, bound
 from rosic_sim.robots.machines.stepped_machine import Plan, Recipe, SteppedMachine
-from rosic_sim.robots.machines.swarm import Place, Sighting, Swarm, slots
+from rosic_sim.robots.machines.swarm import Place, Swarm, SwarmReport, slots
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 PEER_LOST_S = 1.0
 
 
-class Peers:
+class SwarmPeers:
     """The others of a swarm, seen by one drone."""
 
     def __init__(self, robot: str, swarm: Swarm) -> None:
@@ -110,7 +110,7 @@ class Crazyflie(SteppedMachine):
         super().__init__(robot, self._cell)
         self.flight = Flight(*place)
         self.swarm = swarm
-        self._peers = Peers(robot, swarm)
+        self._peers = SwarmPeers(robot, swarm)
         self.silent = False
         self.airborne = False
         self._landing = False
@@ -140,11 +140,11 @@ class Crazyflie(SteppedMachine):
         """
         self.step(now_s)
         if not all(map(isfinite, (x_m, y_m, z_m))):
-            raise CannotDo(self.id, said("a position is not a finite number"))
+            raise ActivityRefused(self.id, said("a position is not a finite number"))
         if max(abs(x_m), abs(y_m)) > ROOM_M or not LOWEST_M <= z_m <= HIGHEST_M:
-            raise CannotDo(self.id, said("that is out of the room"))
+            raise ActivityRefused(self.id, said("that is out of the room"))
         if self.activity is not None and self.activity.running:
-            raise CannotDo(self.id, said("busy with {skill}", skill=self.activity.skill))
+            raise ActivityRefused(self.id, said("busy with {skill}", skill=self.activity.skill))
         self._must_fly()
         self._setpoint_s = now_s
         self.flight.goal = (x_m, y_m)
@@ -157,24 +157,24 @@ class Crazyflie(SteppedMachine):
 
     def _must_fly(self) -> None:
         if not self.airborne:
-            raise CannotDo(self.id, said("on the ground, take off first"))
+            raise ActivityRefused(self.id, said("on the ground, take off first"))
         if self._landing:
-            raise CannotDo(self.id, "landing")
+            raise ActivityRefused(self.id, "landing")
 
     def _plan_takeoff(self, asked: MachineArguments) -> Recipe:
         height = asked.number("height_m", LOWEST_M, HIGHEST_M, 1.0)
         if self.airborne:
-            raise CannotDo(self.id, said("already flying"))
+            raise ActivityRefused(self.id, said("already flying"))
         if self._cell.fraction < LOWEST_TAKEOFF:
-            raise CannotDo(
+            raise ActivityRefused(
                 self.id, said("battery {percent} %: too low", percent=self._cell.percent)
             )
         distance, peer = self._peers.nearest(self._here())
         if distance < APART_M:
-            raise CannotDo(self.id, said("{peer} is too near to take off", peer=peer))
+            raise ActivityRefused(self.id, said("{peer} is too near to take off", peer=peer))
         lost = self._peers.unheard(self._time_s)
         if lost is not None:
-            raise CannotDo(self.id, said("{lost} flies and is not heard", lost=lost))
+            raise ActivityRefused(self.id, said("{lost} flies and is not heard", lost=lost))
         self._intent = self._here()
         return self._recipe_takeoff(height)
 
@@ -189,7 +189,7 @@ class Crazyflie(SteppedMachine):
         self._must_fly()
         peer = self._peers.at((x, y))
         if peer is not None:
-            raise CannotDo(self.id, said("{peer} is there or on its way there", peer=peer))
+            raise ActivityRefused(self.id, said("{peer} is there or on its way there", peer=peer))
         self._intent = (x, y)
         return self._recipe_fly(x, y, z)
 
@@ -199,7 +199,7 @@ class Crazyflie(SteppedMachine):
         self._must_fly()
         members = self.swarm.members
         if shape == "triangle" and len(members) != 3:  # noqa: PLR2004
-            raise CannotDo(self.id, said("a triangle needs three drones"))
+            raise ActivityRefused(self.id, said("a triangle needs three drones"))
         places = slots(shape, spacing, len(members), self.swarm.centre)
         x, y = places[members.index(self.id)]
         self._intent = (x, y)
@@ -213,8 +213,10 @@ class Crazyflie(SteppedMachine):
         self._must_fly()
         why = why_not(self.swarm, self.id, leader)
         if why:
-            raise CannotDo(self.id, why)
-        return self._recipe_follow(Chase(self.swarm, leader, gap_m, bearing_rad, self._here()))
+            raise ActivityRefused(self.id, why)
+        return self._recipe_follow(
+            FollowTarget(self.swarm, leader, gap_m, bearing_rad, self._here())
+        )
 
     # -------------------------------------------------------------------------------------- recipes
 
@@ -272,7 +274,7 @@ class Crazyflie(SteppedMachine):
             z=measured(f"{flight.height.position:.2f} m", flight.height.position, "m"),
         )
 
-    def _recipe_follow(self, chase: Chase) -> Recipe:
+    def _recipe_follow(self, chase: FollowTarget) -> Recipe:
         """Keep behind another until its order is over, then come to rest there."""
         self._stage(said("following {leader}", leader=chase.leader))
         self._started_s = self._time_s
@@ -360,11 +362,11 @@ class Crazyflie(SteppedMachine):
         if not self.silent:
             self.swarm.hear(self.sighting(now_s))
 
-    def sighting(self, now_s: float) -> Sighting:
+    def sighting(self, now_s: float) -> SwarmReport:
         """Return what the drone says of itself now."""
         flight = self.flight
         x, y = self._intended()
-        return Sighting(
+        return SwarmReport(
             self.id,
             now_s,
             flight.x_m,

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from rosic_sim.robots.machines.flight import Flight
-    from rosic_sim.robots.machines.swarm import Place, Sighting, Swarm
+    from rosic_sim.robots.machines.swarm import Place, Swarm, SwarmReport
 
 NEAREST_M = 1.1
 """Nearer, and what keeps drones apart would not let it fly as fast as whom it follows."""
@@ -27,7 +27,7 @@ WAITS_S = 30.0
 SETTLES_S = 5.0
 
 
-class Chase:
+class FollowTarget:
     """One drone behind another.
 
     Args:
@@ -170,7 +170,7 @@ def why_not(swarm: Swarm, robot: str, leader: str) -> str:
     return ""
 
 
-def _now(seen: Sighting, now_s: float) -> Place:
+def _now(seen: SwarmReport, now_s: float) -> Place:
     """Return where a drone is by now, if it has gone on as it said."""
     past_s = min(max(now_s - seen.time_s, 0.0), EXTRAPOLATED_S)
     return (seen.x_m + seen.vx_m_s * past_s, seen.y_m + seen.vy_m_s * past_s)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import said
 from rosic.core.language.formatting import show_choice
 from rosic.core.units import measured
-from rosic_sim.robots.machines.activity import ActivityFailed, CannotDo
+from rosic_sim.robots.machines.activity import ActivityFailed, ActivityRefused
 from rosic_sim.robots.machines.joints import JointGroup, MachineJointLimit
 from rosic_sim.robots.machines.kinematics import iiwa_points, iiwa_tool_down
 from rosic_sim.robots.machines.objects import Gripper, Position, SimulatedObjects
@@ -92,7 +92,7 @@ class Kuka(SteppedMachine):
 
     def _able(self) -> None:
         if not (self.arm.still and self.gripper.still):
-            raise CannotDo(self.id, said("still coming to rest"))
+            raise ActivityRefused(self.id, said("still coming to rest"))
 
     def _plan_home(self, _asked: MachineArguments) -> Recipe:
         return self._recipe_home(self._way(HOME))
@@ -101,11 +101,11 @@ class Kuka(SteppedMachine):
         joint = asked.number("joint", 1, len(IIWA_LIMITS))
         angle = asked.number("angle_rad", -10.0, 10.0)
         if joint != int(joint):
-            raise CannotDo(self.id, said("joint must be a whole number"))
+            raise ActivityRefused(self.id, said("joint must be a whole number"))
         index = int(joint) - 1
         limit = IIWA_LIMITS[index]
         if not limit.lower_rad <= angle <= limit.upper_rad:
-            raise CannotDo(
+            raise ActivityRefused(
                 self.id,
                 said(
                     "joint {index} reaches from {lower_rad:.2f} to {upper_rad:.2f} rad, not "
@@ -118,14 +118,16 @@ class Kuka(SteppedMachine):
             )
         targets = (*self.arm.positions[:index], angle, *self.arm.positions[index + 1 :])
         if not self._clear(self.arm.positions, targets):
-            raise CannotDo(self.id, said("the arm would touch the table"))
+            raise ActivityRefused(self.id, said("the arm would touch the table"))
         return self._recipe_move_joint(index, targets)
 
     def _plan_grasp(self, asked: MachineArguments) -> Recipe:
         force = asked.number("force_n", FORCE_LOW_N, FORCE_HIGH_N, FORCE_N)
         held = self.gripper.held
         if held is not None:
-            raise CannotDo(self.id, said("already holds the {name}", name=show_choice(held.name)))
+            raise ActivityRefused(
+                self.id, said("already holds the {name}", name=show_choice(held.name))
+            )
         return self._recipe_grasp(force, self._way(self._above))
 
     def _plan_release(self, _asked: MachineArguments) -> Recipe:
@@ -138,7 +140,7 @@ class Kuka(SteppedMachine):
             return [targets]
         if self._clear(here, STRAIGHT_UP) and self._clear(STRAIGHT_UP, targets):
             return [STRAIGHT_UP, targets]
-        raise CannotDo(
+        raise ActivityRefused(
             self.id, said("the arm would touch the table; move a joint away from it first")
         )
 

@@ -10,7 +10,7 @@ from rosic.core.i18n import said
 from rosic.core.language.formatting import show_choice
 from rosic.core.time_units import HOUR_S
 from rosic.core.units import measured
-from rosic_sim.robots.machines.activity import ActivityState, CannotDo
+from rosic_sim.robots.machines.activity import ActivityRefused, ActivityState
 from rosic_sim.robots.machines.battery import Battery
 from rosic_sim.robots.machines.joints import JointGroup, MachineJointLimit
 from rosic_sim.robots.machines.mecanum import (
@@ -113,15 +113,15 @@ class Omni(SteppedMachine):
         self.step(now_s)
         velocity = Velocity(x_m_s, y_m_s, yaw_rad_s)
         if not all(map(isfinite, velocity)):
-            raise CannotDo(self.id, said("a velocity is not a finite number"))
+            raise ActivityRefused(self.id, said("a velocity is not a finite number"))
         if velocity == REST:
             self.halt(now_s)
             return
         if self._recipe is not None and self.activity is not None:
-            raise CannotDo(self.id, said("busy with {skill}", skill=self.activity.skill))
+            raise ActivityRefused(self.id, said("busy with {skill}", skill=self.activity.skill))
         self._powered()
         if self._braking or not self.arm.still:
-            raise CannotDo(self.id, said("still coming to rest"))
+            raise ActivityRefused(self.id, said("still coming to rest"))
         self._setpoint_s = now_s
         self._wanted = self._capped(velocity)
 
@@ -140,13 +140,13 @@ class Omni(SteppedMachine):
     def _able(self) -> None:
         self._powered()
         if self._setpoint_s is not None:
-            raise CannotDo(self.id, said("driven by velocities at present"))
+            raise ActivityRefused(self.id, said("driven by velocities at present"))
         if not self._quiet():
-            raise CannotDo(self.id, said("still coming to rest"))
+            raise ActivityRefused(self.id, said("still coming to rest"))
 
     def _powered(self) -> None:
         if self._cell.fraction < LOWEST_BATTERY:
-            raise CannotDo(
+            raise ActivityRefused(
                 self.id, said("battery {percent} %: too low", percent=self._cell.percent)
             )
 
@@ -187,7 +187,7 @@ class Omni(SteppedMachine):
 
     def _reachable(self, x_m: float, y_m: float) -> None:
         if max(abs(x_m), abs(y_m)) > FARTHEST_M:
-            raise CannotDo(
+            raise ActivityRefused(
                 self.id,
                 said(
                     "that is more than {farthest} from the start",

@@ -9,7 +9,12 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.i18n import said
 from rosic.core.synchronised_start import TOO_LATE_NS
-from rosic_sim.robots.machines.activity import Activity, ActivityFailed, ActivityState, CannotDo
+from rosic_sim.robots.machines.activity import (
+    Activity,
+    ActivityFailed,
+    ActivityRefused,
+    ActivityState,
+)
 from rosic_sim.robots.machines.arguments import MachineArguments, Value
 
 if TYPE_CHECKING:
@@ -119,17 +124,17 @@ class SteppedMachine(abc.ABC):
         """Begin a skill; see `Machine.begin`."""
         self.step(now_s)
         if self.activity is not None and self.activity.running:
-            raise CannotDo(self.id, said("busy with {skill}", skill=self.activity.skill))
+            raise ActivityRefused(self.id, said("busy with {skill}", skill=self.activity.skill))
         start = self._start(now_s, start_s)
         plan = self._plan(skill)
         if plan is None:
-            raise CannotDo(self.id, said("has no skill {skill!r}", skill=skill[:40]))
+            raise ActivityRefused(self.id, said("has no skill {skill!r}", skill=skill[:40]))
         self._able()
         asked = MachineArguments(self.id, skill, arguments)
         recipe = plan(asked)
         try:
             asked.finish()
-        except CannotDo:
+        except ActivityRefused:
             recipe.close()
             raise
         self._count += 1
@@ -145,7 +150,7 @@ class SteppedMachine(abc.ABC):
         if start_s is None:
             return now_s
         if not isfinite(start_s) or start_s > now_s + LONGEST_WAIT_S:
-            raise CannotDo(
+            raise ActivityRefused(
                 self.id,
                 said(
                     "a start may be at most {longest_wait_s:g} s ahead",
@@ -153,7 +158,7 @@ class SteppedMachine(abc.ABC):
                 ),
             )
         if start_s < now_s - TOO_LATE_S:
-            raise CannotDo(self.id, said("heard of the common start too late"))
+            raise ActivityRefused(self.id, said("heard of the common start too late"))
         return max(start_s, now_s)
 
     def halt(self, now_s: float) -> None:

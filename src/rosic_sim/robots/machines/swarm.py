@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 Place: TypeAlias = tuple[float, float]
 
 
-class Sighting(NamedTuple):
+class SwarmReport(NamedTuple):
     """What a drone says of itself, 20 times a second while it flies, and when it has landed.
 
     Attributes:
@@ -54,19 +54,19 @@ class Swarm:
     def __init__(self, members: Sequence[str], centre: Place = (0.0, 0.0)) -> None:
         self.members = tuple(members)
         self.centre = centre
-        self._seen: dict[str, Sighting] = {}
+        self._seen: dict[str, SwarmReport] = {}
 
-    def hear(self, sighting: Sighting) -> None:
+    def hear(self, sighting: SwarmReport) -> None:
         """Take in what a drone says of itself; older news than known is ignored."""
         known = self._seen.get(sighting.robot)
         if known is None or sighting.time_s >= known.time_s:
             self._seen[sighting.robot] = sighting
 
-    def last(self, robot: str) -> Sighting | None:
+    def last(self, robot: str) -> SwarmReport | None:
         """Return the last sighting of a drone, or None."""
         return self._seen.get(robot)
 
-    def peers(self, robot: str) -> Iterator[Sighting]:
+    def peers(self, robot: str) -> Iterator[SwarmReport]:
         """Yield the last sightings of all others."""
         for name, sighting in self._seen.items():
             if name != robot:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from rosic.core.i18n import joined, said
 from rosic.core.language.formatting import show_choice
-from rosic_sim.robots.machines.activity import ActivityFailed, ActivityState, CannotDo
+from rosic_sim.robots.machines.activity import ActivityFailed, ActivityRefused, ActivityState
 from rosic_sim.robots.machines.joints import JointGroup, MachineJointLimit
 from rosic_sim.robots.machines.kinematics import yumi_points
 from rosic_sim.robots.machines.objects import Gripper, Position, SimulatedObject, SimulatedObjects
@@ -120,9 +120,11 @@ class Yumi(SteppedMachine):
 
     def _able(self) -> None:
         for side in self.failed:
-            raise CannotDo(self.id, said("the {side} arm has failed", side=show_choice(side)))
+            raise ActivityRefused(
+                self.id, said("the {side} arm has failed", side=show_choice(side))
+            )
         if self._in_motion():
-            raise CannotDo(self.id, said("still coming to rest"))
+            raise ActivityRefused(self.id, said("still coming to rest"))
 
     def _plan_home(self, _asked: MachineArguments) -> Recipe:
         return self._recipe_home()
@@ -134,14 +136,14 @@ class Yumi(SteppedMachine):
         giver: Side = "right" if receiver == "left" else "left"
         thing = self.grippers[giver].held
         if self.grippers[receiver].held is not None:
-            raise CannotDo(
+            raise ActivityRefused(
                 self.id,
                 said(
                     "the {receiver} gripper already holds something", receiver=show_choice(receiver)
                 ),
             )
         if thing is None:
-            raise CannotDo(
+            raise ActivityRefused(
                 self.id,
                 said("the {giver} gripper holds nothing to hand over", giver=show_choice(giver)),
             )

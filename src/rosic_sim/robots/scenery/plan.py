@@ -6,7 +6,7 @@ from functools import lru_cache
 from math import cos, sin
 from typing import TYPE_CHECKING
 
-from rosic.core.robot.view import Grid, Pose
+from rosic.core.robot.view import OccupancyMap, Pose
 from rosic_sim.robots.scenery.places import FLOOR, TABLES, place_of
 
 if TYPE_CHECKING:
@@ -23,13 +23,13 @@ def pose_of(omni: Omni) -> Pose:
     return Pose(base.x_m, base.y_m, 0.0, base.yaw_rad, FRAME)
 
 
-def plan_of(omni: Omni) -> Grid:
+def plan_of(omni: Omni) -> OccupancyMap:
     """Return the map, and the omni on it."""
     x0, y0, x1, y1 = FLOOR
     room = place_of("omni")
     columns, rows = round((x1 - x0) / CELL_M), round((y1 - y0) / CELL_M)
     origin = Pose(x0 - room.x_m, y0 - room.y_m, 0.0, 0.0, FRAME)
-    return Grid(columns, rows, CELL_M, origin, _cells(columns, rows), pose_of(omni))
+    return OccupancyMap(columns, rows, CELL_M, origin, _cells(columns, rows), pose_of(omni))
 
 
 @lru_cache(maxsize=1)

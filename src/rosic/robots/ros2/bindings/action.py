@@ -5,13 +5,13 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from rosic.core.deadman import INTERRUPTED, Cause
+from rosic.core.deadman import INTERRUPTED, BreakCause
 from rosic.core.i18n import joined, said
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.core.synchronised_start import begins_ns
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RobotUnreachable
-from rosic.robots.ros2.abandoned_goals import Loose
+from rosic.robots.ros2.abandoned_goals import AbandonedGoal
 from rosic.robots.ros2.bindings.answers import BindingAnswer
 from rosic.robots.ros2.bindings.binding_call import DECLINED, over
 from rosic.robots.ros2.bindings.goal_fields import GoalFields
@@ -25,14 +25,14 @@ from rosic.robots.ros2.motion_endings import NotAtRest, after_the_end, in_doubt,
 from rosic.robots.ros2.rosout_reasons import RosoutReasons
 
 if TYPE_CHECKING:
-    from rosic.core.deadman import Break
+    from rosic.core.deadman import MotionBreak
     from rosic.core.robot.skill import ActionBinding
     from rosic.robots.ros2.bindings.binding_call import BindingCall
     from rosic.robots.ros2.bindings.goal_fields import GoalMaker
     from rosic.robots.ros2.client.actions import ActionLink, Goal, GoalEnd
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
-    from rosic.robots.ros2.goal_watch import Missed
+    from rosic.robots.ros2.goal_watch import ServerPresence
 
 ACCEPT_WITHIN_S = 5.0
 
@@ -107,7 +107,7 @@ class ActionSkill:
             ) from fault
         if goal is None:
             reason = await self._reasons.why(call.side.namespace, sent_ns)
-            return Outcome(Ending.REFUSED, _declined(call, reason), code=DECLINED)
+            return Outcome(OrderEnding.REFUSED, _declined(call, reason), code=DECLINED)
         call.received()
         if not call.allowed():
             await call_off(goal)
@@ -149,7 +149,7 @@ class ActionSkill:
             ) from fault
         finally:
             if not end.done():
-                call.loose = Loose(goal, link.ready)
+                call.loose = AbandonedGoal(goal, link.ready)
             end.cancel()
             halted.cancel()
         if call.halted.is_set():
@@ -157,7 +157,7 @@ class ActionSkill:
         return None
 
     async def _broken_off(
-        self, call: BindingCall, watch: GoalWatch, broken: Break, end: GoalEnd | None
+        self, call: BindingCall, watch: GoalWatch, broken: MotionBreak, end: GoalEnd | None
     ) -> Outcome:
         """Say what is known of a goal that did not get to its end; nobody begins it again."""
         side, result, metres = call.side, None if end is None else end.result, watch.way.metres
@@ -169,11 +169,11 @@ class ActionSkill:
             raise RobotUnreachable(joined(": ", (side.shown, what)))
         facts = {} if metres is None else {"distance_m": metres}
         facts |= {} if result is None else self._answer.facts(result)
-        return Outcome(Ending.FAILED, what, facts, code=broken.code)
+        return Outcome(OrderEnding.FAILED, what, facts, code=broken.code)
 
     async def _outcome(self, call: BindingCall, end: GoalEnd | None) -> Outcome:
         if end is None:
-            return Outcome(Ending.CANCELLED)
+            return Outcome(OrderEnding.CANCELLED)
         result = end.result
         doubt = NotAtRest() if end.status == "unknown" else await after_the_end(call)
         words = joined("; ", filter(None, (self._answer.words(result), doubt.words)))
@@ -183,26 +183,26 @@ class ActionSkill:
                 said("{shown} has not said how it ended.", shown=call.side.shown)
             )
         if end.status == "succeeded" and self._answer.succeeded(result):
-            return Outcome(Ending.DONE, words, facts, code=doubt.code)
+            return Outcome(OrderEnding.DONE, words, facts, code=doubt.code)
         if not call.allowed():
-            return Outcome(Ending.CANCELLED, words, facts)
+            return Outcome(OrderEnding.CANCELLED, words, facts)
         if end.status == "cancelled":  # by its own side, or by somebody beside us
-            return Outcome(Ending.CANCELLED, words, facts, code=INTERRUPTED)
-        return Outcome(Ending.FAILED, words, facts, code=doubt.code)
+            return Outcome(OrderEnding.CANCELLED, words, facts, code=INTERRUPTED)
+        return Outcome(OrderEnding.FAILED, words, facts, code=doubt.code)
 
 
-def _served_by(link: ActionLink) -> Missed:
+def _served_by(link: ActionLink) -> ServerPresence:
     """Return what says why those who offer the action now do so no more; None: they do."""
     first = link.servers()
 
-    def missed(*, quiet: bool) -> Cause | None:
+    def missed(*, quiet: bool) -> BreakCause | None:
         nonlocal first
         now = link.servers()
         first = named_since(first, now)
         replaced = quiet and bool(first) and not now.keys() <= first.keys()
         if replaced or born_anew(first, now):
-            return Cause.REBORN
-        return None if link.ready() else Cause.UNSERVED
+            return BreakCause.REBORN
+        return None if link.ready() else BreakCause.UNSERVED
 
     return missed
 

@@ -6,9 +6,9 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from rosic.core.deadman import Cause
+from rosic.core.deadman import BreakCause
 from rosic.core.i18n import said
-from rosic.core.order import Stage, StageReport
+from rosic.core.order import OrderStage, StageReport
 from rosic.core.synchronised_start import TOO_LATE_NS, begins_ns, misses_start
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RobotOffline
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Tell
-    from rosic.core.deadman import Break
+    from rosic.core.deadman import MotionBreak
     from rosic.core.order import Order, Outcome
     from rosic.core.order_gate import OrderGate
-    from rosic.robots.ros2.abandoned_goals import Loose
+    from rosic.robots.ros2.abandoned_goals import AbandonedGoal
     from rosic.robots.ros2.client.runtime import RosRuntime
-    from rosic.robots.ros2.stopping import Resting, StopController
+    from rosic.robots.ros2.stopping import RestResult, StopController
     from rosic.robots.ros2.telemetry import Measurements
 
 _log = logging.getLogger(__name__)
@@ -76,30 +76,30 @@ class Binding(Protocol):
         ...
 
 
-def over(broken: Break) -> str:
+def over(broken: MotionBreak) -> str:
     """Return why a motion did not go on."""
     seconds = broken.seconds
-    if broken.cause is Cause.LATE:
+    if broken.cause is BreakCause.LATE:
         return said("then ROSIC itself stood still for {seconds:.1f} s: ended", seconds=seconds)
-    if broken.cause is Cause.SILENT:
+    if broken.cause is BreakCause.SILENT:
         return said("then it was not heard for {seconds:.1f} s: ended", seconds=seconds)
-    if broken.cause is Cause.UNMEASURED:
+    if broken.cause is BreakCause.UNMEASURED:
         return said("then its motion was not measured for {seconds:.1f} s: ended", seconds=seconds)
-    if broken.cause is Cause.UNREPORTED:
+    if broken.cause is BreakCause.UNREPORTED:
         return said(
             "then its software told nothing of it for {seconds:.1f} s: ended", seconds=seconds
         )
     return _left(broken.cause)
 
 
-def _left(cause: Cause) -> str:
-    if cause is Cause.GONE:
+def _left(cause: BreakCause) -> str:
+    if cause is BreakCause.GONE:
         return said("then it was not there any more: ended")
-    if cause is Cause.UNSERVED:
+    if cause is BreakCause.UNSERVED:
         return said("then the software for it was not there any more: ended")
-    if cause is Cause.REBORN:
+    if cause is BreakCause.REBORN:
         return said("then its software began anew: ended")
-    if cause is Cause.NAMELESS:
+    if cause is BreakCause.NAMELESS:
         return said("then somebody unknown took its velocities, too: ended")
     return said("then it came to rest by itself: ended")
 
@@ -123,9 +123,9 @@ class BindingCall:
         self.left = False
         self.cut_off = False
         self.unsettled = False
-        self.loose: Loose | None = None
+        self.loose: AbandonedGoal | None = None
         self.halted = asyncio.Event()
-        self.rest: Resting | None = None
+        self.rest: RestResult | None = None
         self._tell = tell
         self._patience_s = patience_s
         self._received = False
@@ -183,13 +183,13 @@ class BindingCall:
         )
         self.left = True
         _log.debug("%s: order %d is sent", self.order.robot, self.order.n)
-        self._tell(StageReport(Stage.SENT))
+        self._tell(StageReport(OrderStage.SENT))
 
     def allowed(self) -> bool:
         """Tell whether it may go on: no stop has come, and nobody is cutting it off."""
         return not self.cut_off and self.side.gate.still_allows(self.order)
 
-    def interrupted(self, broken: Break) -> None:
+    def interrupted(self, broken: MotionBreak) -> None:
         """It is broken off. That is said at once: coming to rest may take its time."""
         self.unsettled = True
         self.side.measured.cut()
@@ -200,7 +200,7 @@ class BindingCall:
         """The robot's side has it."""
         if not self._received:
             self._received = True
-            self._tell(StageReport(Stage.RECEIVED))
+            self._tell(StageReport(OrderStage.RECEIVED))
 
     def running(self, fraction: float | None, note: str = "") -> None:
         """The robot's side says how far it is; what falls back or comes too early is not told."""
@@ -208,7 +208,7 @@ class BindingCall:
             return
         if fraction is not None and 0.0 <= fraction <= 1.0:
             self._fraction = max(fraction, self._fraction or 0.0)
-        self._tell(StageReport(Stage.RUNNING, self._fraction, note))
+        self._tell(StageReport(OrderStage.RUNNING, self._fraction, note))
 
 
 def filled(values: Mapping[str, float | int | str | bool], order: Order) -> dict[str, object]:

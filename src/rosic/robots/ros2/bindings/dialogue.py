@@ -7,7 +7,7 @@ import logging
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RosicError
 from rosic.robots.ros2.bindings.binding_call import DECLINED
@@ -108,14 +108,14 @@ class DialogueBinding:
         words = [v for v in call.order.arguments.values() if isinstance(v, str)]
         text = clean_text(" ".join(words)).strip()
         if not text:
-            return Outcome(Ending.REFUSED, said("There is nothing to say."), code=DECLINED)
+            return Outcome(OrderEnding.REFUSED, said("There is nothing to say."), code=DECLINED)
         await call.there(self._there, self._namespace)
         call.leave()
         try:
             self.send_to_robot(text)
         except NotSent as fault:
             raise call.offline() from fault
-        return Outcome(Ending.SENT)
+        return Outcome(OrderEnding.SENT)
 
     def send_to_robot(self, message: str) -> None:
         """Publish to ``to_robot_topic``.

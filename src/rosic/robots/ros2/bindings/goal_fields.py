@@ -95,11 +95,11 @@ class GoalFields:
         for field in self._turned:
             values[field] = _turn(values[field])
         if binding.remaining:
-            return MadeGoal(values, Remaining(binding.remaining))
+            return MadeGoal(values, RemainingFraction(binding.remaining))
         return MadeGoal(values, lambda message: number_at(message, binding.fraction))
 
 
-class Remaining:
+class RemainingFraction:
     """Tells a fraction from what is left, measured against the most that ever was."""
 
     def __init__(self, path: str) -> None:

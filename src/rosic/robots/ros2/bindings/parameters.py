@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import joined, said
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.robots.ros2.bindings.answers import note
 from rosic.robots.ros2.bindings.binding_call import filled
 from rosic.robots.ros2.bindings.parameter_values import (
@@ -66,20 +66,20 @@ class ParameterSkill:
         values = request(asked)
         answer = await ask(call, self._set, values, self._binding.timeout_s, leave=True)
         if answer is None:
-            return Outcome(Ending.CANCELLED)
+            return Outcome(OrderEnding.CANCELLED)
         call.received()
         refused = refusals(asked, answer)
         if refused:
-            return Outcome(Ending.FAILED, note(" ".join(refused)))
+            return Outcome(OrderEnding.FAILED, note(" ".join(refused)))
         read = await ask(call, self._get, {"names": list(asked)}, self._binding.timeout_s)
         found = {} if read is None else dict(zip(asked, map(_value, read.values), strict=False))
         wrong = [name for name, value in asked.items() if found.get(name) != value]
         if wrong:
             return Outcome(
-                Ending.FAILED, said("{join} reads back differently", join=joined(", ", wrong))
+                OrderEnding.FAILED, said("{join} reads back differently", join=joined(", ", wrong))
             )
         facts = {n: float(v) for n, v in asked.items() if not isinstance(v, str)}
-        return Outcome(Ending.DONE, said("set and read back"), facts)
+        return Outcome(OrderEnding.DONE, said("set and read back"), facts)
 
 
 def _value(entry: RosObject) -> object:

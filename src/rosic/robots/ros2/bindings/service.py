@@ -6,7 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.errors import RobotUnreachable
 from rosic.robots.ros2.bindings.answers import BindingAnswer, check_fields
 from rosic.robots.ros2.bindings.binding_call import filled
@@ -59,12 +59,12 @@ class ServiceSkill:
         to_message(self._cls.Request, values)
         answer = await ask(binding_call, link, values, self._binding.timeout_s, leave=True)
         if answer is None:
-            return Outcome(Ending.CANCELLED)
+            return Outcome(OrderEnding.CANCELLED)
         binding_call.received()
         words, facts = self._answer.words(answer), self._answer.facts(answer)
         if self._answer.succeeded(answer):
-            return Outcome(Ending.DONE, words, facts)
-        ending = Ending.FAILED if binding_call.allowed() else Ending.CANCELLED
+            return Outcome(OrderEnding.DONE, words, facts)
+        ending = OrderEnding.FAILED if binding_call.allowed() else OrderEnding.CANCELLED
         return Outcome(ending, words, facts)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import joined, said
-from rosic.core.order import Ending, Outcome
+from rosic.core.order import OrderEnding, Outcome
 from rosic.core.units import measured
 from rosic.robots.ros2.bindings.answers import check_fields
 from rosic.robots.ros2.bindings.binding_call import filled, over
@@ -14,13 +14,13 @@ from rosic.robots.ros2.motion_endings import in_doubt
 from rosic.robots.ros2.velocity_stream import StreamPace, VelocityStream
 
 if TYPE_CHECKING:
-    from rosic.core.deadman import Break
+    from rosic.core.deadman import MotionBreak
     from rosic.core.robot.skill import TopicBinding
     from rosic.robots.ros2.bindings.binding_call import BindingCall
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.client.topics import Publisher
-    from rosic.robots.ros2.stopping import Resting
+    from rosic.robots.ros2.stopping import RestResult
 
 DURATION = "duration"
 # A zero that is lost on the way is followed by others; the robot's watchdog is behind them.
@@ -63,9 +63,9 @@ class TopicSkill:
             publisher.send(message)
         except NotSent as fault:
             raise call.offline() from fault
-        return Outcome(Ending.SENT)
+        return Outcome(OrderEnding.SENT)
 
-    async def fall_silent(self, call: BindingCall) -> Resting:
+    async def fall_silent(self, call: BindingCall) -> RestResult:
         """Stream, cease without a zero, and wait for measured rest; for measuring a watchdog."""
         stream = await self._stream(call)
         if await stream.run() is not None:
@@ -93,7 +93,7 @@ class TopicSkill:
     async def _drive(self, call: BindingCall, stream: VelocityStream) -> Outcome:
         broken = await stream.run()
         if not call.allowed():
-            return Outcome(Ending.CANCELLED)
+            return Outcome(OrderEnding.CANCELLED)
         if broken is not None:
             return await self._broken_off(call, stream, broken)
         side = call.side
@@ -104,15 +104,15 @@ class TopicSkill:
             await side.clock.sleep(period_s)
         resting = await side.brakes.measure(ended_ns, side.rest_timeout_s)
         if not side.measured.measures_rest or (resting.confirmed and not stream.moved):
-            return Outcome(Ending.SENT)
+            return Outcome(OrderEnding.SENT)
         if resting.confirmed:
             return Outcome(
-                Ending.DONE, said("drove for {duration_s:g} s", duration_s=_duration_s(call))
+                OrderEnding.DONE, said("drove for {duration_s:g} s", duration_s=_duration_s(call))
             )
         return await self._does_not_obey(call)
 
     async def _broken_off(
-        self, call: BindingCall, stream: VelocityStream, broken: Break
+        self, call: BindingCall, stream: VelocityStream, broken: MotionBreak
     ) -> Outcome:
         """Bring it to rest, and say what was measured."""
         call.interrupted(broken)
@@ -120,13 +120,13 @@ class TopicSkill:
         stream.way.look()
         what = joined("; ", (_driven(stream), over(broken)))
         if not call.allowed():  # a stop came meanwhile, and says more about rest
-            return Outcome(Ending.CANCELLED, what)
+            return Outcome(OrderEnding.CANCELLED, what)
         if not resting.confirmed:
             raise in_doubt(call.side.shown, what, resting)
         facts = {"driven_s": stream.seconds}
         if stream.way.metres is not None:
             facts["distance_m"] = stream.way.metres
-        return Outcome(Ending.FAILED, what, facts, code=broken.code)
+        return Outcome(OrderEnding.FAILED, what, facts, code=broken.code)
 
     async def _does_not_obey(self, call: BindingCall) -> Outcome:
         """Zero did not bring it to rest, or that was not seen: apply everything else."""
@@ -135,8 +135,12 @@ class TopicSkill:
             call.unsettled = True
             raise in_doubt(call.side.shown, "", resting)
         if call.side.brakes.own is None or resting.declined or resting.unanswered:
-            return Outcome(Ending.FAILED, said("it came to rest late, and not by its own stop"))
-        return Outcome(Ending.FAILED, said("it came to rest only when its own stop was called"))
+            return Outcome(
+                OrderEnding.FAILED, said("it came to rest late, and not by its own stop")
+            )
+        return Outcome(
+            OrderEnding.FAILED, said("it came to rest only when its own stop was called")
+        )
 
 
 def _driven(stream: VelocityStream) -> str:

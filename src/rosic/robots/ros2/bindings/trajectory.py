@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
-from rosic.core.order import Ending, Outcome
-from rosic.core.robot.joints import Joints, Move, OutOfReach, plan
+from rosic.core.order import OrderEnding, Outcome
+from rosic.core.robot.joints import JointMove, Joints, OutOfReach, plan
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, RobotOffline
 from rosic.robots.ros2.bindings.answers import check_fields
@@ -76,7 +76,7 @@ class TrajectoryGoal:
                 low=far.limit.min,
                 high=far.limit.max,
             )
-            return Outcome(Ending.REFUSED, sentence, code=OUT_OF_REACH)
+            return Outcome(OrderEnding.REFUSED, sentence, code=OUT_OF_REACH)
         return MadeGoal(self._values(move), lambda feedback: self._fraction(move, feedback))
 
     def _where(self, call: BindingCall) -> tuple[float, ...]:
@@ -117,7 +117,7 @@ class TrajectoryGoal:
             return float(share)
         raise BadValue("A speed is a share of the joints' own, above 0 and at most 1.")
 
-    def _values(self, move: Move) -> dict[str, object]:
+    def _values(self, move: JointMove) -> dict[str, object]:
         duration_ns = round(move.duration_s * SECOND_NS)
         point = {
             "positions": list(move.goal),
@@ -129,6 +129,6 @@ class TrajectoryGoal:
         }
         return {"trajectory.joint_names": list(self._names), "trajectory.points": [point]}
 
-    def _fraction(self, move: Move, feedback: RosObject) -> float | None:
+    def _fraction(self, move: JointMove, feedback: RosObject) -> float | None:
         positions = self._in_order(list(feedback.joint_names), list(feedback.actual.positions))
         return None if positions is None else move.fraction(positions)

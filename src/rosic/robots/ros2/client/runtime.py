@@ -14,7 +14,7 @@ from rosic.robots.ros2.client.services import ServiceLink
 from rosic.robots.ros2.client.topics import LatestMessage, MessageStream, Publisher, TopicQos
 from rosic.robots.ros2.errors import BadName
 from rosic.robots.ros2.messages.names import check_graph_name, check_node_name
-from rosic.robots.ros2.publishers import Informed
+from rosic.robots.ros2.publishers import MessageInfoCallback
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -130,7 +130,9 @@ class RosRuntime(RosConnection):
         """
         cls, name = self.types.message(type_name), check_graph_name(topic)
         latest = LatestMessage(self, name, cls, on_new)
-        latest.handle = await self._subscribe(cls, name, Informed(latest.arrived), quality)
+        latest.handle = await self._subscribe(
+            cls, name, MessageInfoCallback(latest.arrived), quality
+        )
         return latest
 
     async def stream(
@@ -183,7 +185,7 @@ class RosRuntime(RosConnection):
         self,
         cls: RosObject,
         topic: str,
-        arrived: Callable[[bytes], None] | Informed,
+        arrived: Callable[[bytes], None] | MessageInfoCallback,
         quality: TopicQos,
     ) -> RosObject:
         profile, node, events = quality.profile(self.ros), self.thread.node, subscription_events()

@@ -12,7 +12,7 @@ from rosic.core.time_units import SECOND_NS
 from rosic.robots.ros2.endpoint_identity import ends_of
 from rosic.robots.ros2.errors import BadValue, NotSent
 from rosic.robots.ros2.messages.encode import to_message, type_of
-from rosic.robots.ros2.publishers import Senders
+from rosic.robots.ros2.publishers import TopicPublishers
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -190,7 +190,7 @@ class Subscription:
             ) from error
 
 
-class Heard(NamedTuple):
+class ReceivedMessage(NamedTuple):
     """A message, when it came, and when it was sent, both on the runtime's clock."""
 
     received_ns: int
@@ -218,11 +218,11 @@ class LatestMessage(Subscription):
     ) -> None:
         super().__init__(runtime, topic, cls)
         self.received = 0
-        self.senders = Senders()
+        self.senders = TopicPublishers()
         self._on_new = on_new
         self._stamped = _is_stamped(cls)
-        self._earlier: deque[Heard] = deque(maxlen=EARLIER_AT_MOST)
-        self._newest: Heard | None = None
+        self._earlier: deque[ReceivedMessage] = deque(maxlen=EARLIER_AT_MOST)
+        self._newest: ReceivedMessage | None = None
         self._decoded: tuple[bytes, RosObject] | None = None
         self._waiting: set[asyncio.Future[None]] = set()
 
@@ -264,11 +264,11 @@ class LatestMessage(Subscription):
             self._decoded = (content, self._decode(content))
         return self._decoded[1]
 
-    def earlier(self) -> tuple[Heard, ...]:
+    def earlier(self) -> tuple[ReceivedMessage, ...]:
         """Return some of the messages before the newest, the last of them last."""
         return tuple(self._earlier)
 
-    def decoded(self, heard: Heard) -> RosObject:
+    def decoded(self, heard: ReceivedMessage) -> RosObject:
         """Return one of them.
 
         Raises:
@@ -302,7 +302,7 @@ class LatestMessage(Subscription):
             last = self._earlier[-1].received_ns if self._earlier else 0
             if before.received_ns - last >= EARLIER_EVERY_NS:
                 self._earlier.append(before)
-        self._newest = Heard(now_ns, sent_ns, content)
+        self._newest = ReceivedMessage(now_ns, sent_ns, content)
         self.received += 1
         self._knock()
 

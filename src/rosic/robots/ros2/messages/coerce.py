@@ -22,7 +22,7 @@ _MAX_BYTE = 255
 Coerce: TypeAlias = Callable[[object], object]
 
 
-class Misfit(Exception):
+class CoercionError(Exception):
     """A value does not fit. Grows a path on its way out of nested messages.
 
     Attributes:
@@ -35,9 +35,9 @@ class Misfit(Exception):
         self.reason = reason
         self.path = path
 
-    def under(self, name: str) -> Misfit:
+    def under(self, name: str) -> CoercionError:
         """Return the same fault as seen from one level up."""
-        return Misfit(self.reason, f"{name}.{self.path}" if self.path else name)
+        return CoercionError(self.reason, f"{name}.{self.path}" if self.path else name)
 
 
 def kind_of(value: object) -> str:
@@ -60,9 +60,9 @@ def to_float64(value: object) -> float:
     if type(value) is int:
         value = _exact(value)
     if type(value) is not float:
-        raise Misfit(f"must be a number, not {kind_of(value)}")
+        raise CoercionError(f"must be a number, not {kind_of(value)}")
     if not isfinite(value):
-        raise Misfit("must be a finite number")
+        raise CoercionError("must be a finite number")
     return value
 
 
@@ -70,14 +70,14 @@ def to_float32(value: object) -> float:
     """Take a finite number that is still finite in single precision."""
     number = to_float64(value)
     if not -_MAX_FLOAT32 <= number <= _MAX_FLOAT32:
-        raise Misfit("is too large for single precision")
+        raise CoercionError("is too large for single precision")
     return number
 
 
 def to_boolean(value: object) -> bool:
     """Take True or False; not 1, not "yes"."""
     if type(value) is not bool:
-        raise Misfit(f"must be yes or no, not {kind_of(value)}")
+        raise CoercionError(f"must be yes or no, not {kind_of(value)}")
     return value
 
 
@@ -87,14 +87,14 @@ def to_octet(value: object) -> bytes:
         return value
     if type(value) is int and 0 <= value <= _MAX_BYTE:
         return bytes([value])
-    raise Misfit("must be one byte")
+    raise CoercionError("must be one byte")
 
 
 def to_character(value: object) -> str:
     """Take one character of the first 256."""
     if type(value) is str and len(value) == 1 and ord(value) <= _MAX_BYTE:
         return value
-    raise Misfit("must be one character")
+    raise CoercionError("must be one character")
 
 
 def integer(low: int, high: int) -> Coerce:
@@ -102,9 +102,9 @@ def integer(low: int, high: int) -> Coerce:
 
     def to_integer(value: object) -> int:
         if type(value) is not int:
-            raise Misfit(f"must be a whole number, not {kind_of(value)}")
+            raise CoercionError(f"must be a whole number, not {kind_of(value)}")
         if not low <= value <= high:
-            raise Misfit(f"must be between {low} and {high}")
+            raise CoercionError(f"must be between {low} and {high}")
         return value
 
     return to_integer
@@ -116,15 +116,15 @@ def string(max_bytes: int | None) -> Coerce:
 
     def to_string(value: object) -> str:
         if type(value) is not str:
-            raise Misfit(f"must be text, not {kind_of(value)}")
+            raise CoercionError(f"must be text, not {kind_of(value)}")
         if "\0" in value:  # C would end the string here
-            raise Misfit("holds a null character")
+            raise CoercionError("holds a null character")
         try:
             length = len(value.encode("utf-8"))
         except UnicodeEncodeError:
-            raise Misfit("holds a lone surrogate") from None
+            raise CoercionError("holds a lone surrogate") from None
         if length > limit:
-            raise Misfit(f"is longer than {limit} bytes")
+            raise CoercionError(f"is longer than {limit} bytes")
         return value
 
     return to_string
@@ -136,15 +136,15 @@ def sequence(item: Coerce, shortest: int, longest: int) -> Coerce:
 
     def to_list(value: object) -> list[object]:
         if not isinstance(value, (list, tuple, bytes, bytearray)):
-            raise Misfit(f"must be a list, not {kind_of(value)}")
+            raise CoercionError(f"must be a list, not {kind_of(value)}")
         if not shortest <= len(value) <= most:
             wanted = f"{shortest}" if shortest == most else f"at most {most}"
-            raise Misfit(f"must have {wanted} entries, not {len(value)}")
+            raise CoercionError(f"must have {wanted} entries, not {len(value)}")
         items: list[object] = []
         for index, entry in enumerate(value):
             try:
                 items.append(item(entry))
-            except Misfit as misfit:
+            except CoercionError as misfit:
                 raise misfit.under(str(index)) from None
         return items
 
@@ -155,9 +155,9 @@ def _exact(value: int) -> float:
     try:
         number = float(value)
     except OverflowError:
-        raise Misfit("is too large") from None
+        raise CoercionError("is too large") from None
     if int(number) != value:
-        raise Misfit("is too large to be exact")
+        raise CoercionError("is too large to be exact")
     return number
 
 

@@ -8,7 +8,14 @@ from functools import cache
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.robots.ros2.errors import BadValue
-from rosic.robots.ros2.messages.coerce import MAX_ITEMS, Coerce, Misfit, basic, kind_of, sequence
+from rosic.robots.ros2.messages.coerce import (
+    MAX_ITEMS,
+    Coerce,
+    CoercionError,
+    basic,
+    kind_of,
+    sequence,
+)
 from rosic.robots.ros2.messages.names import did_you_mean
 
 if TYPE_CHECKING:
@@ -33,7 +40,7 @@ def to_message(cls: RosObject, values: Values) -> RosObject:
     """
     try:
         return record(cls).build(values)
-    except Misfit as misfit:
+    except CoercionError as misfit:
         sentence = f"{type_of(cls)}: {misfit.path or 'it'} {misfit.reason}"
         raise BadValue(sentence if sentence[-1] in ".?" else f"{sentence}.") from None
 
@@ -90,7 +97,7 @@ class MessageEncoder:
             Misfit: They do not fit.
         """
         if not isinstance(values, Mapping):
-            raise Misfit(f"must be a set of fields, not {kind_of(values)}")
+            raise CoercionError(f"must be a set of fields, not {kind_of(values)}")
         for name, value in _nest(values).items():
             check, inner = self._plain.get(name), self._inner.get(name)
             if check is None and inner is None:
@@ -100,7 +107,7 @@ class MessageEncoder:
                     setattr(message, name, check(value))
                 elif inner is not None:
                     inner.fill(getattr(message, name), value)
-            except Misfit as misfit:
+            except CoercionError as misfit:
                 raise misfit.under(name) from None
 
 
@@ -110,9 +117,9 @@ def record(cls: RosObject) -> MessageEncoder:
     return MessageEncoder(cls)
 
 
-def _unknown(name: str, known: Iterable[str]) -> Misfit:
+def _unknown(name: str, known: Iterable[str]) -> CoercionError:
     shown = name[:_SHOWN]
-    return Misfit(f"has no field {shown!r}; {did_you_mean(shown, known)}")
+    return CoercionError(f"has no field {shown!r}; {did_you_mean(shown, known)}")
 
 
 def _check(slot: RosObject) -> Coerce:
@@ -132,16 +139,16 @@ def _nest(values: Values) -> dict[str, object]:
     nested: dict[str, object] = {}
     for name, value in values.items():
         if type(name) is not str:
-            raise Misfit(f"has {kind_of(name)} where the name of a field belongs")
+            raise CoercionError(f"has {kind_of(name)} where the name of a field belongs")
         head, dot, rest = name.partition(".")
         if not dot:
             if head in nested:
-                raise Misfit("is given twice", head)
+                raise CoercionError("is given twice", head)
             nested[head] = value
             continue
         inner = nested.setdefault(head, _Dotted())
         if type(inner) is not _Dotted or rest in inner:
-            raise Misfit("is given twice", head if type(inner) is not _Dotted else name)
+            raise CoercionError("is given twice", head if type(inner) is not _Dotted else name)
         inner[rest] = value
     return nested
 
