@@ -9,7 +9,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.bench.fleet import NOW_NS, SMALL, best_pairs, floor
-from rosic.core.fleet.candidates import RobotGlance, by_priority
+from rosic.core.fleet.candidates import CandidateRobot, by_priority
 from rosic.core.fleet.events import MembershipSet, TaskGiven
 from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import FleetMembership, Task, TaskNeed
@@ -19,7 +19,7 @@ from rosic.organiser.planning.solver import assign as choose
 from tests.pace import sample_of_work_s
 
 
-def assign(fleet: FleetState, glances: dict[str, RobotGlance], now_ns: int) -> Assignment:
+def assign(fleet: FleetState, glances: dict[str, CandidateRobot], now_ns: int) -> Assignment:
     return choose(fleet, by_priority(fleet, glances, now_ns), glances, now_ns)
 
 
@@ -39,11 +39,11 @@ def task(key: str, **more: object) -> Task:
     return Task(**{"id": key, "author": "ann", "among": ("r1", "r2"), **more})  # type: ignore[arg-type]
 
 
-def robots(*glances: RobotGlance) -> dict[str, RobotGlance]:
+def robots(*glances: CandidateRobot) -> dict[str, CandidateRobot]:
     return {glance.robot: glance for glance in glances}
 
 
-FREE = robots(RobotGlance(robot="r1"), RobotGlance(robot="r2"))
+FREE = robots(CandidateRobot(robot="r1"), CandidateRobot(robot="r2"))
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -75,7 +75,7 @@ def test_what_is_urgent_chooses_first_even_if_that_costs_more() -> None:
         task("1", place=(0, 0)),
         task("2", place=(90, 0), priority=5),
     )
-    near = robots(RobotGlance(robot="r1", place=(0, 0)))
+    near = robots(CandidateRobot(robot="r1", place=(0, 0)))
     assert assign(fleet, near, NOW_NS).pairs == [("2", "r1")]
 
 
@@ -85,31 +85,31 @@ def test_whoever_has_waited_long_is_not_passed_over_for_ever_by_what_is_near() -
         task("1", place=(0, 0), given_ns=NOW_NS),
         task("2", place=(90, 0), given_ns=NOW_NS - hour_ns),
     )
-    near = robots(RobotGlance(robot="r1", place=(0, 0)))
+    near = robots(CandidateRobot(robot="r1", place=(0, 0)))
     assert assign(fleet, near, NOW_NS).pairs == [("2", "r1")]
 
 
 @pytest.mark.parametrize(
     "glance",
     [
-        RobotGlance(robot="r1", free=False),
-        RobotGlance(robot="r1", holder="ben"),
-        RobotGlance(robot="r1", battery=29.0, place=(0, 0)),
-        RobotGlance(robot="r1", battery=None, place=(0, 0)),
-        RobotGlance(robot="r1", battery=90.0, place=None),
-        RobotGlance(robot="r3", battery=90.0, place=(0, 0)),
+        CandidateRobot(robot="r1", free=False),
+        CandidateRobot(robot="r1", holder="ben"),
+        CandidateRobot(robot="r1", battery=29.0, place=(0, 0)),
+        CandidateRobot(robot="r1", battery=None, place=(0, 0)),
+        CandidateRobot(robot="r1", battery=90.0, place=None),
+        CandidateRobot(robot="r3", battery=90.0, place=(0, 0)),
     ],
     ids=["at work", "another's", "empty", "says no battery", "lost", "cannot"],
 )
 @pytest.mark.parametrize("solver", [True, False], ids=["solver", "nearest idle"])
 def test_no_robot_is_chosen_that_does_not_fit(
-    glance: RobotGlance, solver: bool, monkeypatch: pytest.MonkeyPatch
+    glance: CandidateRobot, solver: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if not solver:
         monkeypatch.setitem(sys.modules, "scipy.optimize", None)
     fleet = fleet_of(task("1", need=TaskNeed(battery=30.0, localised=True)))
     assert assign(fleet, robots(glance), NOW_NS).pairs == []
-    good = RobotGlance(robot="r1", battery=30.0, place=(0, 0), holder="ann")
+    good = CandidateRobot(robot="r1", battery=30.0, place=(0, 0), holder="ann")
     assert assign(fleet, robots(good), NOW_NS).pairs == [("1", "r1")]
 
 
@@ -134,6 +134,6 @@ def test_without_the_solver_each_task_takes_the_best_that_is_left(
 def test_as_many_tasks_as_can_be_are_given_a_robot() -> None:
     fleet = fleet_of(task("1", among=("r1",), place=(50, 0)), task("2", place=(0, 0)))
     here = robots(
-        RobotGlance(robot="r1", place=(0, 0)), replace(FREE["r2"], place=(99, 0), battery=1.0)
+        CandidateRobot(robot="r1", place=(0, 0)), replace(FREE["r2"], place=(99, 0), battery=1.0)
     )
     assert sorted(assign(fleet, here, NOW_NS).pairs) == [("1", "r1"), ("2", "r2")]

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rosic.organiser.grants import OwnLimits
 
 
-class PolicyOutlook(NamedTuple):
+class PolicyPreview(NamedTuple):
     """What the rights would be with other robots.
 
     Attributes:
@@ -107,20 +107,20 @@ class PolicyService:
         self.rolebook.apply(fact)
         self.draw_up()
 
-    async def foresee(self, profiles: Sequence[Profile]) -> PolicyOutlook:
+    async def foresee(self, profiles: Sequence[Profile]) -> PolicyPreview:
         """Work out the rights if these were the robots, beside the event loop; changes nothing."""
         epoch, rules = self.rights.epoch, self.rolebook.rulebook
         everybody, convert = self.grants_book.everybody(), self._convert
 
-        def work() -> PolicyOutlook:
+        def work() -> PolicyPreview:
             fleet = fleet_of(profiles)
-            return PolicyOutlook(
+            return PolicyPreview(
                 epoch, fleet, Permissions.draw_up(epoch + 1, rules, fleet, everybody, convert)
             )
 
         return await asyncio.to_thread(work)
 
-    def add_robot(self, outlook: PolicyOutlook) -> None:
+    def add_robot(self, outlook: PolicyPreview) -> None:
         """Let it be so: rights by wildcard and by group reach new robots from now on."""
         self._fleet = outlook.fleet
         if outlook.epoch == self.rights.epoch:

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     from rosic.app.added_robots import ProfileDraft
     from rosic.app.gateway_parts import RunningGateway
-    from rosic.app.policy import PolicyOutlook
+    from rosic.app.policy import PolicyPreview
     from rosic.app.settings import GatewayParts, GatewaySettings
     from rosic.contracts.robot import Robot
     from rosic.core.alerts.rule import AlertRule
@@ -274,7 +274,7 @@ class RobotRegistry:
 
     # ---- what cannot ----
 
-    def _add_robot(self, newcomer: PendingRobot, outlook: PolicyOutlook, stops: int) -> bool:
+    def _add_robot(self, newcomer: PendingRobot, outlook: PolicyPreview, stops: int) -> bool:
         """Let the robot be here, for every room at once: nothing is waited for in here.
 
         Args:
@@ -301,7 +301,7 @@ class RobotRegistry:
                 messenger.know(gateway.profiles.values())
         return stopped
 
-    def _let_rooms_know(self, newcomer: PendingRobot, outlook: PolicyOutlook) -> None:
+    def _let_rooms_know(self, newcomer: PendingRobot, outlook: PolicyPreview) -> None:
         gateway, profile, robot = self._gateway, newcomer.profile, newcomer.robot
         rooms, name = gateway.rooms, profile.id
         n, fence = self._numbers.get(name, (0, 0))

@@ -12,7 +12,7 @@ import msgspec
 
 from rosic.bench import scaling
 from rosic.bench.report import BenchCase, BenchReport, case_of, machine
-from rosic.core.fleet.candidates import RobotGlance, by_priority, cost, nearest_idle
+from rosic.core.fleet.candidates import CandidateRobot, by_priority, cost, nearest_idle
 from rosic.core.fleet.events import TaskGiven
 from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import Task
@@ -52,7 +52,7 @@ class AssignmentLoad(msgspec.Struct, frozen=True):
     """Tasks that wait, and robots that are free."""
 
     fleet: FleetState
-    glances: dict[RobotId, RobotGlance]
+    glances: dict[RobotId, CandidateRobot]
 
     def cost_m(self, pairs: Sequence[tuple[TaskId, RobotId]]) -> float:
         """Return the mean cost of a pair."""
@@ -65,7 +65,7 @@ def floor(seed: int, tasks: int, robots: int) -> AssignmentLoad:
     chance = Random(seed)  # noqa: S311 - a made-up floor, nothing to guess
     names = [f"robot{n}" for n in range(robots)]
     glances = {
-        name: RobotGlance(
+        name: CandidateRobot(
             robot=name,
             battery=chance.uniform(20, 100),
             place=(chance.uniform(0, SIDE_M), chance.uniform(0, SIDE_M)),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.fleet import events as e
-from rosic.core.fleet.candidates import RobotGlance, by_priority, nearest_idle
+from rosic.core.fleet.candidates import CandidateRobot, by_priority, nearest_idle
 from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import HELD, FleetMembership, Task, TaskReason, TaskState
 from rosic.core.fleet.transitions import react
@@ -103,10 +103,10 @@ class World:
             assert before.done not in done, f"step {before.done} of {after.id} counted twice"
             done.add(before.done)
 
-    def glances(self) -> dict[str, RobotGlance]:
+    def glances(self) -> dict[str, CandidateRobot]:
         """Return what a look shows now."""
         return {
-            name: RobotGlance(
+            name: CandidateRobot(
                 robot=name,
                 free=robot.heard
                 and not robot.latched

@@ -27,7 +27,7 @@ WAITING_M_S: Final = 0.05
 """What a second of waiting is worth: no task waits for ever because it is far away."""
 
 
-class RobotGlance(msgspec.Struct, frozen=True, kw_only=True):
+class CandidateRobot(msgspec.Struct, frozen=True, kw_only=True):
     """What a look at one robot showed.
 
     Attributes:
@@ -48,7 +48,7 @@ class RobotGlance(msgspec.Struct, frozen=True, kw_only=True):
     declined: frozenset[TaskId] = frozenset()
 
 
-def may(fleet: FleetState, task: Task, glance: RobotGlance) -> bool:
+def may(fleet: FleetState, task: Task, glance: CandidateRobot) -> bool:
     """Whether a robot that can carry out a task may be asked now, as far as can be seen."""
     robot = glance.robot
     if not glance.free or robot in fleet.holds or task.id in glance.declined:
@@ -60,7 +60,7 @@ def may(fleet: FleetState, task: Task, glance: RobotGlance) -> bool:
     return fits(task, glance)
 
 
-def fits(task: Task, glance: RobotGlance) -> bool:
+def fits(task: Task, glance: CandidateRobot) -> bool:
     """Whether a robot has what a task needs before it begins."""
     need = task.need
     if need.localised and glance.place is None:
@@ -68,18 +68,18 @@ def fits(task: Task, glance: RobotGlance) -> bool:
     return not need.battery or (glance.battery is not None and glance.battery >= need.battery)
 
 
-def cost(task: Task, glance: RobotGlance, now_ns: int) -> float:
+def cost(task: Task, glance: CandidateRobot, now_ns: int) -> float:
     """Return what it costs to let a robot carry out a task, in metres of way; may be negative."""
     return robot_cost(glance) + way_cost(task, glance) - waiting_credit(task, now_ns)
 
 
-def robot_cost(glance: RobotGlance) -> float:
+def robot_cost(glance: CandidateRobot) -> float:
     """Return what a robot costs whatever it does: its battery, and what it has done of late."""
     battery = UNKNOWN_BATTERY if glance.battery is None else glance.battery
     return EMPTY_BATTERY_M * (1.0 - battery / 100.0) + LOAD_M * glance.load
 
 
-def way_cost(task: Task, glance: RobotGlance) -> float:
+def way_cost(task: Task, glance: CandidateRobot) -> float:
     """Return the way to a task."""
     if task.place is None or glance.place is None:
         return UNKNOWN_WAY_M
@@ -93,7 +93,7 @@ def waiting_credit(task: Task, now_ns: int) -> float:
 
 def by_priority(
     fleet: FleetState,
-    glances: Mapping[RobotId, RobotGlance],
+    glances: Mapping[RobotId, CandidateRobot],
     now_ns: int,
     *,
     leave: Container[TaskId] = (),
@@ -128,12 +128,12 @@ def by_priority(
     return [level for level in found if level]
 
 
-def _anybody(fleet: FleetState, task: Task, glances: Mapping[RobotId, RobotGlance]) -> bool:
+def _anybody(fleet: FleetState, task: Task, glances: Mapping[RobotId, CandidateRobot]) -> bool:
     """Whether some robot may be asked now."""
     return any(robot in glances and may(fleet, task, glances[robot]) for robot in task.left)
 
 
-def refused_by_any(glances: Iterable[RobotGlance]) -> frozenset[TaskId]:
+def refused_by_any(glances: Iterable[CandidateRobot]) -> frozenset[TaskId]:
     """Return every task that some robot is not asked again yet."""
     return frozenset[TaskId]().union(*(glance.declined for glance in glances))
 
@@ -150,7 +150,7 @@ def asks_for(task: Task, declined: Container[TaskId]) -> tuple[object, ...]:
 
 
 def nearest_idle(
-    fleet: FleetState, tasks: Iterable[Task], glances: Mapping[RobotId, RobotGlance], now_ns: int
+    fleet: FleetState, tasks: Iterable[Task], glances: Mapping[RobotId, CandidateRobot], now_ns: int
 ) -> list[tuple[TaskId, RobotId]]:
     """Give each task, one after another, the best robot that is left: simple, and often good."""
     left = dict(glances)

@@ -10,7 +10,7 @@ import logging
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet import events as e
-from rosic.core.fleet.candidates import RobotGlance, by_priority, may
+from rosic.core.fleet.candidates import CandidateRobot, by_priority, may
 from rosic.core.fleet.task import FleetMembership, Task, TaskReason, TaskState, idle_first
 from rosic.core.robot.profile import Slots
 from rosic.core.time_units import SECOND_NS
@@ -242,7 +242,7 @@ class FleetMonitor:
         """Return how many steps whoever has done least has done: the measure of load."""
         return min(self._dispatching.finished.values(), default=0)
 
-    def glance(self, robot: RobotId, least: int = 0, *, helping: bool = False) -> RobotGlance:
+    def glance(self, robot: RobotId, least: int = 0, *, helping: bool = False) -> CandidateRobot:
         """Return what a look at a robot shows now.
 
         Args:
@@ -265,7 +265,7 @@ class FleetMonitor:
             free = free and slot is not None
         battery = presence.values.get("battery")
         finished = self._dispatching.finished
-        return RobotGlance(
+        return CandidateRobot(
             robot=robot,
             free=free,
             holder=holder,

@@ -38,7 +38,7 @@ from rosic.organiser.planning.problem import BREAK_MIN, PlanCaveat, broken_rules
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from rosic.core.fleet.candidates import RobotGlance
+    from rosic.core.fleet.candidates import CandidateRobot
     from rosic.core.fleet.state import FleetState
     from rosic.core.fleet.task import Task, TaskId
     from rosic.core.robot.profile import RobotId
@@ -246,7 +246,7 @@ def is_loaded() -> bool:
 def assign(
     fleet: FleetState,
     levels: Iterable[Sequence[Task]],
-    glances: Mapping[RobotId, RobotGlance],
+    glances: Mapping[RobotId, CandidateRobot],
     now_ns: int,
 ) -> Assignment:
     """Choose robots for the tasks that wait, as many as can be given now.
@@ -274,7 +274,7 @@ def assign(
 
 
 def _solved(
-    fleet: FleetState, tasks: Sequence[Task], glances: Mapping[RobotId, RobotGlance], now_ns: int
+    fleet: FleetState, tasks: Sequence[Task], glances: Mapping[RobotId, CandidateRobot], now_ns: int
 ) -> list[tuple[TaskId, RobotId]] | None:
     """Return the cheapest way, with as many tasks as can be; None without a solver."""
     try:
@@ -294,7 +294,7 @@ def _solved(
 
 
 def _costs(
-    fleet: FleetState, tasks: Sequence[Task], robots: Sequence[RobotGlance], now_ns: int
+    fleet: FleetState, tasks: Sequence[Task], robots: Sequence[CandidateRobot], now_ns: int
 ) -> Iterator[list[float]]:
     """Yield a row of costs for each task; what may not be is forbidden.
 
@@ -314,7 +314,7 @@ def _costs(
         ]
 
 
-def _own(fleet: FleetState, task: Task, robots: Sequence[RobotGlance]) -> list[float]:
+def _own(fleet: FleetState, task: Task, robots: Sequence[CandidateRobot]) -> list[float]:
     left = frozenset(task.left)
     return [
         robot_cost(glance) if glance.robot in left and may(fleet, task, glance) else FORBIDDEN
