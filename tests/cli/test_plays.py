@@ -15,7 +15,7 @@ from PIL import Image
 from rosic.core.message import Chat, Outbound
 from rosic.rendering.style import SEVERAL
 from rosic.system import SystemClock, SystemEntropy
-from rosic_sim.robots.simulation_loop import theatre_of
+from rosic_sim.robots.simulation_loop import simulation_of
 from rosic_sim.scenarios.registry import NAMES, play_named
 from rosic_sim.scenarios.runner import FastClock, ScenarioOptions, play
 from rosic_sim.scenarios.scenario import ScenarioMismatch
@@ -149,7 +149,7 @@ def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
 async def test_the_summary_is_where_the_machines_are(capsys: pytest.CaptureFixture[str]) -> None:
     clock = FastClock(SystemClock(), 8.0)
     assert await play(play_named("shift"), ScenarioOptions(plain=True), clock, SystemEntropy()) == 0
-    machines = theatre_of(clock).world.machines
+    machines = simulation_of(clock).world.machines
     summary = capsys.readouterr().out.partition(SUMMARY)[2]
     seen = {found["shown"]: (found["x"], found["y"]) for found in PLACE.finditer(summary)}
     assert len(seen) == 3

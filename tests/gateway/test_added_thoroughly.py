@@ -70,7 +70,7 @@ async def test_it_is_held_against_its_benchmarks_though_nobody_was() -> None:
         await add(place, draft(**{TIMES: TIMES + benchmark}))
         assert "done" in await place.say("rover wiggle")
         assert "Wiggle" in await place.say("/benchmark rover")
-        assert "wiggle" in place.gateway.furnished.judging.verdicts["rover"]
+        assert "wiggle" in place.gateway.features.evaluation.verdicts["rover"]
         assert place.gateway.alarms.alerting.judged is not None
 
 

@@ -48,4 +48,4 @@ async def test_they_are_written_within_a_minute_and_only_when_they_change() -> N
         await place.quiet()
         assert await store.facts("habits", "", 10)
         await place.say("omni wave")
-        assert place.gateway.pipeline.habits.unwritten() == ()
+        assert place.gateway.pipeline.command_history.unwritten() == ()

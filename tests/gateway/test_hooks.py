@@ -47,8 +47,8 @@ async def test_until_it_is_known_who_is_let_in_nobody_is_and_nothing_is_taken() 
     assert await hooks.newcomer(messenger, INBOUND, "7-code") is None
     caller = Caller("p-1", "Ada", INBOUND.sender, "k", "s")
     hooks.enclosed(messenger, INBOUND, caller)
-    assert hooks.sights("omni") == []
-    for late in (hooks.newcomer, hooks.enclosed, hooks.sights):
+    assert hooks.view_buttons("omni") == []
+    for late in (hooks.newcomer, hooks.enclosed, hooks.view_buttons):
         late.bind(never)
         with pytest.raises(RuntimeError):
             late.bind(never)  # nobody takes it from whoever has it

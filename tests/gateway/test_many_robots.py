@@ -130,7 +130,7 @@ async def test_a_card_looks_at_those_that_it_shows_alone() -> None:
         assert "988 more" in await here.say("/card")
         await here.clock.advance(10.0)
         await here.quiet()
-        cards = here.gateway.furnished.live_cards
+        cards = here.gateway.features.live_cards
         assert len(cards._snapshots._seen) == ROBOTS_AT_MOST
 
 
@@ -143,7 +143,7 @@ async def test_more_tasks_than_are_weighed_at_once_are_all_done() -> None:
     async with warehouse() as here:
         for _ in range(at_once(ROBOTS) + 5):
             await here.say("/task any wave")
-        fleet = here.gateway.furnished.fleet.dispatching.fleet
+        fleet = here.gateway.features.fleet.dispatching.fleet
         assert len(fleet.waiting) == at_once(ROBOTS) + 5, "nobody is there yet"
         here.appear()
         await here.clock.advance(5.0)

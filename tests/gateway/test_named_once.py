@@ -9,7 +9,7 @@ from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.messages import headed
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.simulation_loop import theatre_of
+from rosic_sim.robots.simulation_loop import simulation_of
 from tests.features.fleet.test_tasks import heard
 from tests.gateway.place import Place, edited, line_by_line
 
@@ -24,7 +24,7 @@ class Simulated(Place):
 async def test_a_refused_order_of_a_task_names_its_robot_once(chat: object) -> None:
     omni = replace(load_profile(shipped_profiles()["omni"], link="simulated"), title="Carrier 2")
     here = Simulated(fleet=(omni,), chat=chat)  # type: ignore[arg-type]
-    machine = theatre_of(here.clock).world.machines["omni"]
+    machine = simulation_of(here.clock).world.machines["omni"]
     assert isinstance(machine, Omni)
     machine._cell.fraction = 0.0
     async with here.open():

@@ -1,4 +1,4 @@
-"""Gateways with one wicked part: for seeing that a journey can fail."""
+"""Gateways with one faulty part: for seeing that a journey can fail."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 It imports everything once, then reads one JSON object a line from standard input and answers each
 with one line. ``{"start": ...}`` forks a process that runs `rosic run -c FILE`, the same code as
 the command, with nothing but the importing already done; or, with a fault, the same composition
-with one wicked part; or, with options, the fake server of Telegram. ``{"reap": PID}`` waits for the
+with one faulty part; or, with options, the fake server of Telegram. ``{"reap": PID}`` waits for the
 end of one and says how it ended.
 
 The robots of these gateways are reached by the link ``counting``, an adapter found by its entry
@@ -58,7 +58,7 @@ class Start(msgspec.Struct, frozen=True, kw_only=True):
         config: Its TOML file.
         log: Where its standard error goes; appended to.
         counter_port: Where `CountingRobot` finds its counter.
-        fault: Name of a wicked part; empty for none.
+        fault: Name of a faulty part; empty for none.
         environment: What is different for it: the ROS domain of its robots.
         server: Options of the fake server, which it is then; what that prints goes to the log, too.
     """

@@ -37,7 +37,7 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         kills: How often the gateway is killed.
-        fault: Name of a wicked part in it; empty for none.
+        fault: Name of a faulty part in it; empty for none.
         pause_s: Mean time between two messages of all people together.
         twice: Share of updates that the server gives out twice.
         cold_every: Every so many lives begin with a Python that has nothing imported; 0 for none.

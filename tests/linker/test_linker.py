@@ -369,13 +369,13 @@ async def test_a_stop_is_said_to_be_kept_only_if_it_is_for_every_robot() -> None
 
 async def test_a_file_goes_to_the_robot_and_one_whose_link_takes_none_says_so() -> None:
     two = Two()
-    parcel = FileForRobot(name="a", path="a", sort="yaml", size=1, digest=b"d")
-    receipt = await two.linker.deliver("omni", parcel)
-    assert two.robots["omni"].delivered == [parcel]
-    assert receipt.digest == parcel.digest.hex()
+    robot_file = FileForRobot(name="a", path="a", sort="yaml", size=1, digest=b"d")
+    receipt = await two.linker.deliver("omni", robot_file)
+    assert two.robots["omni"].delivered == [robot_file]
+    assert receipt.digest == robot_file.digest.hex()
     two.robots["omni"].deliver = None  # type: ignore[assignment,method-assign]
     with pytest.raises(RobotOffline, match="omni cannot be handed files over its link"):
-        await two.linker.deliver("omni", parcel)
+        await two.linker.deliver("omni", robot_file)
 
 
 async def test_what_a_robot_shows_is_what_is_seen() -> None:

@@ -222,11 +222,11 @@ def test_the_present_slot_is_found_from_its_start_to_its_end() -> None:
 def test_somebody_elses_slot_keeps_others_out_and_free_time_is_everybodys() -> None:
     calendar, _ = a_calendar()
     booked(calendar, NOW)
-    hindrance = calendar.why_not("ben", "kuka1", NOW + MIN, required=False)
-    assert hindrance is not None
-    assert (hindrance.holder, hindrance.until_ns) == ("ann", NOW + HOUR)
-    assert hindrance.free_ns == NOW + HOUR
-    refusal = calendar.refusal(hindrance, "ben")
+    conflict = calendar.why_not("ben", "kuka1", NOW + MIN, required=False)
+    assert conflict is not None
+    assert (conflict.holder, conflict.until_ns) == ("ann", NOW + HOUR)
+    assert conflict.free_ns == NOW + HOUR
+    refusal = calendar.refusal(conflict, "ben")
     assert isinstance(refusal, SlotTaken)
     assert str(refusal) == "KUKA iiwa is taken by Ann until 11:00. You can have it then."
     assert refusal.offers == ("book kuka1 2026-11-21 11:00 15 min", "wait kuka1")
@@ -239,10 +239,10 @@ def test_ones_own_coming_slot_counts_as_the_next_free_time() -> None:
     calendar, _ = a_calendar()
     booked(calendar, NOW)
     booked(calendar, NOW + HOUR, who="ben")
-    hindrance = calendar.why_not("ben", "kuka1", NOW, required=False)
-    assert hindrance is not None
-    assert hindrance.free_ns == NOW + HOUR
-    assert calendar.refusal(hindrance, "ben").offers == ()
+    conflict = calendar.why_not("ben", "kuka1", NOW, required=False)
+    assert conflict is not None
+    assert conflict.free_ns == NOW + HOUR
+    assert calendar.refusal(conflict, "ben").offers == ()
     other = calendar.why_not("cem", "kuka1", NOW, required=False)
     assert other is not None
     assert other.free_ns == NOW + 2 * HOUR
@@ -251,9 +251,9 @@ def test_ones_own_coming_slot_counts_as_the_next_free_time() -> None:
 
 def test_where_a_slot_is_required_free_time_is_nobodys() -> None:
     calendar, _ = a_calendar()
-    hindrance = calendar.why_not("ben", "kuka1", NOW, required=True)
-    assert hindrance is not None
-    refusal = calendar.refusal(hindrance, "ben")
+    conflict = calendar.why_not("ben", "kuka1", NOW, required=True)
+    assert conflict is not None
+    refusal = calendar.refusal(conflict, "ben")
     assert isinstance(refusal, OutsideSlot)
     assert str(refusal) == "KUKA iiwa has to be booked first. It is free now. Nothing was done."
     assert refusal.offers == ("book kuka1 now 15 min",)
@@ -271,15 +271,15 @@ def test_where_a_slot_is_required_free_time_is_nobodys() -> None:
 def test_where_a_slot_is_required_somebody_elses_is_named() -> None:
     calendar, _ = a_calendar()
     booked(calendar, NOW)
-    hindrance = calendar.why_not("ben", "kuka1", NOW, required=True)
-    assert hindrance is not None
-    assert str(calendar.refusal(hindrance, "ben")) == (
+    conflict = calendar.why_not("ben", "kuka1", NOW, required=True)
+    assert conflict is not None
+    assert str(calendar.refusal(conflict, "ben")) == (
         "KUKA iiwa is booked by Ann until 11:00. You can book it from 11:00 on. Nothing was done."
     )
     booked(calendar, NOW + 24 * HOUR, who="ben")
-    hindrance = calendar.why_not("ben", "kuka1", NOW, required=True)
-    assert hindrance is not None
-    assert "Your time begins at tomorrow 10:00." in str(calendar.refusal(hindrance, "ben"))
+    conflict = calendar.why_not("ben", "kuka1", NOW, required=True)
+    assert conflict is not None
+    assert "Your time begins at tomorrow 10:00." in str(calendar.refusal(conflict, "ben"))
 
 
 # ---- restart ----

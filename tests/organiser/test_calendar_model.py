@@ -209,17 +209,17 @@ class Judge:
                 self.compare_hindrance(who, robot, at, required=required)
 
     def compare_hindrance(self, who: str, robot: str, at: int, *, required: bool) -> None:
-        hindrance = self.calendar.why_not(who, robot, at, required)
-        assert (hindrance is None) == self.naive.may(who, robot, at, required=required)
-        if hindrance is None:
+        conflict = self.calendar.why_not(who, robot, at, required)
+        assert (conflict is None) == self.naive.may(who, robot, at, required=required)
+        if conflict is None:
             return
         present = self.naive.present(robot, at)
-        assert hindrance.holder == (present.principal if present else None)
+        assert conflict.holder == (present.principal if present else None)
         whose = None if required else who
-        assert hindrance.free_ns == self.naive.next_free(robot, at, 900 * S, whose)
+        assert conflict.free_ns == self.naive.next_free(robot, at, 900 * S, whose)
         coming = [s for s in self.naive.of_robot(robot) if s.principal == who and s.end_ns > at]
-        assert hindrance.own == min(coming, key=lambda s: s.start_ns, default=None)
-        assert str(self.calendar.refusal(hindrance, who))
+        assert conflict.own == min(coming, key=lambda s: s.start_ns, default=None)
+        assert str(self.calendar.refusal(conflict, who))
 
 
 def id_of(slot: BookedSlot) -> str:

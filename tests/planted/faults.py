@@ -118,8 +118,8 @@ FAULTS = (
     Fault(
         name="I5 whoever may see a robot may resume it",
         file="organiser/organiser.py",
-        guard="decision = self.decision(caller, robot, word, grounds=grounds)",
-        without='decision = self.decision(caller, robot, "read", grounds=grounds)',
+        guard="decision = self.decision(caller, robot, word, auth_context=auth_context)",
+        without='decision = self.decision(caller, robot, "read", auth_context=auth_context)',
         caught_by=(f"{STOPPING}::test_after_a_stop_nothing_moves_until_somebody_who_may_resumes",),
     ),
     Fault(

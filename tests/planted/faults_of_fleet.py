@@ -42,7 +42,7 @@ OF_FLEET = (
     Fault(
         name="somebody's robot is given to another's task",
         file="core/fleet/candidates.py",
-        guard="if glance.holder is not None and glance.holder != task.author:",
+        guard="if candidate.holder is not None and candidate.holder != task.author:",
         without="if False:",
         caught_by=(HISTORIES,),
     ),

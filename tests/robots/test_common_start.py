@@ -17,7 +17,7 @@ from rosic.system import SystemClock
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import OrderBook
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.simulation_loop import theatre_of
+from rosic_sim.robots.simulation_loop import simulation_of
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
@@ -73,7 +73,7 @@ async def test_who_hears_of_it_in_time_or_just_after_begins(late_ns: int) -> Non
     begun_ns = max(here.clock.monotonic_ns(), order.start_ns or 0)
     outcome = await here.done(order)
     assert outcome.ending is OrderEnding.DONE, outcome
-    activity = theatre_of(here.clock).world.omni.activity
+    activity = simulation_of(here.clock).world.omni.activity
     assert activity is not None
     assert activity.begun_s == begun_ns / 1e9
 

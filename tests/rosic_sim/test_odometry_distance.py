@@ -24,9 +24,11 @@ class Odometry:
     def place(self) -> MeasuredPose | None:
         return self.at
 
-    def goes(self, x_m: float, *, births: int = 0, ticks: int = 1, speed_m_s: float = 0.2) -> None:
+    def goes(
+        self, x_m: float, *, restarts: int = 0, ticks: int = 1, speed_m_s: float = 0.2
+    ) -> None:
         before = self.at or MeasuredPose(0.0, 0.0, 0.0, 0, 0)
-        self.at = MeasuredPose(x_m, 0.0, speed_m_s, before.at_ns + ticks * TICK_NS, births)
+        self.at = MeasuredPose(x_m, 0.0, speed_m_s, before.at_ns + ticks * TICK_NS, restarts)
 
 
 def way_of(odometry: Odometry, told: float = 0.2) -> OdometryDistance:
@@ -46,13 +48,13 @@ def test_what_it_drives_is_added_up_also_back_and_over_a_gap() -> None:
 
 
 @pytest.mark.parametrize("births", [0, 1])
-def test_a_jump_is_never_a_way_and_what_follows_tells_no_way_either(births: int) -> None:
+def test_a_jump_is_never_a_way_and_what_follows_tells_no_way_either(restarts: int) -> None:
     odometry = Odometry()
     way = way_of(odometry)
-    odometry.goes(0.01 if births else 0.5, births=births)
+    odometry.goes(0.01 if restarts else 0.5, restarts=restarts)
     way.look()
     assert (way.metres, way.jumped) == (None, True)
-    odometry.goes(0.02, births=births)
+    odometry.goes(0.02, restarts=restarts)
     way.look()
     assert way.metres is None
 

@@ -49,7 +49,7 @@ def test_who_is_new_in_the_place_of_another_was_born_anew() -> None:
     senders = TopicPublishers()
     for now_ns, gid in enumerate((b"a", b"a", b"b", b"a", b"b"), start=1):
         senders.take(about(now_ns, gid), now_ns)
-    assert (senders.births, senders.born_ns) == (1, 2), "two that speak in turn are known"
+    assert (senders.restarts, senders.born_ns) == (1, 2), "two that speak in turn are known"
 
 
 def test_one_that_takes_the_place_of_another_is_not_one_of_several() -> None:

@@ -9,7 +9,7 @@ import pytest
 from rosic.config.profiles import load_profile, shipped_profiles
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.simulation_loop import theatre_of
+from rosic_sim.robots.simulation_loop import simulation_of
 from tests.gateway.place import Place
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ async def _driven(folder: Path, line: str, **changes: tuple[str, str]) -> tuple[
     file.write_text(text)
     omni = load_profile(file, link="simulated")
     async with Simulated(fleet=(omni,)).open() as here:
-        machine = theatre_of(here.clock).world.machines["omni"]
+        machine = simulation_of(here.clock).world.machines["omni"]
         assert isinstance(machine, Omni)
         before = (machine.base.x_m, machine.base.y_m)
         await here.say(line)

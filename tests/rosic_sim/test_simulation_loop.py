@@ -17,7 +17,7 @@ from rosic.robots.ros2.client.node import station_of
 from rosic.system import SystemClock
 from rosic.testing.factories import OrderBook
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.simulation_loop import theatre_of
+from rosic_sim.robots.simulation_loop import simulation_of
 from tests.pace import pace
 
 if TYPE_CHECKING:
@@ -40,9 +40,9 @@ async def moved_once(clock: SystemClock) -> None:
 
 async def test_a_world_lives_as_long_as_its_clock() -> None:
     clock = SystemClock()
-    world = ref(theatre_of(clock))
+    world = ref(simulation_of(clock))
     await moved_once(clock)
-    assert world() is theatre_of(clock)
+    assert world() is simulation_of(clock)
 
     del clock
     async with asyncio.timeout(60 * pace()):
@@ -79,8 +79,8 @@ async def test_a_stop_in_full_motion_ends_when_rest_is_measured() -> None:
 async def test_two_clocks_are_two_worlds() -> None:
     ours, theirs = SystemClock(), SystemClock()
 
-    assert theatre_of(ours) is theatre_of(ours)
-    assert theatre_of(ours) is not theatre_of(theirs)
+    assert simulation_of(ours) is simulation_of(ours)
+    assert simulation_of(ours) is not simulation_of(theirs)
 
 
 def test_a_ros_2_station_lives_as_long_as_its_clock() -> None:

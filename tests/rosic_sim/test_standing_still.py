@@ -16,7 +16,7 @@ from rosic.core.robot.profile import Link
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import OrderBook
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.simulation_loop import theatre_of
+from rosic_sim.robots.simulation_loop import simulation_of
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -49,7 +49,7 @@ def begun(robot: SimulatedRobot, order: Order) -> asyncio.Task[Outcome]:
 
 
 def x_m(robot: SimulatedRobot, clock: ManualClock) -> float:
-    return float(theatre_of(clock).world.machines[robot.profile.id].telemetry()["x_m"])
+    return float(simulation_of(clock).world.machines[robot.profile.id].telemetry()["x_m"])
 
 
 async def test_a_drive_ends_for_good_and_says_for_how_long_it_drove() -> None:
@@ -98,7 +98,7 @@ async def test_a_drone_that_follows_does_not_follow_on() -> None:
         clock.suspend(8.0)
         await clock.advance(10.0)
         assert following.result().code == STOOD_STILL
-        assert theatre_of(clock).world.machines["cf2"].at_rest(), "it has landed"
+        assert simulation_of(clock).world.machines["cf2"].at_rest(), "it has landed"
 
 
 FOLLOW: dict[str, Argument] = {"leader": "cf1", "distance": 1.5, "bearing": 0.0}

@@ -31,7 +31,7 @@ class SleepyClock:
 class Side:
     """A robot's side that is heard all the time; beside it somebody joins, named only later."""
 
-    within_s, births = 2.0, 0
+    within_s, restarts = 2.0, 0
 
     def __init__(self, clock: SleepyClock, named_at_s: float) -> None:
         self.sent_s: list[float] = []

@@ -255,7 +255,7 @@ class AddRobotFromChat:
     async def _draft(self, filed: StoredFile) -> ProfileDraft:
         if filed.size > TEXT_BYTES:
             raise NotUnderstood(words.TOO_LONG)
-        content = await content_of(self._data_context.vault, filed)
+        content = await content_of(self._data_context.container_store, filed)
         try:
             return ProfileDraft(text=content.decode("utf-8-sig"), name=filed.name)
         except UnicodeDecodeError:
@@ -280,7 +280,7 @@ def newcomers_of(gateway: RunningGateway, robot_adder: RobotAdder) -> None:
         newcomers = AddRobotFromChat(
             robot_adder, data_feature.data_context, gateway.rooms.organiser
         )
-        gateway.furnished.fleet.robots.newcomer = newcomers.add
+        gateway.features.fleet.robots.newcomer = newcomers.add
         data_feature.receiving.offer = newcomers.offering(data_feature.receiving.offer)
 
 

@@ -20,7 +20,7 @@ from rosic.features.alerts.offline_notices import OfflineNotices
 from rosic.features.alerts.recipients import Recipients
 from rosic.features.alerts.stop_violations import StopViolations
 from rosic.features.benchmarks.evaluation import follow
-from rosic.features.media.commands import register_commands, sights
+from rosic.features.media.commands import register_commands, view_buttons
 from rosic.features.media.context import MediaContext, MediaQueries
 from rosic.features.media.render_queue import RenderQueue
 from rosic.features.media.telemetry_buffer import TelemetrySampler
@@ -143,7 +143,7 @@ def author_findings(file: ConfigFile, robots: Iterable[Profile]) -> Iterator[Val
 # ---- pictures ----
 
 
-def painter() -> Renderer | None:
+def renderer() -> Renderer | None:
     """Return who draws; None where Pillow is not installed.
 
     Nothing of it is loaded before the first picture is drawn.
@@ -158,7 +158,7 @@ def _draw(subject: Subject, *, low: bool = False, say: Callable[[str], str] = st
 
 def jpeg_drawer() -> Callable[[Scene], bytes] | None:
     """Return what draws the frames of simulated cameras; None where Pillow is not installed."""
-    return None if painter() is None else lambda scene: _draw(scene, low=True).content
+    return None if renderer() is None else lambda scene: _draw(scene, low=True).content
 
 
 def set_up_media(
@@ -192,7 +192,7 @@ def set_up_media(
         clock=clock,
     )
     register_commands(pipeline.hooks.commands, media_feature)
-    pipeline.hooks.sights.bind(partial(sights, media_feature))
+    pipeline.hooks.view_buttons.bind(partial(view_buttons, media_feature))
     for profile in profiles.values():
         add_seen(media_feature, pipeline, profile)
     return media_feature

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 from zoneinfo import ZoneInfo
 
-from rosic.app.alert_feature import painter
+from rosic.app.alert_feature import renderer
 from rosic.app.runtime import face_of
 from rosic.app.settings import GatewayParts, GatewaySettings, SupportsCompletion
 from rosic.config.plugins import demand_good, messenger_factory, robot_factory, shared_spaces
@@ -75,7 +75,7 @@ def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -
         entropy=entropy,
         units=known_units(),
         face=face_of(ZoneInfo(config.zone)),
-        painter=painter(),
+        renderer=renderer(),
     )
 
 

@@ -123,8 +123,8 @@ class DataFeature:
     async def set_up(
         self,
         pipeline: Pipeline,
-        furnished: FeatureSetup,
-        vault: ContainerStore,
+        features: FeatureSetup,
+        container_store: ContainerStore,
         memory: Memory,
         parts: ContainerFactory,
     ) -> None:
@@ -138,12 +138,12 @@ class DataFeature:
             rooms.profiles,
             rooms.vocabulary,
             self._clock,
-            furnished.reach.tell,
-            pipeline.habits,
+            features.reach.tell,
+            pipeline.command_history,
         )
-        data_context = data_context_of(around, vault, self.archive, parts, self._room)
+        data_context = data_context_of(around, container_store, self.archive, parts, self._room)
         self.data_context = data_context
-        erasing = self.erasing = ErasureCommands(data_context, self._sides(pipeline, furnished))
+        erasing = self.erasing = ErasureCommands(data_context, self._sides(pipeline, features))
         commands, filing = pipeline.hooks.commands, FileCommands(data_context)
         register_commands(commands, data_context, erasing)
         filing.register(commands)
@@ -170,9 +170,11 @@ class DataFeature:
         Raises:
             RecordUnavailable: Not all could be written; the rest is tried the next time.
         """
-        if self.data_context is not None and (habits := self.data_context.habits.unwritten()):
+        if self.data_context is not None and (
+            command_history := self.data_context.command_history.unwritten()
+        ):
             async with self.data_context.changes.turn() as turn:
-                await turn.write(habits)
+                await turn.write(command_history)
         if self.erasing is not None and self.erasing.unfinished:
             await self.erasing.finish()
 
@@ -234,7 +236,7 @@ class DataFeature:
         if self._aside is not None:
             await self._aside.end(principal)
 
-    def _sides(self, pipeline: Pipeline, furnished: FeatureSetup) -> ErasureQueries:
+    def _sides(self, pipeline: Pipeline, features: FeatureSetup) -> ErasureQueries:
         rooms, access, authority = self._rooms, self._access, self._authority
         directory = rooms.authoriser.directory
 
@@ -251,8 +253,8 @@ class DataFeature:
                 *phone,
                 *authority.grants_book.take(principal, by),
                 *access.ahead(principal),
-                *furnished.live_cards.end_all(principal),
-                *furnished.fleet.end_all(principal),
+                *features.live_cards.end_all(principal),
+                *features.fleet.end_all(principal),
                 *(record for end in self.also_ends for record in end(principal)),
                 *(r for key in good for r in access.keys.revoke(key.id, by).records),
             )
@@ -261,7 +263,7 @@ class DataFeature:
             directory.enrol(Principal(id=principal, name=SOMEBODY))
             rooms.authoriser.forget(principal)
             rooms.container.forget(principal)
-            pipeline.habits.forget(principal)
+            pipeline.command_history.forget(principal)
 
         async def ended(principal: PrincipalId) -> None:
             self._enforcer.enforce()
@@ -334,12 +336,12 @@ class DataContext(NamedTuple):
     vocabulary: Vocabulary
     clock: Clock
     tell: Callable[[tuple[PrincipalId, ...], str], object]
-    habits: CommandHistory
+    command_history: CommandHistory
 
 
 def data_context_of(
     around: DataContext,
-    vault: ContainerStore,
+    container_store: ContainerStore,
     archive: Archive,
     parts: ContainerFactory,
     room: FileQuota,
@@ -358,9 +360,9 @@ def data_context_of(
         preferences=preferences,
         shelf=shelf,
         files=FileStore(clock, room),
-        habits=around.habits,
+        command_history=around.command_history,
         archive=archive,
-        vault=vault,
+        container_store=container_store,
         changes=around.access.changes,
         clock=clock,
         name=around.authoriser.directory.name,

@@ -8,7 +8,7 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 from rosic.app.admin.dispatch import AdminDispatcher
-from rosic.app.alert_feature import painter
+from rosic.app.alert_feature import renderer
 from rosic.app.closing import close_in_time, on_signals
 from rosic.app.console import console_of, mind_console, read_at
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
@@ -138,7 +138,7 @@ def gateway_of(
         entropy=entropy,
         units=known_units(),
         face=face_of(),
-        painter=painter(),
+        renderer=renderer(),
     )
     limit = RateLimit() if is_terminal(sys.stdin) else PIPED
     return Gateway(GatewaySettings(profiles=tuple(profiles), people=(you,), limit=limit), parts)

@@ -79,7 +79,7 @@ class FeatureSetup:
         live_cards: Shows in chats how robots are.
         fleet: Brings tasks to robots.
         retracting: Takes away what held a secret.
-        judging: Follows robots against their benchmarks.
+        evaluation: Follows robots against their benchmarks.
     """
 
     def __init__(
@@ -140,9 +140,11 @@ class FeatureSetup:
         self.fleet = FleetFeature(self._rooms, self._access.changes, clock, hands)
         self.fleet.set_up(self._pipeline, memory, settings)
         alarms.running.tasks = RuleTasks(self._rooms, self.fleet.dispatching)
-        self.judging = set_up_benchmarks(self._rooms, self._access, self._pipeline, memory, clock)
+        self.evaluation = set_up_benchmarks(
+            self._rooms, self._access, self._pipeline, memory, clock
+        )
         asking = Askers(alarms.alerting, self._snapshots, self._naming)
-        show_benchmarks(self.judging, self._rooms, self._pipeline, asking)
+        show_benchmarks(self.evaluation, self._rooms, self._pipeline, asking)
         self.fleet.show_on_cards(self.live_cards, self._card_sides, self._pipeline, memory)
         return alarms
 
@@ -152,7 +154,7 @@ class FeatureSetup:
         await self.live_cards.close()
         await self.fleet.close()
         await self.retracting.close()
-        await self.judging.settings.written()
+        await self.evaluation.settings.written()
 
     # ---- people ----
 
@@ -185,18 +187,22 @@ class FeatureSetup:
             ahead=access.ahead,
             ended=ended,
         )
-        powers = AdminPolicy(registry)
-        access.may_invite.bind(powers.may_admit)
-        self.notices = AccessNotices(registry, powers)
+        admin_policy = AdminPolicy(registry)
+        access.may_invite.bind(admin_policy.may_admit)
+        self.notices = AccessNotices(registry, admin_policy)
         newcomer_chat = NewcomerChat(
             self._chat_sender, messengers, clock, entropy, count=access.counters.count
         )
         self.admitting = ApprovalCommands(
-            registry, powers, newcomer_chat, menu=self._pipeline.menu, forget=access.forget_newcomer
+            registry,
+            admin_policy,
+            newcomer_chat,
+            menu=self._pipeline.menu,
+            forget=access.forget_newcomer,
         )
         joining = JoinHandler(
             registry,
-            powers,
+            admin_policy,
             self.admitting,
             newcomer_chat,
             shown_as=lambda inbound: clean_name(inbound.shown_as),
@@ -208,14 +214,14 @@ class FeatureSetup:
             shown=lambda name: profiles[name].shown if name in profiles else name,
             zone_of=self._rooms.organiser.calendar.zone,
         )
-        self.granting = GrantCommands(registry, powers, entropy, places.zone_of)
+        self.granting = GrantCommands(registry, admin_policy, entropy, places.zone_of)
         self.request_commands = AccessRequestCommands(
-            registry, powers, access.access_requests, self.granting, places
+            registry, admin_policy, access.access_requests, self.granting, places
         )
-        self.rolemaking = RoleCommands(registry, powers, authority.rolebook)
+        self.rolemaking = RoleCommands(registry, admin_policy, authority.rolebook)
         about = AccountCommands(
             registry,
-            powers,
+            admin_policy,
             self.admitting,
             slots=self._slots_of,
             zone_of=places.zone_of,
@@ -225,9 +231,9 @@ class FeatureSetup:
         handlers = AccessCommands(
             about,
             self.admitting,
-            RevokeLockCommands(registry, powers, self.notices),
-            InviteCommands(registry, powers, link=_link),
-            SecondFactorCommands(registry, powers),
+            RevokeLockCommands(registry, admin_policy, self.notices),
+            InviteCommands(registry, admin_policy, link=_link),
+            SecondFactorCommands(registry, admin_policy),
             self.granting,
             self.request_commands,
             self.rolemaking,

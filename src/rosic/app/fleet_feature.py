@@ -245,29 +245,29 @@ def set_up_benchmarks(
     settings = BenchmarkSettings(access.changes, clock.wall_ns)
     settings.restore(memory.facts.get(SETTING, ()))
     access.changes.keep(SETTING, settings.apply)
-    judging = BenchmarkEvaluation(rooms.linker, rooms.profiles, clock, settings)
+    evaluation = BenchmarkEvaluation(rooms.linker, rooms.profiles, clock, settings)
     for profile in rooms.profiles.values():
-        add_judged(judging, pipeline, profile)
-    return judging
+        add_judged(evaluation, pipeline, profile)
+    return evaluation
 
 
-def add_judged(judging: BenchmarkEvaluation, pipeline: Pipeline, profile: Profile) -> None:
+def add_judged(evaluation: BenchmarkEvaluation, pipeline: Pipeline, profile: Profile) -> None:
     """Follow a robot if it has benchmarks or can be set."""
-    judging.add_robot(profile)
+    evaluation.add_robot(profile)
     skills = profile.skills.values()
     if any(s.benchmark is not None or s.kind is SkillClass.CONFIG for s in skills):
-        follow(pipeline.executor, judging)
+        follow(pipeline.executor, evaluation)
 
 
 def show_benchmarks(
-    judging: BenchmarkEvaluation, rooms: Components, pipeline: Pipeline, sides: BenchmarkContext
+    evaluation: BenchmarkEvaluation, rooms: Components, pipeline: Pipeline, sides: BenchmarkContext
 ) -> None:
     """Let rules, cards and people ask how robots do."""
 
     def show() -> None:
-        sides.alerting.judged = judging.seen
-        sides.snapshots.benchmark = judging.line
+        sides.alerting.judged = evaluation.seen
+        sides.snapshots.benchmark = evaluation.line
 
-    judging.show_with(show)
-    handler = BenchmarkCommands(judging, rooms, sides.naming, pipeline.face)
+    evaluation.show_with(show)
+    handler = BenchmarkCommands(evaluation, rooms, sides.naming, pipeline.face)
     pipeline.hooks.commands.register("benchmark", handler.benchmark)

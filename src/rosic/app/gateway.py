@@ -78,7 +78,7 @@ HOLD_WITHIN_S = 0.3
 
 
 class Gateway(RunningGateway):
-    """A running ROSIC.
+    """A running gateway: rooms, features and adapters, put together.
 
     Attributes:
         outbox: Keeps what is still to be said, over a crash.
@@ -112,7 +112,7 @@ class Gateway(RunningGateway):
             if self._know_added(memory):
                 vocabulary = self._vocabulary()
             await self._compose(memory, vocabulary)
-            opening = RobotStartup(self._robot_says, self.furnished, self._opened)
+            opening = RobotStartup(self._robot_says, self.features, self._opened)
             await opening.all(self.robots.values())
             await self._recover(memory)
         except BaseException:
@@ -215,32 +215,30 @@ class Gateway(RunningGateway):
         chat_sender, reach = self._speaking()
         self.pipeline = self._pipeline(chat_sender, reach)
         self._ends.append(self._end_orders)
-        self.furnished = FeatureSetup(
+        self.features = FeatureSetup(
             self.rooms, self.pipeline, self.access, self.stop_lane, chat_sender, self.enforcer
         )
-        self.furnished.set_up(reach, time, parts.entropy, self._settings.zone)
+        self.features.set_up(reach, time, parts.entropy, self._settings.zone)
         self.media_feature = set_up_media(
-            self.rooms, self.pipeline, chat_sender, parts.painter, parts.clock
+            self.rooms, self.pipeline, chat_sender, parts.renderer, parts.clock
         )
         self._closes.append(self.media_feature.render_queue.close)
         self._ends.append(self._end_sampling)
-        self.furnished.live_cards.drawing.picturing.camera = DashboardCamera(self.media_feature)
-        self.alarms = self.furnished.alarms(memory, self._settings, time, parts.face)
+        self.features.live_cards.drawing.picturing.camera = DashboardCamera(self.media_feature)
+        self.alarms = self.features.alarms(memory, self._settings, time, parts.face)
         self.alarms.watch(self._messengers)
         groups_feature = groups_of(self, chat_sender, parts.clock, self._settings.place)
         groups_feature.gather(self._messengers, memory)
         self.among = messaging_of(self, parts, chat_sender, memory)
-        self.record_watch = record_watch_of(parts.store, parts.latch, parts.clock, self.furnished)
+        self.record_watch = record_watch_of(parts.store, parts.latch, parts.clock, self.features)
         ways = RobotConnections(self._opened.append, self._robot_says)
         self.robot_adder = RobotRegistry(self, self._settings, parts, memory, ways)
         self._closes.append(self.robot_adder.close)
         settled, now_ns = self.pipeline.backlog.settled, time.wall_ns()
         await take_in(self._messengers, memory, parts.store, self.rooms, settled, now_ns)
         if isinstance(parts.store, ContainerStore):
-            await self.data_feature.set_up(
-                self.pipeline, self.furnished, parts.store, memory, parts
-            )
-            self.furnished.reach.tell(self.data_feature.preferences.damaged(), SETTINGS_DAMAGED)
+            await self.data_feature.set_up(self.pipeline, self.features, parts.store, memory, parts)
+            self.features.reach.tell(self.data_feature.preferences.damaged(), SETTINGS_DAMAGED)
             newcomers_of(self, self.robot_adder)
 
     def _elsewhere(self, reach: Notifier) -> UndeliverableHandler:
@@ -289,10 +287,10 @@ class Gateway(RunningGateway):
         recovery = Recovery(parts.store, linker, self._chat_sender, parts.clock, messengers, ends)
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
         linker.watch_stopped()
-        await self.furnished.fleet.settle(memory, parts.store)
-        self.furnished.retracting.begin(self._messengers, memory.facts)
-        warn_of_thieves(parts.messengers, self.furnished)
-        self.outbox.restore(memory.facts, messengers, self.furnished.reach.dress)
+        await self.features.fleet.settle(memory, parts.store)
+        self.features.retracting.begin(self._messengers, memory.facts)
+        warn_of_thieves(parts.messengers, self.features)
+        self.outbox.restore(memory.facts, messengers, self.features.reach.dress)
         if count:
             log.warning("interrupted commands that were settled: %d", count)
 
@@ -309,13 +307,13 @@ class Gateway(RunningGateway):
         maintenance = Maintenance(
             access,
             self.enforcer,
-            self.furnished,
+            self.features,
             self.data_feature,
             access.time,
             self._daily,
         )
         keeping = [
-            asyncio.create_task(self.furnished.scheduler.run()),
+            asyncio.create_task(self.features.scheduler.run()),
             asyncio.create_task(maintenance.run()),
             asyncio.create_task(self.media_feature.sampler.run()),
             asyncio.create_task(self.alarms.run()),
@@ -323,7 +321,7 @@ class Gateway(RunningGateway):
             asyncio.create_task(self.record_watch.run()),
             asyncio.create_task(save_now_and_then(rates, parts.store, parts.clock)),
         ]
-        self.furnished.fleet.run()
+        self.features.fleet.run()
         try:
             done, _ = await asyncio.wait(self._listening, return_when=asyncio.FIRST_EXCEPTION)
             for task in done:
@@ -331,7 +329,7 @@ class Gateway(RunningGateway):
         finally:
             for task in keeping:
                 task.cancel()
-            await asyncio.gather(self.furnished.close(), self.alarms.close())
+            await asyncio.gather(self.features.close(), self.alarms.close())
             await self._fall_deaf()
 
     async def _daily(self) -> None:

@@ -1,4 +1,4 @@
-"""What a gateway is made of once its rooms are furnished, for what is added to it afterwards."""
+"""What a gateway is made of once its rooms are set up, for what is added to it afterwards."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class RunningGateway:
     Attributes:
         pipeline, rooms, stop_lane, robots: Made when the gateway opens.
         profiles: Of every robot; what the rooms look into, so that it grows for all of them.
-        authority, enforcer, access, furnished, data_feature: Likewise.
+        authority, enforcer, access, features, data_feature: Likewise.
         languages, media_feature, alarms, among: Likewise.
     """
 
@@ -38,7 +38,7 @@ class RunningGateway:
     authority: PolicyService
     enforcer: PolicyEnforcer
     access: AccessFeature
-    furnished: FeatureSetup
+    features: FeatureSetup
     data_feature: DataFeature
     media_feature: MediaContext
     languages: ChatLanguages

@@ -40,7 +40,7 @@ class Maintenance:
         self,
         access: AccessFeature,
         enforcer: PolicyEnforcer,
-        furnished: FeatureSetup,
+        features: FeatureSetup,
         data_feature: DataFeature,
         clock: Clock,
         daily: Callable[[], Awaitable[None]],
@@ -50,7 +50,7 @@ class Maintenance:
         self._day_ns = clock.monotonic_ns()
         self._access = access
         self._authority, self._enforcer = enforcer.policy, enforcer
-        self._furnished = furnished
+        self._features = features
         self._clock = clock
         self._behind = False
         self._woken = asyncio.Event()
@@ -58,7 +58,7 @@ class Maintenance:
 
     async def run(self) -> None:
         """Mind until cancelled. What fails is logged and tried again."""
-        self._furnished.live_cards.run()
+        self._features.live_cards.run()
         while True:
             self._woken.clear()
             try:
@@ -101,9 +101,9 @@ class Maintenance:
                     *access.counters.due(),
                 )
             )
-        self._furnished.granting.announce(over)
-        await self._furnished.admitting.lapse()
-        await self._furnished.request_commands.lapse()
+        self._features.granting.announce(over)
+        await self._features.admitting.lapse()
+        await self._features.request_commands.lapse()
         await self._data_feature.finish()
         if self._clock.monotonic_ns() >= self._day_ns:
             await self._daily()
@@ -118,8 +118,8 @@ class Maintenance:
                 "what has ended stays ended, and nothing new moves. See: rosic clock",
                 behind_s,
             )
-            furnished = self._furnished
-            furnished.reach.tell(furnished.admins(), CLOCK_SET_BACK, urgent=True)
+            features = self._features
+            features.reach.tell(features.admins(), CLOCK_SET_BACK, urgent=True)
         self._behind = behind
 
 

@@ -109,11 +109,11 @@ class RecordMonitor:
 
 
 def record_watch_of(
-    store: object, latch: object, clock: Clock, furnished: FeatureSetup
+    store: object, latch: object, clock: Clock, features: FeatureSetup
 ) -> RecordMonitor:
     """Return what tells the admins when a file of the record is gone."""
 
     def tell(text: str) -> None:
-        furnished.reach.tell(furnished.admins(), text, urgent=True)
+        features.reach.tell(features.admins(), text, urgent=True)
 
     return RecordMonitor(store, latch, clock, tell)

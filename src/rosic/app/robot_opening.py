@@ -22,18 +22,18 @@ class RobotStartup:
 
     Args:
         says: What becomes of a robot's words once people are heard.
-        furnished: Knows who looks after people here, and how to reach them.
+        features: Knows who looks after people here, and how to reach them.
         opened: Every robot that was opened is put here, in order.
     """
 
     def __init__(
         self,
         says: Callable[[Profile, str], None],
-        furnished: FeatureSetup,
+        features: FeatureSetup,
         opened: list[Robot],
     ) -> None:
         self._says = says
-        self._furnished = furnished
+        self._features = features
         self._opened = opened
         self._waiting = True
         self._told = False
@@ -52,7 +52,7 @@ class RobotStartup:
             self._tell_admins(said("All robots are prepared. From now on I listen."))
 
     def _tell_admins(self, text: str) -> None:
-        self._furnished.reach.tell(self._furnished.admins(), text)
+        self._features.reach.tell(self._features.admins(), text)
 
     def _mouth(self, profile: Profile) -> Callable[[str], None]:
         def says(text: str) -> None:
@@ -69,7 +69,7 @@ class RobotStartup:
         return says
 
 
-def warn_of_thieves(messengers: Iterable[Messenger], furnished: FeatureSetup) -> None:
+def warn_of_thieves(messengers: Iterable[Messenger], features: FeatureSetup) -> None:
     """Have the admins told wherever they are reached that somebody else acts for a messenger.
 
     Through that messenger too: whoever has its token may take the words away again, but not from
@@ -77,7 +77,7 @@ def warn_of_thieves(messengers: Iterable[Messenger], furnished: FeatureSetup) ->
     """
 
     def warn(fault: MessengerFault) -> None:
-        furnished.reach.tell(furnished.admins(), fault.sentence, urgent=True)
+        features.reach.tell(features.admins(), fault.sentence, urgent=True)
 
     for messenger in messengers:
         alarm_to(messenger, warn)

@@ -152,7 +152,7 @@ class RobotRegistry:
         return profile, advice
 
     def _standing(self, robot: str) -> FleetMembership:
-        return self._gateway.furnished.fleet.dispatching.fleet.standing(robot)
+        return self._gateway.features.fleet.dispatching.fleet.standing(robot)
 
     async def close(self) -> None:
         """Add nobody any more. What is on the record is added by the next start."""
@@ -292,7 +292,7 @@ class RobotRegistry:
         if stopped := meanwhile != stops:
             gateway.stop_lane.stop_robots((profile.id,), by)
         gateway.alarms.alerting.add_robot(newcomer.rules, newcomer.lines)
-        add_judged(gateway.furnished.judging, gateway.pipeline, profile)
+        add_judged(gateway.features.evaluation, gateway.pipeline, profile)
         add_seen(gateway.media_feature, gateway.pipeline, profile)
         if isinstance(newcomer.robot, PeerRobot):
             gateway.among.join(profile.id, newcomer.robot)

@@ -105,23 +105,23 @@ class GroupsFeature:
 def groups_of(
     gateway: RunningGateway, chat_sender: ChatSender, clock: Clock, place: str
 ) -> GroupsFeature:
-    """Make it for a gateway whose rooms are furnished."""
-    furnished, pipeline = gateway.furnished, gateway.pipeline
+    """Make it for a gateway whose rooms are set up."""
+    features, pipeline = gateway.features, gateway.pipeline
     around = GroupQueries(
         rooms=gateway.rooms,
         followers=pipeline.followers,
         chat_sender=chat_sender,
-        reach=furnished.reach,
+        reach=features.reach,
         changes=gateway.access.changes,
         archive=gateway.data_feature.archive,
         clock=clock,
         place=place,
-        admins=furnished.admins,
-        cards=furnished.live_cards,
+        admins=features.admins,
+        cards=features.live_cards,
     )
     groups_feature = GroupsFeature(pipeline, gateway.authority, around)
     groups_feature.windows = ChannelDisplays(
-        furnished.live_cards, gateway.rooms, gateway.access.changes, furnished.reach
+        features.live_cards, gateway.rooms, gateway.access.changes, features.reach
     )
     groups_feature.windows.register(pipeline.hooks.commands)
     return groups_feature
@@ -144,19 +144,19 @@ def _admins(authority: PolicyService, clock: Clock) -> list[PrincipalId]:
 def messaging_of(
     gateway: RunningGateway, parts: GatewayParts, chat_sender: ChatSender, memory: Memory
 ) -> RobotMessaging:
-    """Make it for a gateway whose rooms are furnished, and have its robots meet.
+    """Make it for a gateway whose rooms are set up, and have its robots meet.
 
     Raises:
         ConfigurationError: A messenger speaks for robots, so anybody there could be one.
     """
     if any(messenger.platform == ROBOT for messenger in parts.messengers):
         raise ConfigurationError(f"No messenger may be called {ROBOT!r}: robots' addresses are.")
-    rooms, changes, reach = gateway.rooms, gateway.access.changes, gateway.furnished.reach
+    rooms, changes, reach = gateway.rooms, gateway.access.changes, gateway.features.reach
     clock, entropy = parts.clock, parts.entropy
     rights, guard = PeerPermissions(rooms), LoopGuard()
     board = SharedState(clock.wall_ns)
     post = Subscriptions(rights, board, guard, clock)
-    fleet = gateway.furnished.fleet
+    fleet = gateway.features.fleet
     book = fleet.help_book
     around = RobotToRobotContext(rights, rooms, changes, reach, post, parts.store, clock, entropy)
     circle = PeerGroup(

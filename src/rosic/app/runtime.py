@@ -63,19 +63,19 @@ async def _until(holds: Callable[[], bool], clock: Clock, seconds: float) -> boo
 
 def tasks_go_on(gateway: Gateway) -> bool:
     """Whether a task is carried out, or could be without anybody saying anything more."""
-    fleet = gateway.furnished.fleet.dispatching.fleet
+    fleet = gateway.features.fleet.dispatching.fleet
     return bool(fleet.holds) or any(_begins(gateway, fleet.tasks[key]) for key in fleet.waiting)
 
 
 def _begins(gateway: Gateway, task: Task) -> bool:
     """Whether some robot will begin a task once it is free; one that is stopped never is."""
-    rooms, fleet = gateway.rooms, gateway.furnished.fleet
-    state, glance = fleet.dispatching.fleet, fleet.watching.glance
+    rooms, fleet = gateway.rooms, gateway.features.fleet
+    state, candidate = fleet.dispatching.fleet, fleet.watching.candidate
     return state.ready(task) and any(
         not rooms.board[robot].latched
         and state.standing(robot) is FleetMembership.ACTIVE
         and rooms.linker.presence(robot).online is not False
-        and fits(task, glance(robot))
+        and fits(task, candidate(robot))
         for robot in task.left
     )
 

@@ -154,10 +154,10 @@ class GatewayService:
     async def _serve(self) -> None:
         config = self._config
         books = books_of(self._gateway, config.zone, self._parts.messengers, self._bots)
-        desk = AdminApi(books)
-        control = ControlServer(config.data, AdminDispatcher(self._gateway, desk))
+        admin = AdminApi(books)
+        control = ControlServer(config.data, AdminDispatcher(self._gateway, admin))
         await control.open()
-        working = asyncio.create_task(self._work(desk))
+        working = asyncio.create_task(self._work(admin))
         ending = asyncio.create_task(self._ended.wait())
         tasks = [working, ending]
         if (console := console_of(self._parts.messengers)) is not None:
@@ -177,7 +177,7 @@ class GatewayService:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _work(self, desk: AdminApi) -> None:
+    async def _work(self, admin: AdminApi) -> None:
         messengers = self._parts.messengers
         self._bots += await check_accounts(messengers)
         runtime.settle()
@@ -190,17 +190,17 @@ class GatewayService:
             "robot" if robots == 1 else "robots",
             ", ".join(messenger.name for messenger in messengers),
         )
-        await self._welcome(desk)
+        await self._welcome(admin)
         await self._gateway.run()
 
-    async def _welcome(self, desk: AdminApi) -> None:
+    async def _welcome(self, admin: AdminApi) -> None:
         """Tell whoever sits here how to begin; the first admin's code is shown nowhere else."""
         if self._show is None:
-            if desk.access.nobody_is_admin():
+            if admin.access.nobody_is_admin():
                 log.warning("nobody is admin here yet: rosic invite --role admin gives a code")
             return
         try:
-            shown = await desk.access.first_admin()
+            shown = await admin.access.first_admin()
         except RosicError as error:
             log.warning("there is no code for the first admin: %s", error)
             return

@@ -65,7 +65,7 @@ class GatewayParts(msgspec.Struct, frozen=True, kw_only=True):
     """The adapters of a gateway; a test owns each of them.
 
     Attributes:
-        painter: Draws what is seen; None: people are told that nobody here can.
+        renderer: Draws what is seen; None: people are told that nobody here can.
     """
 
     messengers: tuple[Messenger, ...]
@@ -76,4 +76,4 @@ class GatewayParts(msgspec.Struct, frozen=True, kw_only=True):
     entropy: Entropy
     units: UnitTable
     face: Face
-    painter: Renderer | None = None
+    renderer: Renderer | None = None

@@ -110,7 +110,7 @@ class EnrolmentAlarm(msgspec.Struct, frozen=True):
 
 
 class EnrolmentRefused(msgspec.Struct, frozen=True):
-    """Nobody came in.
+    """Nobody was enrolled, and why.
 
     Attributes:
         kind: For counting and logs, never shown: ``code-used``, ``code-expired``, ...

@@ -24,7 +24,7 @@ ADDRESSES_AT_MOST: Final = 10_000
 
 
 class GuessLimits(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """When joining pauses.
+    """How many wrong codes pause joining, and for how long.
 
     Attributes:
         tries: Wrong codes of one address before it has to wait.

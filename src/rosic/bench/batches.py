@@ -42,7 +42,7 @@ ENDED = "done "
 
 
 class CommandBatch(msgspec.Struct, frozen=True, kw_only=True):
-    """One batch.
+    """One batch of commands.
 
     Attributes:
         faster: So many times faster than Telegram, on both sides, for a test of seconds.

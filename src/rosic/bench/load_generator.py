@@ -28,7 +28,7 @@ CONNECTING_S = 20.0
 
 
 class RobotHeartbeat(msgspec.Struct, array_like=True, tag=0, frozen=True, gc=False):
-    """A robot lives."""
+    """A robot says that it is there."""
 
     robot: str
 

@@ -42,7 +42,7 @@ SLICES = 20
 
 
 class OrderLoad(msgspec.Struct, frozen=True, kw_only=True):
-    """One case.
+    """How much one case of the bench asks for.
 
     Attributes:
         roles: Of the place's own, dealt out to people in turn; 0: all are operators.

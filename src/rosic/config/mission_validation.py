@@ -31,7 +31,7 @@ LONGEST_S: Final = float(DAY_S)
 
 
 class MissionCheck:
-    """Looks at parts.
+    """Collects what is wrong with the parts of a mission.
 
     Args:
         vocabulary: What the robots understand.

@@ -173,7 +173,7 @@ _CASE_DECIDES = frozenset({"mm", "ms", "mN", "mV", "mA", "mg", "mrad", "Nm", "Nc
 
 
 class UnitFactors(msgspec.Struct, frozen=True, kw_only=True):
-    """What pint said.
+    """The factors that pint gave.
 
     Attributes:
         pint: Its version.

@@ -196,10 +196,10 @@ class ContainerSummary(msgspec.Struct, frozen=True):
     size: int
 
 
-def summary(belongings: Iterable[Fact]) -> tuple[ContainerSummary, ...]:
+def summary(container_facts: Iterable[Fact]) -> tuple[ContainerSummary, ...]:
     """Return how much of each kind a container holds, by kind."""
     found: dict[str, tuple[int, int]] = {}
-    for fact in belongings:
+    for fact in container_facts:
         count, size = found.get(fact.kind, (0, 0))
         found[fact.kind] = (count + 1, size + len(fact.letter.content if fact.letter else b""))
     return tuple(ContainerSummary(kind, *found[kind]) for kind in sorted(found))

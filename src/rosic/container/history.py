@@ -53,18 +53,18 @@ class CommandHistory:
             self._last.popitem(last=False)
         if len(command) > LONGEST:
             return
-        habits = self._people.get(principal)
-        if habits is None:
-            habits = self._people[principal] = {}
+        command_history = self._people.get(principal)
+        if command_history is None:
+            command_history = self._people[principal] = {}
             if len(self._people) > PEOPLE_AT_MOST:
                 self._kept.pop(self._people.popitem(last=False)[0], None)
-        habits[said] = times = habits.get(said, 0) + 1
+        command_history[said] = times = command_history.get(said, 0) + 1
         if times > OFTEN:
             return
         if times == OFTEN:
             self._changed[principal] = None
-        if len(habits) > COMMANDS_AT_MOST:
-            self._people[principal] = {what: n // 2 for what, n in habits.items() if n > 1}
+        if len(command_history) > COMMANDS_AT_MOST:
+            self._people[principal] = {what: n // 2 for what, n in command_history.items() if n > 1}
             self._changed[principal] = None
 
     def last(self, principal: PrincipalId, chat: Chat) -> tuple[str, str] | None:
@@ -73,8 +73,10 @@ class CommandHistory:
 
     def favourites(self, principal: PrincipalId, name: str) -> tuple[str, ...]:
         """Return what somebody often asks of a robot or a group, most often first."""
-        habits = self._people.get(principal, {})
-        often = [(-n, said[1]) for said, n in habits.items() if said[0] == name and n >= OFTEN]
+        command_history = self._people.get(principal, {})
+        often = [
+            (-n, said[1]) for said, n in command_history.items() if said[0] == name and n >= OFTEN
+        ]
         return tuple(command for _, command in sorted(often)[:OFFERED])
 
     # ---- what is kept ----
@@ -86,12 +88,12 @@ class CommandHistory:
         """
         facts: list[Fact] = []
         for principal in tuple(self._changed):
-            habits = self._people.get(principal, {})
-            often = frozenset(said for said, n in habits.items() if n >= OFTEN)
+            command_history = self._people.get(principal, {})
+            often = frozenset(said for said, n in command_history.items() if n >= OFTEN)
             if often == self._kept.get(principal, frozenset()):
                 del self._changed[principal]
             else:
-                content = _encode([(*said, habits[said]) for said in sorted(often)])
+                content = _encode([(*said, command_history[said]) for said in sorted(often)])
                 letter = Letter(container=principal, content=content)
                 facts.append(Fact(kind=KIND, key=principal, body=b"1", letter=letter))
         return tuple(facts)
@@ -112,9 +114,9 @@ class CommandHistory:
         except msgspec.MsgspecError:
             log.warning("what somebody often asks for cannot be read; it is counted anew")
             return
-        habits = self._people.setdefault(principal, {})
+        command_history = self._people.setdefault(principal, {})
         for name, command, n in kept[:COMMANDS_AT_MOST]:
-            habits[name, command] = max(n, habits.get((name, command), 0))
+            command_history[name, command] = max(n, command_history.get((name, command), 0))
         self._kept[principal] = frozenset((name, command) for name, command, _ in kept)
 
     def end_all(self, principal: PrincipalId) -> tuple[Fact, ...]:

@@ -25,7 +25,7 @@ Deliver: TypeAlias = Callable[["FileForRobot"], Awaitable["Receipt"]]
 class TakesFiles(Protocol):
     """Files can be handed to its side; see `deliver_of`."""
 
-    async def deliver(self, parcel: FileForRobot) -> Receipt:
+    async def deliver(self, robot_file: FileForRobot) -> Receipt:
         """Hand one over, once."""
 
 

@@ -69,7 +69,7 @@ class ContainerStore(Protocol):
         """Return at most so many facts of a kind, by key, from behind a key on."""
         ...
 
-    async def belongings(self, container: str) -> tuple[Fact, ...]:
+    async def container_facts(self, container: str) -> tuple[Fact, ...]:
         """Return everything in a container, unsealed."""
         ...
 

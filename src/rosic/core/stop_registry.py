@@ -1,4 +1,4 @@
-"""Which robots are stopped, by whom, since when: one board, written by the stop lane alone.
+"""Which robots are stopped, by whom, since when; written by the stop lane alone.
 
 The linker writes it; admission reads it. It holds what people are told; the gate at each robot
 holds what is enforced.

@@ -69,9 +69,9 @@ class ResolvedAct(NamedTuple):
 class Agreements:
     """Binds buttons to what they would do, and sees at the tap that it is still the same."""
 
-    def __init__(self, rooms: Components, reader: LanguageReader, lowering: LimitClamping) -> None:
+    def __init__(self, rooms: Components, reader: LanguageReader, clamping: LimitClamping) -> None:
         self._rooms = rooms
-        self._lowering = lowering
+        self._clamping = clamping
         self._reader = reader
 
     def of(self, line: Do, caller: Caller) -> ResolvedAct:
@@ -186,7 +186,7 @@ class Agreements:
         if isinstance(line, CommandLine) and line.verb in TOGETHER:
             yield from self._together(line, caller)
         elif isinstance(line, Do):
-            line, _ = self._lowering.of(caller, line)
+            line, _ = self._clamping.of(caller, line)
             for robot, skill in zip(line.robots, line.skills, strict=True):
                 asked = Request(b"", robot, skill, line.spoken, line.text, 0, 0, 0, 0, line.group)
                 values = self._rooms.container.complete(asked)

@@ -288,7 +288,7 @@ class BuiltinCommands:
         visible = self._organiser.visible(principal)
         favourites = self._choosing.favourites(principal, profile.id, visible)
         often = [Button(one.label, f"{one.command}{here}") for one in favourites]
-        seen = self._hooks.sights(profile.id)
+        seen = self._hooks.view_buttons(profile.id)
         last = [Button("STOP", f"stop {profile.id}")]
         if len(visible) > 1:
             last.append(Button(said("Another robot"), "robots"))

@@ -54,15 +54,15 @@ class CommandBuilder:
     def __init__(
         self,
         reader: LanguageReader,
-        habits: CommandHistory,
+        command_history: CommandHistory,
         agreements: Agreements,
-        lowering: LimitClamping,
+        clamping: LimitClamping,
         resuming: ResumeHandler,
     ) -> None:
         self._reader = reader
         self._agreements = agreements
-        self._lowering = lowering
-        self._habits = habits
+        self._clamping = clamping
+        self._command_history = command_history
         self._resuming = resuming
 
     def ask(
@@ -107,7 +107,7 @@ class CommandBuilder:
                     )
                 )
             arguments[parameter.name] = value
-        arguments |= self._lowering.within(caller, robot, compiled, arguments, given)[0]
+        arguments |= self._clamping.within(caller, robot, compiled, arguments, given)[0]
         shown = vocabulary.robots[robot].shown
         title = joined(": ", (shown, show(vocabulary, robot, line.skills[0], arguments)))
         steppers = _steppers(robot, compiled, arguments, trail)
@@ -128,7 +128,7 @@ class CommandBuilder:
         Raises:
             NotUnderstood: There was none since the start.
         """
-        last = self._habits.last(caller.principal, chat)
+        last = self._command_history.last(caller.principal, chat)
         if last is None:
             raise NotUnderstood(NOTHING_TO_DO)
         return self.ask(caller, last[1], visible, last[0])
@@ -139,7 +139,7 @@ class CommandBuilder:
         """Return what somebody often asks of a robot, as buttons that ask whether it is meant."""
         vocabulary = self._reader.vocabulary
         found: dict[str, Button] = {}
-        for said_before in self._habits.favourites(principal, robot):
+        for said_before in self._command_history.favourites(principal, robot):
             line = self._reader.lines(said_before, robot, visible)[0]
             if isinstance(line, Do) and not line.group and line.robots == (robot,):
                 try:

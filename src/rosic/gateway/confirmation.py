@@ -271,10 +271,10 @@ class Confirmation:
             NotPermitted: They may not; says what is in the way.
         """
         worth = ASSURANCES.get(asked.messenger.assurance, Assurance.PROVIDER_READABLE)
-        grounds = AuthContext(channel=worth)
+        auth_context = AuthContext(channel=worth)
         for ask in request.asks:
             decision = self._organiser.decision(
-                asked.caller, ask.robot, ask.skill, ask.arguments, grounds
+                asked.caller, ask.robot, ask.skill, ask.arguments, auth_context
             )
             if isinstance(decision, Deny) and decision.code not in _NOT_THEIRS_NOW:
                 raise NotPermitted(_why_not(decision, request.act.shown))

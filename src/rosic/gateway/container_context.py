@@ -48,9 +48,9 @@ class ContainerContext(msgspec.Struct, frozen=True, kw_only=True):
     preferences: PreferenceBook
     shelf: SharedData
     files: FileStore
-    habits: CommandHistory
+    command_history: CommandHistory
     archive: Archive
-    vault: ContainerStore
+    container_store: ContainerStore
     changes: Transactions
     clock: Clock
     name: Callable[[PrincipalId], str]

@@ -72,7 +72,7 @@ class EndButtons(dict[Ended, Row]):
         name = name.casefold()
         if name in profiles:
             yield open_button(label, f"use {name}")
-            for seen in self._hooks.sights(name)[:1]:
+            for seen in self._hooks.view_buttons(name)[:1]:
                 yield open_button(in_language(seen.label, catalogue), seen.command)
         elif self._rooms.vocabulary.members(name):
             yield open_button(label, f"help {name}")

@@ -43,9 +43,9 @@ class LocationSkill(NamedTuple):
 class GoToLocation:
     """Makes questions of places."""
 
-    def __init__(self, rooms: Components, subjects: ReplyTargets) -> None:
+    def __init__(self, rooms: Components, reply_targets: ReplyTargets) -> None:
         self._rooms = rooms
-        self._subjects = subjects
+        self._reply_targets = reply_targets
 
     def ask(self, messenger: Messenger, inbound: Inbound, caller: Caller) -> Reply:
         """Return the question whether a robot is meant to go there.
@@ -99,7 +99,7 @@ class GoToLocation:
             for robot, way in ways.items()
             if way is not None and rooms.organiser.allows(caller.principal, robot, way.skill.id)
         }
-        chosen = self._subjects.answered(messenger.name, inbound)
+        chosen = self._reply_targets.answered(messenger.name, inbound)
         if chosen not in visible:
             chosen = rooms.container.selected(caller.principal, inbound.chat)
         if chosen in able:

@@ -33,7 +33,7 @@ Refused: TypeAlias = Callable[[Caller, Refusal], None]
 class PipelineHooks:
     """The doors beside the way of an order.
 
-    Until `newcomer`, `enclosed` and `sights` are bound nobody is let in, nothing is taken and
+    Until `newcomer`, `enclosed` and `view_buttons` are bound nobody is let in, nothing is taken and
     nothing is shown.
 
     Attributes:
@@ -41,7 +41,7 @@ class PipelineHooks:
         newcomer: Answers somebody unknown who may have brought a code; None: it was no code.
         enclosed: Takes in files that people send.
         outdated: Hears, in private, of a tap on a button that is no good any more.
-        sights: Buttons for what can be seen of a robot, for its menu.
+        view_buttons: Buttons for what can be seen of a robot, for its menu.
 
     Args:
         confirmation_of: Returns what asks for confirmations, made with what says what words come
@@ -67,7 +67,7 @@ class PipelineHooks:
         self.newcomer: Deferred[[Messenger, Inbound, str], Awaitable[Reply | None]]
         self.newcomer = Deferred(_no_code)
         self.enclosed: Deferred[[Messenger, Inbound, Caller], None] = Deferred(_left)
-        self.sights: Deferred[[RobotId], list[Button]] = Deferred(_unseen)
+        self.view_buttons: Deferred[[RobotId], list[Button]] = Deferred(_unseen)
         self.outdated: Signal[[PrincipalId]] = Signal()
 
 

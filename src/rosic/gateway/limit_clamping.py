@@ -74,7 +74,7 @@ class LimitClamping:
         requests = self._requesting.requests(said, line, cid, self._clock.monotonic_ns())
         complete = self._rooms.container.complete
         permits = self._rooms.organiser.admit(
-            said.caller, requests, lambda one: complete(one).arguments, said.grounds
+            said.caller, requests, lambda one: complete(one).arguments, said.auth_context
         )
         return line, requests, permits
 

@@ -25,7 +25,7 @@ class Requester(Protocol):
 
     caller: Caller
 
-    def grounds(self) -> AuthContext:
+    def auth_context(self) -> AuthContext:
         """Return what counts besides who they are."""
 
 
@@ -77,7 +77,7 @@ class MessageContext:
         self.arrived_ns = arrived_ns
         self.asked: tuple[RobotId, ...] = ()
 
-    def grounds(self) -> AuthContext:
+    def auth_context(self) -> AuthContext:
         """Return what counts besides who they are; asked only where it matters."""
         self.proven = self.stepped_up(self.caller.principal, self.inbound.chat)
         return AuthContext(

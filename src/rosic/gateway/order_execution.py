@@ -249,7 +249,7 @@ class OrderExecutor:
         """Admit an order once more under the present policy, and relay it; its turn is kept."""
         while True:
             said = running.said
-            permit = self._organiser.readmit(said.caller, running.order, said.grounds())
+            permit = self._organiser.readmit(said.caller, running.order, said.auth_context())
             try:
                 renewed = msgspec.structs.replace(running.order, permit=permit)
                 return await self._linker.dispatch(renewed, running.tell)

@@ -40,7 +40,7 @@ class AutomatedRequester:
     def __init__(self, caller: Caller) -> None:
         self.caller = caller
 
-    def grounds(self) -> AuthContext:
+    def auth_context(self) -> AuthContext:
         """Return that nothing counts besides who it is."""
         return NOTHING
 

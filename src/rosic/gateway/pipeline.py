@@ -143,7 +143,7 @@ class Pipeline:
     """Takes messages from messengers, moves robots, tells what they did.
 
     Attributes:
-        habits: What people ask for often.
+        command_history: What people ask for often.
         executor: The orders under way.
         followers: Who hears what robots say of their own accord.
         hooks: Who receives what is no order.
@@ -176,23 +176,21 @@ class Pipeline:
         self._chat_locks = ChatLocks()
         self._requesting = RequestFactory(rooms, clock)
         self._followed: OrderedDict[CommandId, None] = OrderedDict()
-        self._lowering = LimitClamping(rooms, self._requesting, clock)
-        self.agreements = Agreements(rooms, self._reader, self._lowering)
+        self._clamping = LimitClamping(rooms, self._requesting, clock)
+        self.agreements = Agreements(rooms, self._reader, self._clamping)
         self._replies = Replies(rooms, chat_sender, clock, self.agreements.bind)
         self._expiring = ButtonExpiry(chat_sender, clock, rooms.authoriser.buttons)
         self._unfollowed = UnfollowedMessages(
             rooms, self._reader, self._replies, self._addressed, self._brought_a_code
         )
         self.resuming = resuming = stop_lane.resuming
-        self.habits = CommandHistory()
-        self._choosing = CommandBuilder(
-            reader, self.habits, self.agreements, self._lowering, resuming
-        )
+        history = self.command_history = CommandHistory()
+        self._choosing = CommandBuilder(reader, history, self.agreements, self._clamping, resuming)
         self.backlog = self._replies.backlog
         self.executor = OrderExecutor(organiser, container, linker, chat_sender, clock)
         self.followers, self._busy = RobotFollowers(organiser), BusyRobots(rooms, self.executor)
         self.hooks, self.confirmation = hooks, hooks.confirmation_of(self.agreements)
-        self._going = GoToLocation(rooms, chat_sender.subjects)
+        self._going = GoToLocation(rooms, chat_sender.reply_targets)
         self.ends = EndButtons(rooms, self.agreements, self.hooks)
         self.cancels = CancelLane(
             rooms, self.executor, stop_lane, self._replies, self.hooks.commands, clock
@@ -310,7 +308,7 @@ class Pipeline:
         visible = self._rooms.organiser.visible(caller.principal)
         container = self._rooms.container
         selected = (
-            meant(said, self._chat_sender.subjects, container, visible, self._builtin.members)
+            meant(said, self._chat_sender.reply_targets, container, visible, self._builtin.members)
             if inbound.answers
             else container.selected(caller.principal, inbound.chat)
         )
@@ -439,9 +437,9 @@ class Pipeline:
         requests = self._requesting.requests(said, line, cid, self._clock.monotonic_ns())
         organiser.charge(caller)  # not for what was sent in vain while nobody listened
         try:
-            permits = organiser.admit(caller, requests, self._arguments_of, said.grounds)
+            permits = organiser.admit(caller, requests, self._arguments_of, said.auth_context)
         except OutOfBounds as over:
-            line, requests, permits = self._lowering.admit(said, line, cid, over)
+            line, requests, permits = self._clamping.admit(said, line, cid, over)
         if said.proven and any(organiser.wants_proof(request) for request in requests):
             self.hooks.proof_used(caller.principal, inbound.chat)
         title = f"{line.group or self._shown[line.robots[0]]}: {line.text}"
@@ -453,7 +451,9 @@ class Pipeline:
             organiser.abandon(permits)
             raise
         said.asked += line.robots
-        self.habits.note(caller.principal, inbound.chat, line.group or line.robots[0], line.text)
+        self.command_history.note(
+            caller.principal, inbound.chat, line.group or line.robots[0], line.text
+        )
         if len(orders) > 1:
             orders = begin_together(orders, self._clock.monotonic_ns())
         self._begin(said, line, orders)

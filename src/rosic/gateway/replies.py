@@ -67,7 +67,7 @@ Bind: TypeAlias = "Callable[[Button, Caller, Chat], Button]"
 
 
 class Replies:
-    """Gives answers to the teller, with buttons bound to the one who is answered.
+    """Hands answers to the chat sender, with buttons bound to the one who is answered.
 
     Args:
         rooms: Who knows the person.

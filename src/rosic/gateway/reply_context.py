@@ -53,7 +53,7 @@ class ReplyTargets:
 
 def meant(
     said: MessageContext,
-    subjects: ReplyTargets,
+    reply_targets: ReplyTargets,
     container: Containers,
     visible: frozenset[RobotId],
     members: Callable[[str], tuple[RobotId, ...]],
@@ -62,7 +62,7 @@ def meant(
 
     Nobody learns by it of a robot that they may not see.
     """
-    about = subjects.of(said)
+    about = reply_targets.of(said)
     if about and visible.intersection(members(about)):
         return about
     return container.selected(said.caller.principal, said.inbound.chat)

@@ -185,7 +185,7 @@ class ResumeHandler:
             NotPermitted: They may not; the robot stays stopped.
         """
         try:
-            self._organiser.check_word(asked.caller, robot, RESUME, asked.grounds())
+            self._organiser.check_word(asked.caller, robot, RESUME, asked.auth_context())
         except NotPermitted:
             if not stopped_own(self._organiser, self._board, asked.caller.principal, robot):
                 raise

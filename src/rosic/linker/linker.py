@@ -63,7 +63,7 @@ class StopInProgress:
 
 
 class Linker:
-    """Routes to robots.
+    """Hands orders and stops to the adapters of robots.
 
     Attributes:
         mailboxes: Of each robot; whoever looks at one only looks.
@@ -292,7 +292,7 @@ class Linker:
         """Yield what can be seen of a robot; see ``contracts.robot.Robot``."""
         return self._robots[robot].look(sight)
 
-    async def deliver(self, robot: RobotId, parcel: FileForRobot) -> Receipt:
+    async def deliver(self, robot: RobotId, robot_file: FileForRobot) -> Receipt:
         """Hand a file to a robot's side; see ``contracts.robot.deliver_of``.
 
         Raises:
@@ -303,7 +303,7 @@ class Linker:
         if deliver is None:
             shown = self._robots[robot].profile.shown
             raise RobotOffline(said("{robot} cannot be handed files over its link.", robot=shown))
-        return await deliver(parcel)
+        return await deliver(robot_file)
 
     def presence(self, robot: RobotId) -> Presence:
         """Return what the robot's side last said."""

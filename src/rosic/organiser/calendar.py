@@ -34,7 +34,7 @@ Named: TypeAlias = Callable[[str], str]
 
 
 class Calendar(CalendarIndex):
-    """A board of slots that also decides about them.
+    """The slots of all robots, and what may be booked or moved by whom.
 
     Attributes:
         limits: What may be booked.
@@ -276,10 +276,10 @@ class Calendar(CalendarIndex):
             ),
         )
 
-    def refusal(self, hindrance: SlotConflict, asking: PrincipalId) -> SlotTaken | OutsideSlot:
+    def refusal(self, conflict: SlotConflict, asking: PrincipalId) -> SlotTaken | OutsideSlot:
         """Return a hindrance as what the person is told, in their zone."""
-        return hindrance.refusal(
-            self.shown_of(hindrance.robot), self.name_of, self.zone(asking), self.limits.useful_s
+        return conflict.refusal(
+            self.shown_of(conflict.robot), self.name_of, self.zone(asking), self.limits.useful_s
         )
 
     # ---- refusals ----

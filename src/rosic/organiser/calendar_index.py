@@ -298,7 +298,7 @@ class CalendarIndex:
         at = bisect_left(mine, now_ns - self._longest_ns, key=_start)
         return (slot for slot in islice(mine, at, None) if slot.end_ns > now_ns)
 
-    # ---- bells ----
+    # ---- events ----
 
     def due(self, now_ns: int) -> tuple[CalendarEvent, ...]:
         """Return starts, warnings and ends that have come, each once, in order."""

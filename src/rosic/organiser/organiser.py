@@ -104,7 +104,7 @@ class AccessState(NamedTuple):
 Moment: TypeAlias = Callable[[PrincipalId, int], str]
 NameOf: TypeAlias = Callable[[PrincipalId], str]
 ArgumentsOf: TypeAlias = Callable[[Request], Mapping[str, Argument]]
-GroundsOf: TypeAlias = Callable[[], AuthContext]
+AuthContextOf: TypeAlias = Callable[[], AuthContext]
 
 
 class Organiser:
@@ -183,7 +183,7 @@ class Organiser:
         caller: Caller,
         requests: Sequence[Request],
         arguments_of: ArgumentsOf,
-        grounds_of: GroundsOf,
+        auth_context_of: AuthContextOf,
     ) -> tuple[Permit, ...]:
         """Decide whether a person may do all of this now: all of it or none.
 
@@ -191,7 +191,8 @@ class Organiser:
             caller: Who asks.
             requests: What, of which robots.
             arguments_of: Returns a request's arguments in SI; asked only where a limit counts.
-            grounds_of: Returns what the person has shown and confirmed besides; asked likewise.
+            auth_context_of: Returns what the person has shown and confirmed besides; asked
+                likewise.
 
         Raises:
             NotPermitted, OutOfBounds, RobotStopped, RobotTaken: Why not, who can help, when.
@@ -213,7 +214,9 @@ class Organiser:
             until_ns = self._open(caller, robot, lease, now_ns) if plain else 0
             if not until_ns:
                 try:
-                    until_ns = self._decide(caller, request, arguments_of(request), grounds_of())
+                    until_ns = self._decide(
+                        caller, request, arguments_of(request), auth_context_of()
+                    )
                 except RobotStopped as why:
                     stopped = [r.robot for r in requests if self._stops[r.robot].latched]
                     raise self.why_stopped.refusal(principal, stopped or [robot]) from why
@@ -285,9 +288,9 @@ class Organiser:
         caller: Caller,
         request: Request,
         arguments: Mapping[str, Argument],
-        grounds: AuthContext,
+        auth_context: AuthContext,
     ) -> int:
-        decision = self.decision(caller, request.robot, request.skill.id, arguments, grounds)
+        decision = self.decision(caller, request.robot, request.skill.id, arguments, auth_context)
         if isinstance(decision, Deny):
             raise self._refusing.denial(decision)
         if decision.needs:
@@ -310,7 +313,7 @@ class Organiser:
         robot: RobotId,
         skill: str,
         arguments: Mapping[str, Argument] | None = None,
-        grounds: AuthContext = NOTHING,
+        auth_context: AuthContext = NOTHING,
     ) -> Decision:
         """Decide by every rule, and say why: for what is not simply allowed, and for explaining."""
         ask = Query(
@@ -319,11 +322,11 @@ class Organiser:
             robot=robot,
             skill=skill,
             arguments=arguments,
-            channel=grounds.channel,
+            channel=auth_context.channel,
         )
-        return decide(self._state(caller, robot, grounds), ask)
+        return decide(self._state(caller, robot, auth_context), ask)
 
-    def _state(self, caller: Caller, robot: RobotId, grounds: AuthContext) -> PolicyState:
+    def _state(self, caller: Caller, robot: RobotId, auth_context: AuthContext) -> PolicyState:
         wall_ns, now_ns = self._clock.wall_ns(), self._clock.monotonic_ns()
         lease = self.leases.get(robot)
         rule = self._rule(robot)
@@ -342,12 +345,12 @@ class Organiser:
             slots=rule,
             slot=slot,
             next_free_ns=free_ns,
-            stepped_up=grounds.stepped_up,
-            confirmed=grounds.confirmed,
-            second=grounds.second,
+            stepped_up=auth_context.stepped_up,
+            confirmed=auth_context.confirmed,
+            second=auth_context.second,
         )
 
-    def readmit(self, caller: Caller, order: Order, grounds: AuthContext) -> Permit:
+    def readmit(self, caller: Caller, order: Order, auth_context: AuthContext) -> Permit:
         """Decide once more for an order that waited while the policy changed (I8, I16).
 
         It keeps its lease and its stop generation: what a stop voided stays void.
@@ -357,7 +360,7 @@ class Organiser:
             NotPermitted: The right is gone.
             OutsideSlot, SlotTaken, RobotTaken, TimeInDoubt: The robot is not theirs any more.
         """
-        decision = self.decision(caller, order.robot, order.skill.id, order.arguments, grounds)
+        decision = self.decision(caller, order.robot, order.skill.id, order.arguments, auth_context)
         if isinstance(decision, Deny):
             raise self._refusing.denial(decision)
         self._refusing.check_agreed_since(self.rights.policy, order.permit.epoch, decision)
@@ -368,14 +371,14 @@ class Organiser:
         return renewed(order.permit, new_fence=False, epoch=self.rights.epoch, until_ns=until_ns)
 
     def check_word(
-        self, caller: Caller, robot: RobotId, word: str, grounds: AuthContext = NOTHING
+        self, caller: Caller, robot: RobotId, word: str, auth_context: AuthContext = NOTHING
     ) -> None:
         """Decide whether somebody, a person or a robot, has a right that is no skill.
 
         Raises:
             NotPermitted, Unrecognised: Not they.
         """
-        decision = self.decision(caller, robot, word, grounds=grounds)
+        decision = self.decision(caller, robot, word, auth_context=auth_context)
         if isinstance(decision, Deny):
             raise self._refusing.denial(decision)
 
@@ -448,8 +451,8 @@ class Organiser:
         rule = self._rule(robot)
         if never is not None or rule == "none":
             return never
-        hindrance = self.calendar.why_not(principal, robot, self.wall_ns(), rule == "required")
-        return None if hindrance is None else self.calendar.refusal(hindrance, principal)
+        conflict = self.calendar.why_not(principal, robot, self.wall_ns(), rule == "required")
+        return None if conflict is None else self.calendar.refusal(conflict, principal)
 
     def release(self, robot: RobotId) -> None:
         """Take a robot from whoever has it; orders still under way become void."""

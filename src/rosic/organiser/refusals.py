@@ -282,10 +282,10 @@ class RefusalBuilder:
         calendar, robot = self._organiser.calendar, denied.ask.robot
         required = self._profiles[robot].slots is Slots.REQUIRED
         principal = denied.ask.principal
-        hindrance = calendar.why_not(principal, robot, self._organiser.wall_ns(), required)
-        if hindrance is None:
+        conflict = calendar.why_not(principal, robot, self._organiser.wall_ns(), required)
+        if conflict is None:
             return RobotTaken(said("{shown} is somebody else's now.", shown=self._shown(robot)))
-        return calendar.refusal(hindrance, principal)
+        return calendar.refusal(conflict, principal)
 
     def _taken(self, denied: Deny) -> Refusal:
         robot = denied.ask.robot

@@ -141,16 +141,16 @@ class MemoryRobot:
             pose=self.pose,
         )
 
-    async def deliver(self, parcel: FileForRobot) -> Receipt:
+    async def deliver(self, robot_file: FileForRobot) -> Receipt:
         """Keep a file, and say its checksum or what was given to be said."""
         if not self.online:
             raise RobotOffline(
                 said("{shown} is not there. Nothing was sent.", shown=self.profile.shown)
             )
-        self.delivered.append(parcel)
+        self.delivered.append(robot_file)
         if isinstance(self.receipt, Exception):
             raise self.receipt
-        return self.receipt or Receipt(received=True, digest=parcel.digest.hex())
+        return self.receipt or Receipt(received=True, digest=robot_file.digest.hex())
 
     async def look(self, sight: ViewKind) -> AsyncGenerator[View, None]:
         """Show what it was given to show."""

@@ -63,7 +63,7 @@ class DatabaseContainers(decoding.RecordDecoder):
         query = select(table.container).where(table.wrapped.is_not(None), table.container != OWN)
         return tuple(self._connection.scalars(query.order_by(table.container)).all())
 
-    def belongings(self, container: str) -> tuple[Fact, ...]:
+    def container_facts(self, container: str) -> tuple[Fact, ...]:
         """Return everything sealed in a container, and the commands that its owner gave."""
         facts, cards = tables.facts.c, tables.cards.c
         principals = tables.principals.c
@@ -315,7 +315,7 @@ class DatabaseStore:
         """
         return await self._look(lambda shelves: shelves.facts(kind, after, limit))
 
-    async def belongings(self, container: str) -> tuple[Fact, ...]:
+    async def container_facts(self, container: str) -> tuple[Fact, ...]:
         """Return everything that is sealed in a container, unsealed, and its owner's commands.
 
         Facts are what they are. The card of a person is of the kind ``card``; a command, the words
@@ -325,7 +325,7 @@ class DatabaseStore:
         Raises:
             StoreFault: They cannot be read now.
         """
-        return await self._look(lambda shelves: shelves.belongings(container))
+        return await self._look(lambda shelves: shelves.container_facts(container))
 
     async def history(self, query: HistoryQuery) -> tuple[HistoryEntry, ...]:
         """Return commands and stops, the newest first, at most as many as are asked for.

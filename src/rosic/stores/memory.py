@@ -271,7 +271,7 @@ class MemoryStore(MemoryHistory):
         keys = sorted(key for of, key in self._facts if of == kind and key > after)
         return tuple(self._facts[kind, key] for key in keys[:limit])
 
-    async def belongings(self, container: str) -> tuple[Fact, ...]:
+    async def container_facts(self, container: str) -> tuple[Fact, ...]:
         """Return everything that belongs to a container; of commands, those that are not settled.
 
         Raises:

@@ -1,4 +1,4 @@
-"""The other side of a messenger under the rules: people, what they see, and an ear."""
+"""The other side of a messenger under the rules: people, what they see, and an inbox."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ async def until_fresh(stage: MessengerHarness, inbox: HarnessInbox) -> None:
 
 
 async def settled(_within_s: float) -> bool:
-    """Say that what was received is on disk: an ear is all that hears it."""
+    """Say that what was received is on disk: an inbox keeps what it is handed."""
     return True
 
 

@@ -1,7 +1,7 @@
 """What every messenger owes, in executable form.
 
 An adapter's tests subclass `MessengerConformance` and give it a fixture ``stage``: a messenger and
-the people on the other side. The wicked ones are in `rosic.testing.faulty.messengers`.
+the people on the other side. The faulty ones are in `rosic.testing.faulty.messengers`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """``contracts.robot.Robot`` in executable form: every adapter's tests subclass this suite.
 
-Each rule has a wicked robot that breaks it, in ``rosic.testing.faulty.robots``; a test shows that
+Each rule has a faulty robot that breaks it, in ``rosic.testing.faulty.robots``; a test shows that
 each is caught.
 """
 

@@ -98,7 +98,7 @@ class FaultyLatch:
 
 
 class FaultyLatchFixture:
-    """Premises on which every latch sins in the same way."""
+    """A fixture whose latches all break the same rule."""
 
     def __init__(self, honest: LatchFixture, faulty: type[FaultyLatch]) -> None:
         self._honest = honest
@@ -106,11 +106,11 @@ class FaultyLatchFixture:
         self._diary: dict[Any, Any] = {}
 
     def make(self) -> FaultyLatch:
-        """Return a wicked latch without data."""
+        """Return a faulty latch without data."""
         return self._faulty(self._honest.make(), self._diary)
 
     def survivor(self, latch: StopLatch) -> FaultyLatch:
-        """Return the wicked latch that the next process would find."""
+        """Return the faulty latch that the next process would find."""
         assert isinstance(latch, FaultyLatch)
         return self._faulty(self._honest.survivor(latch.inner), self._diary)
 

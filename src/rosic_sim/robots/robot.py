@@ -22,7 +22,7 @@ from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.peer import answer
 from rosic_sim.robots.scenery.plan import plan_of, pose_of
 from rosic_sim.robots.scenery.scene import robot_scene
-from rosic_sim.robots.simulation_loop import theatre_of
+from rosic_sim.robots.simulation_loop import simulation_of
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Mapping
@@ -59,10 +59,10 @@ class SimulatedRobot:
         self.profile = profile
         self.gate = gate
         self._clock = clock
-        self._theatre = theatre_of(clock)
-        machine = self._theatre.world.machines.get(profile.id)
+        self._simulation = simulation_of(clock)
+        machine = self._simulation.world.machines.get(profile.id)
         if machine is None:
-            known = ", ".join(self._theatre.world.machines)
+            known = ", ".join(self._simulation.world.machines)
             raise ConfigurationError(
                 f"There is no simulated machine called {profile.id!r}.", hint=f"There are: {known}."
             )
@@ -76,13 +76,13 @@ class SimulatedRobot:
     async def open(self, say: Say) -> None:
         """Take part in the world."""
         self._say = say
-        self._theatre.watch(self._listen)
+        self._simulation.watch(self._listen)
 
     async def close(self) -> None:
         """Bring the machine to rest and leave the world."""
         if not self._machine.at_rest():
             await self._rest()
-        self._theatre.forget(self._listen)
+        self._simulation.forget(self._listen)
 
     def meet(self, speak: Speak) -> None:
         """Take what it answers by."""
@@ -130,13 +130,13 @@ class SimulatedRobot:
         activity = self._machine.begin(
             order.skill.id,
             machine_arguments(self.profile.link.model, order.skill.id, goal),
-            self._theatre.now_s(),
+            self._simulation.now_s(),
             start_s,
         )
         tell(StageReport(OrderStage.RECEIVED))
-        self._theatre.wake()
+        self._simulation.wake()
         looked_ns, late = self._clock.monotonic_ns(), False
-        lost_ns = self._theatre.link_lost_s * 1e9
+        lost_ns = self._simulation.link_lost_s * 1e9
         while activity.running:
             if start_s is not None or activity.stage != WAITING:
                 tell(StageReport(OrderStage.RUNNING, activity.fraction, activity.stage))
@@ -157,9 +157,9 @@ class SimulatedRobot:
         if not isinstance(machine, Omni):
             raise ActivityRefused(self.profile.id, said("cannot be driven by a velocity"))
         velocity = velocity_of(self.profile.id, order.skill, order.arguments)
-        machine.set_velocity(*velocity, self._theatre.now_s())
+        machine.set_velocity(*velocity, self._simulation.now_s())
         tell(StageReport(OrderStage.RECEIVED))
-        self._theatre.wake()
+        self._simulation.wake()
         try:
             return await self._stream(order, tell, machine, velocity)
         except ActivityRefused as cannot:
@@ -215,11 +215,11 @@ class SimulatedRobot:
         begun_ns = self._clock.monotonic_ns()
         limit_ns = int(self.profile.rest_timeout_s * 1e9)
         while True:
-            self._machine.halt(self._theatre.now_s())
+            self._machine.halt(self._simulation.now_s())
             past_ns = self._clock.monotonic_ns() - begun_ns
             if self._machine.at_rest() or past_ns > limit_ns:
                 return past_ns / 1e9, self._machine.at_rest()
-            self._theatre.wake()
+            self._simulation.wake()
             await self._clock.sleep(REST_EVERY_S)
 
     async def resume(self, generation: int) -> None:
@@ -230,7 +230,7 @@ class SimulatedRobot:
         """Return the machine's measurements, in the profile's units where it names one."""
         machine = self._machine
         if not machine.moving:
-            machine.step(self._theatre.now_s())
+            machine.step(self._simulation.now_s())
         return Presence(
             online=True,
             age_s=0.0,
@@ -255,7 +255,7 @@ class SimulatedRobot:
         """Show the machine as it stands, or the room it drives in."""
         while True:
             if not self._machine.moving:
-                self._machine.step(self._theatre.now_s())
+                self._machine.step(self._simulation.now_s())
             content = self._shown(sight) if self.profile.offers(sight) else None
             if content is None:
                 raise NothingToSee(said("{robot} shows no such thing.", robot=self.profile.shown))
@@ -264,7 +264,7 @@ class SimulatedRobot:
 
     def _shown(self, sight: ViewKind) -> Content | None:
         if sight is ViewKind.PICTURE:
-            return robot_scene(self._theatre.world, self.profile.id)
+            return robot_scene(self._simulation.world, self.profile.id)
         if not isinstance(self._machine, Omni):
             return None
         return replace(plan_of(self._machine), pose_ns=self._clock.monotonic_ns())

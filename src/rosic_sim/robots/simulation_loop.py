@@ -85,12 +85,12 @@ class SimulationLoop:
                 machine.link_lost(lost_s)
 
 
-_theatres: WeakKeyDictionary[Clock, SimulationLoop] = WeakKeyDictionary()
+_simulations: WeakKeyDictionary[Clock, SimulationLoop] = WeakKeyDictionary()
 
 
-def theatre_of(clock: Clock) -> SimulationLoop:
-    """Return the theatre of a clock: robots that share a clock share a world."""
-    theatre = _theatres.get(clock)
-    if theatre is None:
-        theatre = _theatres[clock] = SimulationLoop(clock)
-    return theatre
+def simulation_of(clock: Clock) -> SimulationLoop:
+    """Return the simulation of a clock: robots that share a clock share a world."""
+    simulation = _simulations.get(clock)
+    if simulation is None:
+        simulation = _simulations[clock] = SimulationLoop(clock)
+    return simulation

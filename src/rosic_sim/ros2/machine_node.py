@@ -36,7 +36,7 @@ ON_THE_GROUND_EVERY_S = 0.2
 
 
 class SwarmTopic:
-    """One drone's voice in the swarm, and its ears.
+    """The topic on which one drone tells its position to its swarm and hears the others.
 
     It hears itself there like everybody else, and knows no more of its peers than they say.
     """

@@ -41,7 +41,7 @@ async def _script(stage: ScenarioRunner) -> None:
     stage.aside("A warehouse manager has three carriers, and four errands for any that can.")
     for number, task in enumerate(TASKS, 1):
         await stage.says(MANAGER, f"/task carriers {task}", hears=f"Task {number}: ")
-    tasks = stage.gateway.furnished.fleet.dispatching.fleet.tasks
+    tasks = stage.gateway.features.fleet.dispatching.fleet.tasks
     victim = await stage.until(
         lambda: tasks["2"].robot if tasks["2"].done == 1 else "", "Task 2 did not get on"
     )

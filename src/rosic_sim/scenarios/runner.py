@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import msgspec
 
 from rosic.app.admin.dispatch import AdminDispatcher
-from rosic.app.alert_feature import painter
+from rosic.app.alert_feature import renderer
 from rosic.app.closing import close_in_time, on_signals
 from rosic.app.console import read_at
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
@@ -32,7 +32,7 @@ from rosic.messengers.terminal.downloads import DownloadFolder
 from rosic.messengers.terminal.messenger import is_terminal, own_locale
 from rosic.stores.stop_latch import MemoryLatch
 from rosic_sim.robots.scenery.scene import robot_scene
-from rosic_sim.robots.simulation_loop import theatre_of
+from rosic_sim.robots.simulation_loop import simulation_of
 from rosic_sim.scenarios.recording_store import RecordingStore
 from rosic_sim.scenarios.scenario import ScenarioChats, ScenarioMismatch, ScenarioRunner
 from rosic_sim.scenarios.speaking_robots import SpeakingRobot
@@ -126,18 +126,18 @@ class RobotPaths:
 
     Args:
         gateway: Whose robots they are.
-        theatre: Of the world that they move in.
+        simulation: Of the world that they move in.
     """
 
-    def __init__(self, gateway: Gateway, theatre: SimulationLoop) -> None:
+    def __init__(self, gateway: Gateway, simulation: SimulationLoop) -> None:
         self._gateway = gateway
-        self._theatre = theatre
+        self._simulation = simulation
         self._points: dict[str, list[Pose]] = {}
-        theatre.watch(self._look)
+        simulation.watch(self._look)
 
     def close(self) -> None:
         """Follow them no more."""
-        self._theatre.forget(self._look)
+        self._simulation.forget(self._look)
 
     def _look(self) -> None:
         for robot, profile in self._gateway.rooms.profiles.items():
@@ -159,7 +159,7 @@ class RobotPaths:
         return (
             PathsView(title, ways)
             if ways
-            else robot_scene(self._theatre.world, next(iter(profiles)))
+            else robot_scene(self._simulation.world, next(iter(profiles)))
         )
 
     def picture(self, title: str, name: str, draw: Renderer) -> Attachment:
@@ -220,7 +220,7 @@ async def play(told: Scenario, wish: ScenarioOptions, clock: Clock, entropy: Ent
     if seat is not None:
         _set_up(seat, gateway, clock)
     stage = ScenarioRunner(told, gateway, chats, curtain, clock)
-    trails = RobotPaths(gateway, theatre_of(clock))
+    trails = RobotPaths(gateway, simulation_of(clock))
     status = 0
     try:
         curtain.title(f"rosic demo {told.name}: {told.about}")
@@ -251,7 +251,7 @@ async def _sum_up(stage: ScenarioRunner, store: RecordingStore, trails: RobotPat
     curtain, name = stage.curtain, stage.play.name
     curtain.title("What happened, by the record and by the robots")
     curtain.plain("\n".join(stage.summary(store, curtain.now_s())))
-    draw = painter()
+    draw = renderer()
     if draw is None:
         curtain.plain(f"For a picture of what moved: {how_to_install('pictures')}")
         return
@@ -390,12 +390,12 @@ def gateway_of(
 ) -> Gateway:
     """Make the gateway of a play, and put its machines into the world of that clock."""
     chats, seat = ends
-    theatre = theatre_of(clock)
+    simulation = simulation_of(clock)
     if isinstance(clock, FastClock):
         # For how long a busy machine has no processor for this process is no faster than it is.
-        theatre.link_lost_s *= clock.factor
+        simulation.link_lost_s *= clock.factor
     for machine in told.machines():
-        theatre.world.add(machine)
+        simulation.world.add(machine)
     sitting = wish.role or told.people[0].name
     people = [
         ConfiguredPerson(
@@ -413,7 +413,7 @@ def gateway_of(
         for person in told.people
     ]
     people += [
-        ConfiguredPerson(robot, (Address(ROBOT, robot),), ("fellow",)) for robot in told.fellows
+        ConfiguredPerson(robot, (Address(ROBOT, robot),), ("fellow",)) for robot in told.peers
     ]
     settings = GatewaySettings(
         profiles=told.profiles(),
@@ -426,14 +426,14 @@ def gateway_of(
     )
     parts = GatewayParts(
         messengers=(chats,) if seat is None else (chats, seat),
-        robot_factory=_speaking if told.fellows else robot_factory,
+        robot_factory=_speaking if told.peers else robot_factory,
         store=store,
         latch=MemoryLatch(),
         clock=clock,
         entropy=entropy,
         units=known_units(),
         face=face_of(),
-        painter=painter(),
+        renderer=renderer(),
     )
     return Gateway(settings, parts)
 

@@ -12,7 +12,7 @@ from rosic.app.admin.dispatch import AdminDispatcher
 from rosic.app.runtime import until_quiet
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
 from rosic.messengers.memory import MemoryMessenger
-from rosic_sim.robots.simulation_loop import theatre_of
+from rosic_sim.robots.simulation_loop import simulation_of
 from rosic_sim.scenarios.recording_store import counted
 from rosic_sim.scenarios.speaking_robots import SpeakingRobot
 
@@ -50,7 +50,7 @@ class Person(NamedTuple):
 
 
 class Scenario(NamedTuple):
-    """One play.
+    """One scenario: its people, robots and script.
 
     Attributes:
         name: As typed after ``rosic demo``.
@@ -73,7 +73,7 @@ class Scenario(NamedTuple):
     machines: Callable[[], tuple[SteppedMachine, ...]]
     script: Callable[[ScenarioRunner], Awaitable[None]]
     hints: tuple[str, ...]
-    fellows: tuple[str, ...] = ()
+    peers: tuple[str, ...] = ()
     rules: RoleRules = RULES
     lease_idle_s: float = 20.0
     missions: tuple[Mission, ...] = ()
@@ -243,7 +243,7 @@ class ScenarioRunner:
     @property
     def world(self) -> SimulatedWorld:
         """Where the machines are, for breaking them."""
-        return theatre_of(self.clock).world
+        return simulation_of(self.clock).world
 
     def robot(self, name: str) -> SpeakingRobot:
         """Return a robot that speaks."""
@@ -272,7 +272,7 @@ class ScenarioRunner:
         yield from (f"  {line}" for line in AdminDispatcher(self.gateway).status())
 
     def _tasks(self) -> Iterator[str]:
-        fleet = self.gateway.furnished.fleet
+        fleet = self.gateway.features.fleet
         for task in fleet.dispatching.fleet.tasks.values():
             steps = f"{task.done} of {counted(task.steps, 'step')} done"
             moved = f", moved {counted(task.moves, 'time')}" if task.moves else ""

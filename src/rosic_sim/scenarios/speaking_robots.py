@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class SpeakingRobot(SimulatedRobot):
-    """A simulated robot, and what its own nodes say and hear. See ``contracts.among.Fellow``.
+    """A simulated robot, and what its own nodes say and hear. See ``contracts.robot.PeerRobot``.
 
     Attributes:
         heard: Everything it was told, decoded.

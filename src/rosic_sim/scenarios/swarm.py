@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 LEADER: Final = "Search leader"
 DRONES: Final = ("cf1", "cf2", "cf3")
 ROVERS: Final = ("rover1", "rover2")
-FELLOW: Final = Role(scopes=("*:share", "*:ask", "*:help", "*:read"))
+PEER_ROLE: Final = Role(scopes=("*:share", "*:ask", "*:help", "*:read"))
 
 
 async def _script(stage: ScenarioRunner) -> None:
@@ -38,7 +38,7 @@ async def _script(stage: ScenarioRunner) -> None:
     stage.aside("The rovers have a look, each on its own way.")
     await stage.says(LEADER, "/task rovers goto x=3.5 y=0.5", hears="Task 1: ")
     await stage.says(LEADER, "/task rovers goto x=3.5 y=-0.5", hears="Task 2: ")
-    tasks = stage.gateway.furnished.fleet.dispatching.fleet.tasks
+    tasks = stage.gateway.features.fleet.dispatching.fleet.tasks
     stuck = await stage.until(lambda: tasks["1"].robot, "Task 1 did not begin")
     helper = await stage.until(lambda: tasks["2"].robot, "Task 2 did not begin")
     await _gets_help(stage, stuck, helper)
@@ -107,6 +107,6 @@ SWARM: Final = Scenario(
         "/assist",
         "stop",
     ),
-    fellows=(*DRONES, *ROVERS),
-    rules=RoleRules(roles={**DEFAULT_ROLES, "fellow": FELLOW}),
+    peers=(*DRONES, *ROVERS),
+    rules=RoleRules(roles={**DEFAULT_ROLES, "fellow": PEER_ROLE}),
 )

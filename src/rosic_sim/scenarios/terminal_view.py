@@ -104,4 +104,4 @@ class TerminalView:
     def _write(self, text: str) -> None:
         encoding = sys.stdout.encoding or "ascii"
         shown = text.encode(encoding, "replace").decode(encoding)
-        print(shown, flush=True)  # noqa: T201 - this is its voice
+        print(shown, flush=True)  # noqa: T201 - this is what it is for

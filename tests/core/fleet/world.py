@@ -103,7 +103,7 @@ class World:
             assert before.done not in done, f"step {before.done} of {after.id} counted twice"
             done.add(before.done)
 
-    def glances(self) -> dict[str, CandidateRobot]:
+    def candidates(self) -> dict[str, CandidateRobot]:
         """Return what a look shows now."""
         return {
             name: CandidateRobot(
@@ -139,16 +139,16 @@ class World:
         self.feed(e.TaskGiven(task))
 
     def plan(self, _a: int) -> None:
-        glances = self.glances()
-        for tasks in by_priority(self.fleet, glances, self.now_ns):
-            pairs = nearest_idle(self.fleet, tasks, glances, self.now_ns)
+        candidates = self.candidates()
+        for tasks in by_priority(self.fleet, candidates, self.now_ns):
+            pairs = nearest_idle(self.fleet, tasks, candidates, self.now_ns)
             for key, name in pairs:
                 task, machine = self.fleet.tasks[key], self.robots[name]
                 assert machine.holder in {None, task.author}, "somebody else's robot was chosen"
                 assert not machine.latched
                 assert machine.heard
                 assert machine.doing is None
-                del glances[name]
+                del candidates[name]
                 self.feed(e.RobotChosen(key, name))
 
     def guess(self, a: int) -> None:

@@ -171,17 +171,17 @@ class Hall:
 
     def _employ(self, entropy: SeededEntropy) -> None:
         registry = self.registry
-        self.powers = AdminPolicy(registry)
-        self.access.may_invite.bind(self.powers.may_admit)
+        self.admin_policy = AdminPolicy(registry)
+        self.access.may_invite.bind(self.admin_policy.may_admit)
         newcomer_chat = NewcomerChat(
             self.chat_sender, (self.chat,), self.clock, entropy, count=self.counters.count
         )
         self.admitting = ApprovalCommands(
-            registry, self.powers, newcomer_chat, menu=self.menu, forget=nothing_kept
+            registry, self.admin_policy, newcomer_chat, menu=self.menu, forget=nothing_kept
         )
         self.joining = JoinHandler(
             registry,
-            self.powers,
+            self.admin_policy,
             self.admitting,
             newcomer_chat,
             shown_as=lambda inbound: self._names.get(inbound.sender.account, ""),
@@ -189,15 +189,15 @@ class Hall:
         )
         about = AccountCommands(
             registry,
-            self.powers,
+            self.admin_policy,
             self.admitting,
             slots=lambda _: self.slots,
             shown=lambda robot: robot.upper(),
         )
-        notices = AccessNotices(registry, self.powers)
-        revocation = RevokeLockCommands(registry, self.powers, notices)
-        proving = SecondFactorCommands(registry, self.powers)
-        inviting = InviteCommands(registry, self.powers, link=self.link)
+        notices = AccessNotices(registry, self.admin_policy)
+        revocation = RevokeLockCommands(registry, self.admin_policy, notices)
+        proving = SecondFactorCommands(registry, self.admin_policy)
+        inviting = InviteCommands(registry, self.admin_policy, link=self.link)
         self.confirmation = Confirmation(
             self.organiser, registry.reach, OneAct(), self.clock, entropy, self.two_factor.is_set_up
         )

@@ -15,7 +15,7 @@ async def test_an_admin_who_is_unlocked_or_whose_key_is_taken_is_told_once() -> 
         assert hall.told(BO, before) == (
             "Ada unlocked you. You may do again what you could before."
         )
-        notices = AccessNotices(hall.registry, hall.powers)
+        notices = AccessNotices(hall.registry, hall.admin_policy)
         bo = hall.directory.named("Bo")[0]
         before = len(hall.chat.told)
         notices.key_taken(bo, "p-1")

@@ -8,7 +8,7 @@ from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.robot.alert_config import AlertConfig
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.simulation_loop import theatre_of
+from rosic_sim.robots.simulation_loop import simulation_of
 from tests.features.alerts.test_alerts import heard
 from tests.gateway.place import ADA, BO, Place
 
@@ -31,7 +31,7 @@ class Simulated(Place):
 async def test_a_battery_that_drains_is_told_and_its_rule_folds_the_arm() -> None:
     omni = replace(load_profile(shipped_profiles()["omni"], link="simulated"), alerts=(LOW,))
     here = Simulated(fleet=(omni,))
-    machine = theatre_of(here.clock).world.machines["omni"]
+    machine = simulation_of(here.clock).world.machines["omni"]
     assert isinstance(machine, Omni)
     async with here.open():
         await here.say("omni arm reach", account=BO, chat=BO)

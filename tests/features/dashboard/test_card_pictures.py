@@ -90,7 +90,7 @@ async def test_a_tap_shows_the_picture_on_the_card_and_says_of_when() -> None:
             await until(place, lambda count=times: len(put(place)) == count)  # type: ignore[misc]
         shown = place.chat.shown(card)
         assert "\npicture of The omni: 12:00:00, renewed until 12:00:00\nupdated " in shown.text
-        assert [low for _, low in place.painter.drawn] == [True, True]
+        assert [low for _, low in place.renderer.drawn] == [True, True]
         before = len(place.chat.told)
         await place.say("omni wave")
         await until(place, lambda: "sent" in place.chat.shown(card).text)
@@ -123,7 +123,7 @@ async def test_in_a_group_only_whose_card_it_is_asks_for_a_picture() -> None:
         place.chat.tap(pressed, under=card, account=BO)
         await place.quiet()
         assert place.chat.answers[-1][1] == "This question was asked of somebody else."
-        assert place.painter.drawn == []
+        assert place.renderer.drawn == []
 
 
 async def test_with_the_right_the_picture_goes() -> None:

@@ -112,11 +112,11 @@ async def test_whoever_asks_comes_first_and_has_as_many_as_ever() -> None:
         await looks(place, card)
         await pass_s(place, LOOKING_S)
         for _ in range(5):
-            before = len(place.painter.drawn)
+            before = len(place.renderer.drawn)
             await place.say("picture cf1")
-            await until(place, lambda so=before: len(place.painter.drawn) > so)  # type: ignore[misc]
+            await until(place, lambda so=before: len(place.renderer.drawn) > so)  # type: ignore[misc]
         await looks(place, card)
-        place.painter.wait.clear()
+        place.renderer.wait.clear()
         try:
             for line in ("picture cf1", "chart omni battery"):
                 await place.say(line, account=BO, chat=BO)
@@ -127,7 +127,7 @@ async def test_whoever_asks_comes_first_and_has_as_many_as_ever() -> None:
                 "half of the places are left"
             )
         finally:
-            place.painter.wait.set()
+            place.renderer.wait.set()
 
 
 async def test_after_a_restart_nobody_is_taken_to_look() -> None:
@@ -143,7 +143,7 @@ async def test_after_a_restart_nobody_is_taken_to_look() -> None:
         assert await pass_s(second, 60) == []
         text = second.chat.shown(card).text
         assert "picture of The omni: 12:00:00\n" in text
-        assert second.painter.drawn == []
+        assert second.renderer.drawn == []
 
 
 async def test_with_the_card_it_ends() -> None:
@@ -151,6 +151,6 @@ async def test_with_the_card_it_ends() -> None:
         card = await begins(place, "/card omni")
         await looks(place, card)
         await place.say("/card off")
-        drawn = len(place.painter.drawn)
+        drawn = len(place.renderer.drawn)
         assert await pass_s(place, 60) == []
-        assert len(place.painter.drawn) == drawn, "and nobody looks through the camera"
+        assert len(place.renderer.drawn) == drawn, "and nobody looks through the camera"

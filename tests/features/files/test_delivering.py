@@ -53,9 +53,13 @@ async def test_what_the_robot_has_read_is_compared(tmp_path: Path) -> None:
     async with place(tmp_path, deliver=deliver()) as ward:
         said = await handed(ward)
         assert said == f"omni has received map.png, and its checksum agrees ({DIGEST[:8]}...)."
-        (parcel,) = omni(ward).delivered
-        assert parcel.path == str(tmp_path / "in" / "map.png")
-        assert (parcel.size, parcel.digest.hex(), parcel.content) == (len(MAP), DIGEST, b"")
+        (robot_file,) = omni(ward).delivered
+        assert robot_file.path == str(tmp_path / "in" / "map.png")
+        assert (robot_file.size, robot_file.digest.hex(), robot_file.content) == (
+            len(MAP),
+            DIGEST,
+            b"",
+        )
         assert held(tmp_path) == {"map.png", "map.png.sha256"}
 
 
@@ -89,8 +93,8 @@ async def test_a_robot_without_an_inbox_is_handed_the_content(tmp_path: Path) ->
         question = await asked(ward, "/files send way.yaml to omni")
         assert "Hand way.yaml (11 bytes) to omni?" in question
         await tapped(ward, "Put it there")
-        (parcel,) = omni(ward).delivered
-        assert (parcel.content, parcel.path) == (NOTE, "")
+        (robot_file,) = omni(ward).delivered
+        assert (robot_file.content, robot_file.path) == (NOTE, "")
         assert held(tmp_path) == set()
         (decided,) = [d for d in await ward.kept.decisions(9) if d.act == "file-to-robot"]
         assert (decided.by, decided.digest) == (ward.id_of(ADA), hashlib.sha256(NOTE).digest())

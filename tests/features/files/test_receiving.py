@@ -80,7 +80,7 @@ async def test_content_is_not_in_memory_after_a_start(tmp_path: Path) -> None:
         assert await parts(ward) == -(-len(MAP) // PART_BYTES)
     async with a_ward(tmp_path) as ward:
         assert PART not in ward.kept.memory.facts
-        held = await ward.kept.belongings(ward.id_of(ADA))
+        held = await ward.kept.container_facts(ward.id_of(ADA))
         assert not any(fact.kind == PART for fact in held)
 
 

@@ -340,7 +340,7 @@ async def test_what_somebody_has_said_is_read_by_them_alone() -> None:
 async def test_what_somebody_has_said_goes_with_them() -> None:
     async with warehouse().open() as here:
         await here.say("/task w1 wave", account=BO)
-        fleet = here.gateway.furnished.fleet
+        fleet = here.gateway.features.fleet
         async with here.gateway.access.changes.turn() as turn:
             await turn.write(fleet.end_all(_id(here, "Bo")))
         assert fleet.dispatching.letters.get("1") is None

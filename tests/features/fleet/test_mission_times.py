@@ -217,6 +217,6 @@ async def test_what_is_to_begin_later_is_planned_though_it_could_not_begin_now()
         assert told.startswith("2: timed begins by itself, next")
         assert "\nNow it could not begin: " in told
         assert told.endswith(" At its time that is asked again.")
-        assert len(here.gateway.furnished.fleet._timetable.plans) == 2
+        assert len(here.gateway.features.fleet._timetable.plans) == 2
         refused = await here.say("/mission start timed", account=VI, chat=VI)
         assert refused in told, "said as the start itself would say it"

@@ -61,7 +61,7 @@ async def test_two_people_at_once_give_two_tasks() -> None:
         await here.quiet()
         store.ready.set()
         await heard(here)
-        telling = here.gateway.furnished.fleet.telling
+        telling = here.gateway.features.fleet.telling
         said = {task.among: telling.what(task, task.author) for task in tasks(here).values()}
         assert said == {("w1",): "wave", ("w2",): "move 1 m"}
 
@@ -155,7 +155,7 @@ async def test_whoever_is_erased_leaves_no_words_and_no_robot_moves_for_them() -
         await here.tap(button, under, account=BO)
         await heard(here, 15)
         assert {task.state for task in tasks(here).values()} == {TaskState.CANCELLED}
-        telling = here.gateway.furnished.fleet.telling
+        telling = here.gateway.features.fleet.telling
         assert {telling.what(task, task.author) for task in tasks(here).values()} == {ERASED}
         assert not [fact for fact in await store.facts("shared-ear", "", 9) if fact.body]
         await here.say("resume w1")
@@ -218,7 +218,7 @@ async def test_nobody_keeps_the_others_from_giving_tasks() -> None:
 
 async def test_what_was_said_of_tasks_that_are_forgotten_is_forgotten_too() -> None:
     async with warehouse(fleet=WAREHOUSE[:1]).open() as here:
-        dispatching = here.gateway.furnished.fleet.dispatching
+        dispatching = here.gateway.features.fleet.dispatching
         for _ in range(KEPT_OVER + 20):
             await here.say("/task w1 wave once")
             worker(here, "w1").end(OrderEnding.FAILED, "the gripper is open")
@@ -271,7 +271,7 @@ async def test_a_time_that_is_taken_back_as_it_comes_begins_nothing() -> None:
     store.ready.set()
     async with lab(store).open() as here:
         await here.say("/mission start loud every day 8:00")
-        timetable = here.gateway.furnished.fleet._timetable
+        timetable = here.gateway.features.fleet._timetable
         wait_ns = (timetable.next_ns(timetable.plans["1"]) or 0) - here.clock.wall_ns()
         store.ready.clear()
         here.chat.say("/mission off 1")
@@ -292,7 +292,7 @@ async def test_two_people_at_once_plan_two_times() -> None:
         await here.quiet()
         store.ready.set()
         await heard(here)
-        assert len(here.gateway.furnished.fleet._timetable.plans) == 2
+        assert len(here.gateway.features.fleet._timetable.plans) == 2
 
 
 async def test_a_rule_brings_a_robot_to_rest_although_nothing_can_be_written() -> None:
@@ -300,7 +300,7 @@ async def test_a_rule_brings_a_robot_to_rest_although_nothing_can_be_written() -
     async with warehouse(store).open() as here:
         await here.say("/task w1 wave")
         store.broken = True
-        rules = RuleTasks(here.gateway.rooms, here.gateway.furnished.fleet.dispatching)
+        rules = RuleTasks(here.gateway.rooms, here.gateway.features.fleet.dispatching)
         assert await rules.pause("w1", "somebody", "it is too warm")
         await heard(here)
         assert not here.robot("w1").presence().doing

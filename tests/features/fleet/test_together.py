@@ -13,7 +13,7 @@ from rosic.core.synchronised_start import misses_start
 from rosic.stores.memory import MemoryStore
 from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.simulation_loop import theatre_of
+from rosic_sim.robots.simulation_loop import simulation_of
 from tests.features.fleet.test_tasks import WAREHOUSE, Worker, heard
 from tests.gateway.place import Place
 
@@ -84,7 +84,7 @@ def linked(here: Place, name: str) -> Linked:
 
 
 def drone(here: Place, name: str) -> Crazyflie:
-    found = theatre_of(here.clock).world.machines[name]
+    found = simulation_of(here.clock).world.machines[name]
     assert isinstance(found, Crazyflie)
     return found
 

@@ -76,10 +76,10 @@ class Booth(Place):
     """Everything in one.
 
     Attributes:
-        painter: Who draws.
+        renderer: Who draws.
     """
 
-    painter: Sketcher
+    renderer: Sketcher
 
     def prepare(self) -> None:
         """Let the robots show something; to be called once it is open."""
@@ -105,11 +105,11 @@ class Booth(Place):
         raise AssertionError("nothing was shown")
 
 
-def booth(painter: Sketcher | None, **how: object) -> Booth:
+def booth(renderer: Sketcher | None, **how: object) -> Booth:
     """Return a booth; without a painter Pillow is missing."""
     made = Booth(fleet=ROBOTS, **how)  # type: ignore[arg-type]
     parts = made.gateway._parts
-    made.gateway._parts = replace(parts, painter=painter)
-    if painter is not None:
-        made.painter = painter
+    made.gateway._parts = replace(parts, renderer=renderer)
+    if renderer is not None:
+        made.renderer = renderer
     return made

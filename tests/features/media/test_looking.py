@@ -40,20 +40,20 @@ async def test_a_picture_comes_with_robot_and_age(place: Booth) -> None:
     assert (shown.attachment.name, shown.attachment.media_type) == ("omni.png", "image/png")
     assert shown.text.startswith("The omni, camera, 0.")
     assert shown.text.endswith(" s ago")
-    assert place.painter.drawn == [(FRAME, False)]
+    assert place.renderer.drawn == [(FRAME, False)]
     assert labels(place) == ["Again", "Clip", "Lower quality"]
 
 
 async def test_it_is_drawn_off_the_event_loop(place: Booth) -> None:
     await place.see("picture omni")
-    assert place.painter.threads
-    assert threading.get_ident() not in place.painter.threads
+    assert place.renderer.threads
+    assert threading.get_ident() not in place.renderer.threads
 
 
 async def test_low_quality_is_asked_for_and_said(place: Booth) -> None:
     shown = await place.see("picture omni low")
     assert shown.text.endswith("low quality")
-    assert place.painter.drawn == [(FRAME, True)]
+    assert place.renderer.drawn == [(FRAME, True)]
 
 
 async def test_a_button_asks_again(place: Booth) -> None:
@@ -61,14 +61,14 @@ async def test_a_button_asks_again(place: Booth) -> None:
     button, under = place.button("Better quality")
     await place.tap(button, under)
     async with asyncio.timeout(60 * pace()):
-        while len(place.painter.drawn) < 2:  # noqa: ASYNC110 - a thread draws
+        while len(place.renderer.drawn) < 2:  # noqa: ASYNC110 - a thread draws
             await asyncio.sleep(0.001)
-    assert place.painter.drawn[1] == (FRAME, False)
+    assert place.renderer.drawn[1] == (FRAME, False)
 
 
 async def test_a_clip_is_several_frames(place: Booth) -> None:
     shown = await place.see("clip omni")
-    (clip, _), *_ = place.painter.drawn
+    (clip, _), *_ = place.renderer.drawn
     assert isinstance(clip, Clip)
     assert len(clip.frames) == 14
     assert 0.19 < clip.every_s < 0.5
@@ -77,7 +77,7 @@ async def test_a_clip_is_several_frames(place: Booth) -> None:
 
 async def test_a_map_is_shown(place: Booth) -> None:
     shown = await place.see("map cf1")
-    assert place.painter.drawn == [(GRID, False)]
+    assert place.renderer.drawn == [(GRID, False)]
     assert shown.text.startswith("The cf1, map, ")
     assert "position" not in shown.text
 
@@ -144,7 +144,7 @@ async def test_what_cannot_be_shown_is_said(place: Booth, line: str, words: str)
     shown = await place.see(line)
     assert words in shown.text
     assert shown.attachment is None
-    assert place.painter.drawn == []
+    assert place.renderer.drawn == []
 
 
 async def test_a_robot_that_shows_nothing_is_said_to(place: Booth) -> None:
@@ -163,14 +163,14 @@ async def test_a_viewer_may_look(place: Booth) -> None:
 async def test_a_stranger_sees_nothing(place: Booth) -> None:
     await place.say("/picture omni", account=STRANGER)
     await asyncio.sleep(0.05)
-    assert place.painter.drawn == []
+    assert place.renderer.drawn == []
 
 
 async def test_whoever_loses_the_right_meanwhile_is_shown_nothing(place: Booth) -> None:
-    place.painter.wait.clear()
+    place.renderer.wait.clear()
     await place.say("picture omni", account=BO)
     place.gateway.rooms.organiser.visible = lambda _: frozenset()  # type: ignore[method-assign, assignment]
-    place.painter.wait.set()
+    place.renderer.wait.set()
     texts: list[str] = []
     async with asyncio.timeout(60 * pace()):
         while "You may not look at that robot any more." not in texts:
@@ -184,10 +184,10 @@ async def test_whoever_loses_the_right_meanwhile_is_shown_nothing(place: Booth) 
 
 
 async def test_one_picture_of_a_robot_at_a_time(place: Booth) -> None:
-    place.painter.wait.clear()
+    place.renderer.wait.clear()
     await place.say("picture omni")
     assert "being made already" in await place.say("picture omni", account=VI)
-    place.painter.wait.set()
+    place.renderer.wait.set()
     await place.see("status")
 
 
@@ -197,18 +197,18 @@ async def test_nobody_may_ask_without_end(place: Booth) -> None:
         if shown.attachment is not None:
             shown = await place.see("clip omni")
     assert "more pictures than one person may ask for" in shown.text
-    assert len(place.painter.drawn) <= render_queue.LIMIT.burst / 4 + 1
+    assert len(place.renderer.drawn) <= render_queue.LIMIT.burst / 4 + 1
     assert (await place.see("clip omni", account=VI)).attachment is not None  # others still may
 
 
 async def test_the_chat_goes_on_while_a_picture_is_made(place: Booth) -> None:
-    place.painter.wait.clear()
+    place.renderer.wait.clear()
     await place.say("picture omni")
     assert "omni" in await place.say("status omni")
     assert place.acted() == 0
     await place.say("omni wave")
     assert place.acted() == 1
-    place.painter.wait.set()
+    place.renderer.wait.set()
 
 
 # ---- what goes wrong ----
@@ -218,7 +218,7 @@ async def test_a_painter_that_fails_is_told_of(place: Booth) -> None:
     def fails(*_: object, **__: object) -> None:
         raise ZeroDivisionError
 
-    place.gateway.media_feature.render_queue._painter = fails  # type: ignore[assignment]
+    place.gateway.media_feature.render_queue._renderer = fails  # type: ignore[assignment]
     shown = await place.see("picture omni")
     assert shown.text == "The picture could not be made. The log says why."
 

@@ -69,7 +69,7 @@ async def test_a_chart_shows_what_was_reported(place: Booth) -> None:
         place.robot("omni").values = {"battery": 80.0 - second, "x": 0.5, "mode": "idle"}
         await place.clock.advance(1.0)
     shown = await place.see("chart omni battery")
-    (curve, low), *_ = place.painter.drawn
+    (curve, low), *_ = place.renderer.drawn
     assert isinstance(curve, TimeSeries)
     assert not low
     assert (curve.title, curve.unit, curve.alert_below) == ("The omni: battery", "%", 20.0)
@@ -87,7 +87,7 @@ async def test_the_words_in_it_are_in_the_language_of_whoever_asked(place: Booth
     await place.see("chart omni battery")
     await place.say("/language de")
     await place.see("chart omni battery")
-    assert place.painter.wrote == ["now", "jetzt"]
+    assert place.renderer.wrote == ["now", "jetzt"]
 
 
 async def test_which_value_is_asked_with_buttons(place: Booth) -> None:
@@ -97,14 +97,14 @@ async def test_which_value_is_asked_with_buttons(place: Booth) -> None:
     await place.tap(button, under)
     shown = await place.see("status")
     assert shown is not None
-    assert isinstance(place.painter.drawn[0][0], TimeSeries)
+    assert isinstance(place.renderer.drawn[0][0], TimeSeries)
 
 
 async def test_the_chosen_robots_value_needs_no_name(place: Booth) -> None:
     await place.clock.advance(2.0)
     await place.say("use omni")
     await place.see("chart battery low")
-    assert place.painter.drawn[0][1]
+    assert place.renderer.drawn[0][1]
 
 
 @pytest.mark.parametrize(
@@ -119,7 +119,7 @@ async def test_the_chosen_robots_value_needs_no_name(place: Booth) -> None:
 )
 async def test_what_cannot_be_drawn_is_said(place: Booth, line: str, words: str) -> None:
     assert words in await place.say(line)
-    assert place.painter.drawn == []
+    assert place.renderer.drawn == []
 
 
 async def test_a_robot_that_is_away_leaves_a_gap(place: Booth) -> None:
@@ -144,7 +144,7 @@ async def test_the_way_of_the_last_order_is_drawn(place: Booth) -> None:
     await place.quiet()
     robot.pose = Pose(9.0, 9.0)  # after its end nobody follows
     shown = await place.see("trajectory omni")
-    (way, _), *_ = place.painter.drawn
+    (way, _), *_ = place.renderer.drawn
     assert isinstance(way, PathView)
     assert way.points[0] == Pose(0.0, 0.0)
     assert Pose(9.0, 9.0) not in way.points
@@ -164,7 +164,7 @@ async def test_of_a_robot_that_did_not_move_from_its_place_no_way_is_drawn(place
     await place.quiet()
     told = await place.say("trajectory omni")
     assert told == "The omni did not move from its place with the last order (wave)."
-    assert not place.painter.drawn
+    assert not place.renderer.drawn
 
 
 async def test_a_way_goes_on_while_the_order_does(place: Booth) -> None:
@@ -176,7 +176,7 @@ async def test_a_way_goes_on_while_the_order_does(place: Booth) -> None:
         robot.pose = Pose(step * 0.1, 0.0, step * 0.1)
         await place.clock.advance(0.1)
     shown = await place.see("trajectory omni")
-    (way, _), *_ = place.painter.drawn
+    (way, _), *_ = place.renderer.drawn
     assert isinstance(way, PathView)
     assert [point.x_m for point in way.points[:3]] == pytest.approx([0.0, 0.1, 0.2])
     assert way.vertical

@@ -54,13 +54,13 @@ def watch(ward: Ward) -> set[str]:
     ):
         for name in names:
             setattr(holder, name, Watched(getattr(holder, name), seen))
-    belongings = ward.kept.belongings
+    container_facts = ward.kept.container_facts
 
     async def noted(container: str) -> Any:  # noqa: ANN401 - passed on
         seen.add(container)
-        return await belongings(container)
+        return await container_facts(container)
 
-    ward.kept.belongings = noted  # type: ignore[method-assign]
+    ward.kept.container_facts = noted  # type: ignore[method-assign]
     return seen
 
 
@@ -69,7 +69,7 @@ async def test_the_watch_sees_who_looks(tmp_path: Path) -> None:
         await ward.said("data", "bay = four", account=BO)
         seen, bo, vi = watch(ward), ward.id_of(BO), ward.id_of(VI)
         ward.shelf.names(bo, bo)
-        await ward.kept.belongings(vi)
+        await ward.kept.container_facts(vi)
         assert seen == {bo, vi}
         list(ward.shelf._kept.items())
         assert EVERYBODY in seen

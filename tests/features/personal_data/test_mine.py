@@ -92,7 +92,7 @@ async def test_whoever_is_forgotten_is_a_stranger_and_nothing_of_theirs_can_be_r
     clock = ManualClock()
     async with a_ward(tmp_path, clock=clock) as ward:
         bo = await used(ward)
-        before = await ward.kept.belongings(bo)
+        before = await ward.kept.container_facts(bo)
         assert sum(fact.letter is not None for fact in before) >= 8
         assert await ward.sure("forget", "me", account=BO) == ("You are forgotten here. Farewell.")
         assert ward.id_of(BO) == ""
@@ -112,7 +112,7 @@ async def test_whoever_is_forgotten_is_a_stranger_and_nothing_of_theirs_can_be_r
         )
     async with a_ward(tmp_path, clock=clock) as again:
         assert again.id_of(BO) == ""
-        assert all(fact.letter is None for fact in await again.kept.belongings(bo))
+        assert all(fact.letter is None for fact in await again.kept.container_facts(bo))
         assert again.erasing.is_erased(bo)
         assert "I do not know you" in await again.say("omni wave", account=BO, chat=BO)
         await again.say("kuka1 wave", account=ADA, chat=ADA, message="another")
@@ -141,7 +141,7 @@ async def test_an_order_under_way_ends_before_the_key_is_shredded(tmp_path: Path
         erased = await erasing
         assert erased.at_rest
         assert order == [0]
-        assert all(fact.letter is None for fact in await ward.kept.belongings(bo))
+        assert all(fact.letter is None for fact in await ward.kept.container_facts(bo))
 
 
 async def test_a_robot_that_does_not_rest_holds_nothing_up_and_it_is_done_again() -> None:
@@ -187,7 +187,7 @@ async def test_a_record_that_cannot_be_cleared_is_cleared_at_the_next_start(
         assert "ended" in await ward.say("omni wave", account=BO, chat=BO) or not ward.id_of(BO)
         assert ward.acted() == 1
     async with a_ward(tmp_path, clock=clock) as again:
-        assert all(fact.letter is None for fact in await again.kept.belongings(bo))
+        assert all(fact.letter is None for fact in await again.kept.container_facts(bo))
         assert again.id_of(BO) == ""
 
 
@@ -210,7 +210,7 @@ async def test_what_cannot_be_written_erases_nothing() -> None:
         async def unreadable(container: str) -> tuple[Fact, ...]:
             raise StoreFault(container)
 
-        ward.kept.belongings = unreadable  # type: ignore[method-assign]
+        ward.kept.container_facts = unreadable  # type: ignore[method-assign]
         assert (await ward.said("mydata", account=BO)).startswith("I cannot read what is kept now")
 
 
@@ -233,7 +233,7 @@ async def readable(folder: Path, who: str, clock: ManualClock) -> AsyncIterator[
     for name in ("before", "after"):
         store = DatabaseStore(folder / name, clock=clock)
         await store.open()
-        found = await store.belongings(who)
+        found = await store.container_facts(who)
         await store.close()
         yield name, sum(fact.letter is not None for fact in found)
 

@@ -193,7 +193,9 @@ async def test_a_thousand_planted_strings_are_found_in_no_file(tmp_path: Path) -
         assert found_in(tmp_path, planted) == {}  # while it runs: the log file is full
         assert not secret_in(tmp_path, secret)
         assert {DATABASE, "latch", "root.key"} <= names_in(tmp_path)
-        everything = [await ward.kept.belongings(name) for name in await ward.kept.containers()]
+        everything = [
+            await ward.kept.container_facts(name) for name in await ward.kept.containers()
+        ]
         parts = await ward.kept.facts(PART, "", COUNT)
         assert len(parts) > COUNT // 20
         everything.append(parts)

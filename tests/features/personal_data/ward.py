@@ -123,9 +123,9 @@ class Ward(Place):
             preferences=self.book,
             shelf=self.shelf,
             files=FileStore(clock),
-            habits=gateway.pipeline.habits,
+            command_history=gateway.pipeline.command_history,
             archive=self.archive,
-            vault=self.kept,
+            container_store=self.kept,
             changes=access.changes,
             clock=clock,
             name=directory.name,
@@ -138,7 +138,7 @@ class Ward(Place):
             may_archive=lambda who: authority.rights.holds(who, FLEET, "archive", clock.wall_ns()),
             robots=frozenset(rooms.profiles),
             find=lambda name: tuple(person.id for person in directory.named(name)),
-            tell=gateway.furnished.reach.tell,
+            tell=gateway.features.reach.tell,
         )
         self.erasing = ErasureCommands(self.data_context, self.sides())
         commands, filing = gateway.pipeline.hooks.commands, FileCommands(self.data_context)

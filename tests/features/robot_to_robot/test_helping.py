@@ -232,7 +232,7 @@ class Warehouse(PeerRobots):
 async def test_the_tasks_of_both_go_on_with_others_and_neither_gets_one_meanwhile() -> None:
     fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
     async with Warehouse(fleet=fleet).open() as here:
-        tasks = here.gateway.furnished.fleet.dispatching.fleet.tasks
+        tasks = here.gateway.features.fleet.dispatching.fleet.tasks
         for robot in ("omni", "cf1"):
             await here.say(f"/task {robot} wave", account=ADA, chat=ADA)
         await here.say("/task crew move 1 m", account=ADA, chat=ADA)
@@ -260,7 +260,7 @@ async def test_the_tasks_of_both_go_on_with_others_and_neither_gets_one_meanwhil
 async def test_whoever_helps_takes_over_what_the_other_did() -> None:
     fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
     async with Warehouse(fleet=fleet).open() as here:
-        tasks = here.gateway.furnished.fleet.dispatching.fleet.tasks
+        tasks = here.gateway.features.fleet.dispatching.fleet.tasks
         for _ in fleet:
             await here.say("/task crew wave", account=ADA, chat=ADA)
         await here.clock.advance(2)
@@ -278,7 +278,7 @@ async def test_whoever_helps_takes_over_what_the_other_did() -> None:
 async def test_a_task_waits_for_whoever_helps_no_longer_than_the_help_lasts() -> None:
     fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
     async with Warehouse(fleet=fleet).open() as here:
-        tasks = here.gateway.furnished.fleet.dispatching.fleet.tasks
+        tasks = here.gateway.features.fleet.dispatching.fleet.tasks
         await here.say("stop cf1 cf2", account=ADA, chat=ADA)
         await here.say("/task crew wave", account=ADA, chat=ADA)
         await here.clock.advance(2)
@@ -322,7 +322,7 @@ async def test_a_robot_is_called_as_people_read_it() -> None:
 async def test_no_task_waits_for_one_that_helps_and_takes_no_part() -> None:
     fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
     async with Warehouse(fleet=fleet).open() as here:
-        tasks = here.gateway.furnished.fleet.dispatching.fleet.tasks
+        tasks = here.gateway.features.fleet.dispatching.fleet.tasks
         await here.say("/task crew wave", account=ADA, chat=ADA)
         await here.say("/robot retire cf1", account=ADA, chat=ADA)
         await here.clock.advance(2)

@@ -236,7 +236,7 @@ async def test_what_a_robot_shares_lies_in_its_own_container_and_goes_with_it() 
         await here.says("omni", "share", topic="road", data="where I was")
         await here.says("omni", "help", what="stuck at the back door")
         await here.clock.advance(6)
-        letters = [fact.letter for fact in await store.belongings("omni") if fact.letter]
+        letters = [fact.letter for fact in await store.container_facts("omni") if fact.letter]
         assert {bytes(letter.content) for letter in letters} == {
             b'"where I was"',
             b"stuck at the back door",
@@ -266,6 +266,6 @@ async def test_a_digest_is_in_the_archive_of_the_chat_that_reads_it() -> None:
 async def test_whoever_speaks_to_chats_speaks_through_the_archive() -> None:
     async with PeerRobots().open() as here:
         gateway = here.gateway
-        digests, retracting = gateway.among.circle.digests, gateway.furnished.retracting
+        digests, retracting = gateway.among.circle.digests, gateway.features.retracting
         for speakers in (digests._messengers, retracting._messengers):
             assert all(isinstance(one, ArchivingMessenger) for one in speakers.values())

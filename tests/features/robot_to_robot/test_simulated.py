@@ -6,7 +6,7 @@ from rosic.config.profiles import load_profile, shipped_profiles
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.peer import answer
 from rosic_sim.robots.robot import SimulatedRobot
-from rosic_sim.robots.simulation_loop import theatre_of
+from rosic_sim.robots.simulation_loop import simulation_of
 from tests.gateway.place import BO, Place
 
 
@@ -18,9 +18,9 @@ class Simulated(Place):
 
 async def moved_in_s(here: Place) -> float:
     """Let omni move half a metre, and return how long it took."""
-    machine = theatre_of(here.clock).world.machines["omni"]
+    machine = simulation_of(here.clock).world.machines["omni"]
     assert isinstance(machine, Omni)
-    begun_s = theatre_of(here.clock).now_s()
+    begun_s = simulation_of(here.clock).now_s()
     await here.say("omni move 0.5 m speed 0.5", account=BO, chat=BO)
     fastest = 0.0
     for _ in range(200):
@@ -29,7 +29,7 @@ async def moved_in_s(here: Place) -> float:
         if machine.at_rest() and not here.gateway.robots["omni"].presence().doing:
             break
     assert fastest <= machine.speed_cap_m_s + 0.01
-    return theatre_of(here.clock).now_s() - begun_s
+    return simulation_of(here.clock).now_s() - begun_s
 
 
 async def test_it_drives_no_faster_until_it_goes_back() -> None:

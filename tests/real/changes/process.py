@@ -119,7 +119,7 @@ class Admin:
                 name=f"Person {number}",
             )
             assert isinstance(answer, CodeRedeemed)
-            await turn.write(self._gateway.furnished.admitting.records(answer, self._ada))
+            await turn.write(self._gateway.features.admitting.records(answer, self._ada))
         self._say("joined", number)
         return answer.person.id
 

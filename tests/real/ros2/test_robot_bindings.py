@@ -156,7 +156,7 @@ async def test_no_stream_begins_before_it_is_shown_who_takes_it(
     peer.lines.clear()
     await robot.open(lambda _text: None)
     try:
-        publisher = robot._brakes.zeros["/omni/cmd_vel"]
+        publisher = robot._stop_controller.zeros["/omni/cmd_vel"]
         await until(lambda: publisher.listeners > 0 and bool(publisher.takers()))
         monkeypatch.setattr(publisher, "takers", dict)  # as while the graph lags behind
         with pytest.raises(RobotOffline):
@@ -300,7 +300,7 @@ async def test_a_stop_says_what_the_profile_says(peer: RosProcess, *, says: bool
     robot = omni(MOVES, stop={**HOLD, "request": {"data": says}})
     await robot.open(lambda _text: None)
     try:
-        await until(lambda: all(link.ready() for link in robot._brakes.calls))
+        await until(lambda: all(link.ready() for link in robot._stop_controller.calls))
         await robot.stop(Stop("omni", 1))
         await asyncio.to_thread(peer.expect, f"slow done {says}", timeout_s=60 * pace())
     finally:

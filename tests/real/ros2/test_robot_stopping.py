@@ -292,9 +292,9 @@ async def test_what_closing_cuts_short_has_not_failed(clock: SystemClock) -> Non
         running = await moving(robot)
         calls: list[object] = [
             HeardLast(link, running) if link.name.endswith("/cancel_goal") else link
-            for link in robot._brakes.calls
+            for link in robot._stop_controller.calls
         ]
-        robot._brakes.calls[:] = calls  # type: ignore[assignment]
+        robot._stop_controller.calls[:] = calls  # type: ignore[assignment]
         await robot.close()
         outcome = await asyncio.wait_for(running, 60 * pace())
     assert outcome.ending is OrderEnding.CANCELLED

@@ -101,7 +101,7 @@ def books_of(
         clock=gateway.access.time,
         zone=zone_or_universal(zone),
         bots=bots,
-        notices=gateway.furnished.notices,
+        notices=gateway.features.notices,
         data_context=gateway.data_feature.data_context,
         erasing=gateway.data_feature.erasing,
         assurances={

@@ -102,6 +102,6 @@ class ContainersAdmin:
         """Return the container that is meant: by its id, a robot's id, or a person's name."""
         name = " ".join(ask.names)
         data_context = self._data_context
-        if name in data_context.robots or name in await data_context.vault.containers():
+        if name in data_context.robots or name in await data_context.container_store.containers():
             return name
         return the_one(self._books.authoriser.directory, name).id

@@ -186,16 +186,16 @@ NOT_KEPT = said("This could not be written down: after a restart, look before yo
 
 
 class AdminDispatcher:
-    """One running gateway.
+    """Answers requests of the operator from one running gateway.
 
     Args:
         gateway: Open.
-        desk: Answers about people and their rights; None: nobody does.
+        admin: Answers about people and their rights; None: nobody does.
     """
 
-    def __init__(self, gateway: Gateway, desk: AdminApi | None = None) -> None:
+    def __init__(self, gateway: Gateway, admin: AdminApi | None = None) -> None:
         self._gateway = gateway
-        self._desk = desk
+        self._admin = admin
 
     def status(self, names: Sequence[str] = ()) -> tuple[str, ...]:
         """Return a line for each robot, after what keeps all of them from moving.
@@ -320,6 +320,6 @@ class AdminDispatcher:
             return (await self._gateway.robot_adder.add(wanted.draft, OPERATOR, wanted.role),)
         if ask.verb is AdminVerb.RESUME:
             return (await self.resume(ask.names),)
-        if self._desk is None:
+        if self._admin is None:
             raise NotUnderstood("Nobody answers that here.")
-        return await self._desk.do(ask)
+        return await self._admin.do(ask)

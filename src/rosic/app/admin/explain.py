@@ -144,8 +144,8 @@ class Explainer:
         key = books.authoriser.directory.key_of(person.id)
         address = person.addresses[0] if person.addresses else Address(OPERATOR, "")
         caller = Caller(person.id, person.name, address, "" if key is None else key.id, "")
-        grounds = AuthContext(channel=books.assurance_of(person))
-        return books.organiser.decision(caller, robot, skill, arguments, grounds)
+        auth_context = AuthContext(channel=books.assurance_of(person))
+        return books.organiser.decision(caller, robot, skill, arguments, auth_context)
 
     def _wording(self) -> PolicyTexts:
         books = self._books

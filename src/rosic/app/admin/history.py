@@ -70,7 +70,7 @@ async def history_of(books: AdminContext, asked: HistoryParameters) -> Iterator[
         since_ns=0 if asked.since_s is None else now_ns - int(asked.since_s * 1e9),
         limit=max(1, min(asked.limit, AT_MOST)),
     )
-    found = await books.data_context.vault.history(query)
+    found = await books.data_context.container_store.history(query)
     if not found and not asked.json:
         return iter((_nothing(books, asked, query),))
     return _written(books, found[::-1], json=asked.json)

@@ -33,7 +33,7 @@ TELEGRAM, TERMINAL = "telegram", "terminal"
 
 
 class SetupAnswers(msgspec.Struct, frozen=True, kw_only=True):
-    """The answers.
+    """What somebody answered to the questions of ``rosic init``.
 
     Attributes:
         token: To be kept in a file of its own; empty for none.
@@ -68,7 +68,7 @@ class SetupAnswers(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class SetupResult(msgspec.Struct, frozen=True):
-    """What was written.
+    """The files that were written.
 
     Attributes:
         written: Every file, as it was named.

@@ -63,7 +63,7 @@ class AlertTimes(msgspec.Struct, frozen=True):
 
 
 class AlertWatch:
-    """Follows one rule.
+    """Follows one alert rule of one robot over time.
 
     Attributes:
         phase: Where it is.

@@ -48,42 +48,42 @@ class CandidateRobot(msgspec.Struct, frozen=True, kw_only=True):
     declined: frozenset[TaskId] = frozenset()
 
 
-def may(fleet: FleetState, task: Task, glance: CandidateRobot) -> bool:
+def may(fleet: FleetState, task: Task, candidate: CandidateRobot) -> bool:
     """Whether a robot that can carry out a task may be asked now, as far as can be seen."""
-    robot = glance.robot
-    if not glance.free or robot in fleet.holds or task.id in glance.declined:
+    robot = candidate.robot
+    if not candidate.free or robot in fleet.holds or task.id in candidate.declined:
         return False
-    if glance.holder is not None and glance.holder != task.author:
+    if candidate.holder is not None and candidate.holder != task.author:
         return False  # somebody's time is nobody else's to spend
     if fleet.standing(robot) is not FleetMembership.ACTIVE:
         return False
-    return fits(task, glance)
+    return fits(task, candidate)
 
 
-def fits(task: Task, glance: CandidateRobot) -> bool:
+def fits(task: Task, candidate: CandidateRobot) -> bool:
     """Whether a robot has what a task needs before it begins."""
     need = task.need
-    if need.localised and glance.place is None:
+    if need.localised and candidate.place is None:
         return False
-    return not need.battery or (glance.battery is not None and glance.battery >= need.battery)
+    return not need.battery or (candidate.battery is not None and candidate.battery >= need.battery)
 
 
-def cost(task: Task, glance: CandidateRobot, now_ns: int) -> float:
+def cost(task: Task, candidate: CandidateRobot, now_ns: int) -> float:
     """Return what it costs to let a robot carry out a task, in metres of way; may be negative."""
-    return robot_cost(glance) + way_cost(task, glance) - waiting_credit(task, now_ns)
+    return robot_cost(candidate) + way_cost(task, candidate) - waiting_credit(task, now_ns)
 
 
-def robot_cost(glance: CandidateRobot) -> float:
+def robot_cost(candidate: CandidateRobot) -> float:
     """Return what a robot costs whatever it does: its battery, and what it has done of late."""
-    battery = UNKNOWN_BATTERY if glance.battery is None else glance.battery
-    return EMPTY_BATTERY_M * (1.0 - battery / 100.0) + LOAD_M * glance.load
+    battery = UNKNOWN_BATTERY if candidate.battery is None else candidate.battery
+    return EMPTY_BATTERY_M * (1.0 - battery / 100.0) + LOAD_M * candidate.load
 
 
-def way_cost(task: Task, glance: CandidateRobot) -> float:
+def way_cost(task: Task, candidate: CandidateRobot) -> float:
     """Return the way to a task."""
-    if task.place is None or glance.place is None:
+    if task.place is None or candidate.place is None:
         return UNKNOWN_WAY_M
-    return hypot(task.place[0] - glance.place[0], task.place[1] - glance.place[1])
+    return hypot(task.place[0] - candidate.place[0], task.place[1] - candidate.place[1])
 
 
 def waiting_credit(task: Task, now_ns: int) -> float:
@@ -93,7 +93,7 @@ def waiting_credit(task: Task, now_ns: int) -> float:
 
 def by_priority(
     fleet: FleetState,
-    glances: Mapping[RobotId, CandidateRobot],
+    candidates: Mapping[RobotId, CandidateRobot],
     now_ns: int,
     *,
     leave: Container[TaskId] = (),
@@ -105,20 +105,20 @@ def by_priority(
 
     Args:
         fleet: As it is now.
-        glances: How each robot is that may be asked.
+        candidates: How each robot is that may be asked.
         now_ns: Wall clock.
         leave: Tasks that are not to be given now.
         at_most: So many altogether, the most urgent ones.
     """
     levels: dict[int, list[Task]] = {}
-    declined, seen = refused_by_any(glances.values()), dict[tuple[object, ...], bool]()
+    declined, seen = refused_by_any(candidates.values()), dict[tuple[object, ...], bool]()
     for key in fleet.waiting:
         task = fleet.tasks[key]
         if key in leave or task.too_late(now_ns) or not fleet.ready(task):
             continue
         alike = asks_for(task, declined)
         if alike not in seen:
-            seen[alike] = _anybody(fleet, task, glances)
+            seen[alike] = _anybody(fleet, task, candidates)
         if seen[alike]:
             levels.setdefault(task.priority, []).append(task)
     found: list[list[Task]] = []
@@ -128,14 +128,14 @@ def by_priority(
     return [level for level in found if level]
 
 
-def _anybody(fleet: FleetState, task: Task, glances: Mapping[RobotId, CandidateRobot]) -> bool:
+def _anybody(fleet: FleetState, task: Task, candidates: Mapping[RobotId, CandidateRobot]) -> bool:
     """Whether some robot may be asked now."""
-    return any(robot in glances and may(fleet, task, glances[robot]) for robot in task.left)
+    return any(robot in candidates and may(fleet, task, candidates[robot]) for robot in task.left)
 
 
-def refused_by_any(glances: Iterable[CandidateRobot]) -> frozenset[TaskId]:
+def refused_by_any(candidates: Iterable[CandidateRobot]) -> frozenset[TaskId]:
     """Return every task that some robot is not asked again yet."""
-    return frozenset[TaskId]().union(*(glance.declined for glance in glances))
+    return frozenset[TaskId]().union(*(candidate.declined for candidate in candidates))
 
 
 def asks_for(task: Task, declined: Container[TaskId]) -> tuple[object, ...]:
@@ -150,15 +150,18 @@ def asks_for(task: Task, declined: Container[TaskId]) -> tuple[object, ...]:
 
 
 def nearest_idle(
-    fleet: FleetState, tasks: Iterable[Task], glances: Mapping[RobotId, CandidateRobot], now_ns: int
+    fleet: FleetState,
+    tasks: Iterable[Task],
+    candidates: Mapping[RobotId, CandidateRobot],
+    now_ns: int,
 ) -> list[tuple[TaskId, RobotId]]:
     """Give each task, one after another, the best robot that is left: simple, and often good."""
-    left = dict(glances)
+    left = dict(candidates)
     chosen: list[tuple[TaskId, RobotId]] = []
     for task in tasks:
         able = [left[r] for r in task.left if r in left and may(fleet, task, left[r])]
         if able:
-            best = min(able, key=lambda glance: cost(task, glance, now_ns))
+            best = min(able, key=lambda candidate: cost(task, candidate, now_ns))
             chosen.append((task.id, best.robot))
             del left[best.robot]
     return chosen

@@ -94,7 +94,7 @@ class CommandLine(msgspec.Struct, frozen=True):
     """Something asked of ROSIC itself: who am I, book a robot, invite somebody.
 
     Attributes:
-        verb: One of ``keywords.ERRANDS``.
+        verb: One of ``keywords.COMMANDS``.
         rest: The line after it, as typed.
     """
 

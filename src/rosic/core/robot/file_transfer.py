@@ -33,7 +33,7 @@ class FileForRobot(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Receipt(msgspec.Struct, frozen=True, kw_only=True):
-    """What came back.
+    """What the robot's side answered to a file.
 
     Attributes:
         received: The robot's side said that it has it; False: nothing acknowledges, or it declined.

@@ -54,7 +54,7 @@ class AccessRequestCommands:
 
     Args:
         registry: Who knows people.
-        powers: Who may give what.
+        admin_policy: Who may give what.
         access_requests: What is open.
         granting: Gives it.
         places: How robots are named and shown, and where people read times.
@@ -63,13 +63,13 @@ class AccessRequestCommands:
     def __init__(
         self,
         registry: AccessContext,
-        powers: AdminPolicy,
+        admin_policy: AdminPolicy,
         access_requests: AccessRequests,
         granting: GrantCommands,
         places: RequestPlaces,
     ) -> None:
         self._registry = registry
-        self._powers = powers
+        self._admin_policy = admin_policy
         self._access_requests = access_requests
         self._granting = granting
         self._places = places
@@ -115,7 +115,7 @@ class AccessRequestCommands:
             who
             for who in islice(rights.people(), MOST_LOOKED_AT)
             if who != principal
-            and self._powers.acts(who)
+            and self._admin_policy.acts(who)
             and not self._places.lacks(rights, who, given, now_ns)
         )
         names = self._names(islice(people, MOST_NAMED))
@@ -152,7 +152,7 @@ class AccessRequestCommands:
         async with self._registry.changes.turn() as turn:
             self._check(by, access_request)
             self._check_same(access_request)
-            until_ns = self._powers.gives_until_ns(by, given, wanted_ns)
+            until_ns = self._admin_policy.gives_until_ns(by, given, wanted_ns)
             grant, records = self._granting.granted(access_request.principal, given, until_ns, by)
             await turn.write((*self._access_requests.allow(access_request, by), *records))
         name, who = self._registry.name(by), self._registry.name(access_request.principal)
@@ -205,16 +205,16 @@ class AccessRequestCommands:
             NotPermitted: It is their own question, or not theirs to give; or the asker is gone.
             Expired: It is settled.
         """
-        self._powers.check_not_locked(by)
+        self._admin_policy.check_not_locked(by)
         if by == access_request.principal:
             raise NotPermitted(words.own_question())
-        if not self._powers.may_give(by, self._places.given(access_request.want)):
-            raise NotPermitted(words.not_yours(self._powers.helpers(by)))
+        if not self._admin_policy.may_give(by, self._places.given(access_request.want)):
+            raise NotPermitted(words.not_yours(self._admin_policy.helpers(by)))
         now = self._access_requests.get(access_request.id)
         if now is not None and now.by:
             name, allowed = self._registry.name(now.by), now.state is RequestState.ALLOWED
             raise Expired(words.answered_before(name, allowed=allowed))
-        if not self._powers.acts(access_request.principal):
+        if not self._admin_policy.acts(access_request.principal):
             raise NotPermitted(words.no_access(self._registry.name(access_request.principal)))
 
     def _is_same(self, access_request: AccessRequest) -> bool:
@@ -292,7 +292,7 @@ class AccessRequestCommands:
             access_request
             for access_request in self._access_requests.open()
             if access_request.principal != by
-            and self._powers.may_give(by, self._places.given(access_request.want))
+            and self._admin_policy.may_give(by, self._places.given(access_request.want))
         )
 
     def questions(
@@ -324,7 +324,7 @@ class AccessRequestCommands:
         )
 
     def _answerers(self, access_request: AccessRequest) -> tuple[PrincipalId, ...]:
-        return self._powers.givers(
+        return self._admin_policy.givers(
             self._places.given(access_request.want), access_request.principal
         )
 

@@ -30,7 +30,7 @@ class ApprovalCommands:
 
     Args:
         registry: Who knows people.
-        powers: Who may let somebody in.
+        admin_policy: Who may let somebody in.
         newcomer_chat: Reaches whoever is nobody yet.
         menu: What somebody who has just come in is shown besides the welcome.
         forget: Erases what was kept of a newcomer who was not let in.
@@ -39,7 +39,7 @@ class ApprovalCommands:
     def __init__(
         self,
         registry: AccessContext,
-        powers: AdminPolicy,
+        admin_policy: AdminPolicy,
         newcomer_chat: NewcomerChat,
         *,
         menu: Callable[[PrincipalId], Reply],
@@ -49,7 +49,7 @@ class ApprovalCommands:
         self._forget = forget
         self._registry = registry
         self._enrolment = registry.enrolment
-        self._powers = powers
+        self._admin_policy = admin_policy
         self._newcomer_chat = newcomer_chat
 
     def records(self, redeemed: CodeRedeemed, by: PrincipalId) -> tuple[Record, ...]:
@@ -65,7 +65,7 @@ class ApprovalCommands:
 
     def ask(self, applicant: Applicant) -> int:
         """Ask everybody who may let them in. Return in how many places."""
-        asked = self._powers.admitters(applicant.pending.given)
+        asked = self._admin_policy.admitters(applicant.pending.given)
         row = buttons_for(applicant)
         return self._registry.reach.tell(
             asked, applicant.question, (row,), urgent=True, lifetime_s=PENDING_S, still=True
@@ -79,11 +79,11 @@ class ApprovalCommands:
         """
         by, applicant = asked.caller.principal, self._asked_about(asked)
         async with self._registry.changes.turn() as turn:
-            self._powers.check(by, INVITE)
+            self._admin_policy.check(by, INVITE)
             redeemed = self._enrolment.confirm(
                 applicant.pending.id,
                 by,
-                may_admit=self._powers.may_admit(by, applicant.pending.given),
+                may_admit=self._admin_policy.may_admit(by, applicant.pending.given),
             )
             await turn.write(self.records(redeemed, by))
         self._welcome(redeemed)
@@ -99,11 +99,11 @@ class ApprovalCommands:
         """
         by, applicant = asked.caller.principal, self._asked_about(asked)
         async with self._registry.changes.turn() as turn:
-            self._powers.check(by, INVITE)
+            self._admin_policy.check(by, INVITE)
             declined = self._enrolment.decline(
                 applicant.pending.id,
                 by,
-                may_admit=self._powers.may_admit(by, applicant.pending.given),
+                may_admit=self._admin_policy.may_admit(by, applicant.pending.given),
             )
             await turn.write(declined.records)
         await self._turned_away(declined)
@@ -138,7 +138,7 @@ class ApprovalCommands:
         return tuple(
             applicant
             for applicant in self._enrolment.applicants.all()
-            if self._powers.may_admit(by, applicant.pending.given)
+            if self._admin_policy.may_admit(by, applicant.pending.given)
         )
 
     def questions(
@@ -154,7 +154,7 @@ class ApprovalCommands:
 
     def _asked_about(self, asked: CommandContext) -> Applicant:
         """Return who is meant. Who waits is no business of those who may let nobody in."""
-        self._powers.check(asked.caller.principal, INVITE)
+        self._admin_policy.check(asked.caller.principal, INVITE)
         if not asked.rest.strip():
             names = [applicant.name for applicant in self.waiting(asked.caller.principal)]
             raise NotUnderstood(words.who_waits(names))
@@ -183,7 +183,7 @@ class ApprovalCommands:
         self._registry.reach.tell((person.id,), text, menu.buttons)
 
     def _tell_others(self, applicant: Applicant, by: PrincipalId, text: str) -> None:
-        asked = self._powers.admitters(applicant.pending.given)
+        asked = self._admin_policy.admitters(applicant.pending.given)
         self._registry.reach.tell((who for who in asked if who != by), text)
 
 

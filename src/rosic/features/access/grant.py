@@ -49,7 +49,7 @@ class GrantCommands:
 
     Args:
         registry: Who knows people.
-        powers: Who may give what.
+        admin_policy: Who may give what.
         entropy: For ids.
         zone_of: Returns the zone whose clocks somebody reads.
     """
@@ -57,12 +57,12 @@ class GrantCommands:
     def __init__(
         self,
         registry: AccessContext,
-        powers: AdminPolicy,
+        admin_policy: AdminPolicy,
         entropy: Entropy,
         zone_of: Callable[[PrincipalId], Zone],
     ) -> None:
         self._registry = registry
-        self._powers = powers
+        self._admin_policy = admin_policy
         self._entropy = entropy
         self._zone_of = zone_of
         self._names = PersonNames(registry)
@@ -122,9 +122,9 @@ class GrantCommands:
         Raises:
             NotPermitted: They do not.
         """
-        self._powers.check_not_locked(by)
-        if not self._powers.gives(by):
-            raise NotPermitted(request_messages.not_yours(self._powers.helpers(by)))
+        self._admin_policy.check_not_locked(by)
+        if not self._admin_policy.gives(by):
+            raise NotPermitted(request_messages.not_yours(self._admin_policy.helpers(by)))
 
     async def _give(self, asked: CommandContext, said: str) -> Reply:
         found, rest = self._whom(asked, said)
@@ -134,7 +134,7 @@ class GrantCommands:
         given = read_grant(rest, self._registry.rights())
         if found.id == by:
             raise NotPermitted(request_messages.not_to_yourself())
-        self._powers.check_give(by, given)
+        self._admin_policy.check_give(by, given)
         agreed = sure(self._registry.rights().policy, "grant", found.id, rest)
         if given.lasts_s is None and asked.act != agreed:
             yes = Button(request_messages.give_label(), f"/grant {found.id} {rest}", act=agreed)
@@ -151,8 +151,8 @@ class GrantCommands:
         lasts_s, now_ns = given.lasts_s, self._registry.clock.wall_ns()
         until_ns = None if lasts_s is None else now_ns + int(lasts_s * SECOND_NS)
         async with self._registry.changes.turn() as turn:
-            self._powers.check_give(by, given)
-            if not self._powers.acts(person.id):
+            self._admin_policy.check_give(by, given)
+            if not self._admin_policy.acts(person.id):
                 raise NotPermitted(request_messages.no_access(person.name))
             grants, records = self.granted(person.id, given, until_ns, by)
             await turn.write(records)
@@ -161,7 +161,7 @@ class GrantCommands:
     def _told(self, by: PrincipalId, person: Principal, grants: tuple[Grant, ...]) -> Reply:
         name, tell = self._registry.name(by), self._registry.reach.tell
         tell((person.id,), request_messages.was_given(name, self.said(grants, person.id)))
-        for other in self._powers.givers_of(grants, besides=person.id):
+        for other in self._admin_policy.givers_of(grants, besides=person.id):
             if other != by:
                 text = request_messages.was_given_to(name, person.name, self.said(grants, other))
                 tell((other,), text)
@@ -201,7 +201,7 @@ class GrantCommands:
         return Reply(messages.several(len(found), low[0]), rows), ""
 
     def _has_access(self, person: Principal) -> bool:
-        return self._powers.acts(person.id)
+        return self._admin_policy.acts(person.id)
 
     # ---- taking back ----
 
@@ -216,8 +216,8 @@ class GrantCommands:
             if not held:
                 raise Expired(request_messages.gone())
             principal, grants = held[0][0], tuple(grant for _, grant in held)
-            if by not in self._powers.givers_of(grants, besides=principal):
-                raise NotPermitted(request_messages.not_yours(self._powers.helpers(by)))
+            if by not in self._admin_policy.givers_of(grants, besides=principal):
+                raise NotPermitted(request_messages.not_yours(self._admin_policy.helpers(by)))
             records = [self._registry.grants_book.take_one(principal, g.id, by) for g in grants]
             await turn.act(record for some in records for record in some)
         name, who = self._registry.name(by), self._registry.name(principal)
@@ -233,7 +233,7 @@ class GrantCommands:
         for principal, grant in ended:
             by_person.setdefault(principal, []).append(grant)
         for principal, grants in by_person.items():
-            if self._powers.acts(principal):
+            if self._admin_policy.acts(principal):
                 what = self._what(grants)
                 self._registry.reach.tell((principal,), request_messages.has_ended(what))
 

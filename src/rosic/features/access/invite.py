@@ -300,7 +300,7 @@ class InviteCommands:
 
     Args:
         registry: Who knows people.
-        powers: Who may.
+        admin_policy: Who may.
         link: Returns the link that hands a code in on the messenger where it was asked for; empty
             where there is none. It shows a secret.
     """
@@ -308,12 +308,12 @@ class InviteCommands:
     def __init__(
         self,
         registry: AccessContext,
-        powers: AdminPolicy,
+        admin_policy: AdminPolicy,
         *,
         link: Callable[[Messenger, Secret], str] = _no_link,
     ) -> None:
         self._registry = registry
-        self._powers = powers
+        self._admin_policy = admin_policy
         self._link = link
 
     async def invite(self, asked: CommandContext) -> Reply:
@@ -324,7 +324,7 @@ class InviteCommands:
         """
         by, rest = asked.caller.principal, asked.rest.strip()
         check_private(asked)
-        self._powers.check(by, INVITE)
+        self._admin_policy.check(by, INVITE)
         if not rest:
             rights = self._registry.rights()
             return Reply(messages.how_to_invite(tuple(rights.rulebook.roles), rights.fleet.skills))
@@ -339,8 +339,8 @@ class InviteCommands:
         by = asked.caller.principal
         wanted = read_invitation(rest, self._registry.rights())
         async with self._registry.changes.turn() as turn:
-            self._powers.check(by, INVITE)
-            self._powers.check_give(by, wanted.given, within_s=wanted.code_ttl_s)
+            self._admin_policy.check(by, INVITE)
+            self._admin_policy.check_give(by, wanted.given, within_s=wanted.code_ttl_s)
             offer = self._registry.enrolment.invitations.invite(wanted, by)
             await turn.write(offer.records)
         link = self._link(asked.messenger, offer.code)
@@ -361,7 +361,7 @@ class InviteCommands:
     async def _take_back(self, asked: CommandContext, invitation: str) -> Reply:
         by, made = asked.caller.principal, self._registry.enrolment.invitations
         async with self._registry.changes.turn() as turn:
-            self._powers.check(by, INVITE)
+            self._admin_policy.check(by, INVITE)
             records = made.withdraw(invitation, by)
             written = await turn.act(records)
         return Reply(messages.noted(messages.TAKEN_BACK, written=written), anew=True)
@@ -370,6 +370,6 @@ class InviteCommands:
         """Let everybody have all their tries again after too many wrong codes."""
         by = asked.caller.principal
         async with self._registry.changes.turn() as turn:
-            self._powers.check(by, PEOPLE)
+            self._admin_policy.check(by, PEOPLE)
             await turn.write(self._registry.enrolment.reopen(by))
         return Reply(messages.REOPENED)

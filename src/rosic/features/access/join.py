@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 LONG = 1_000
 SILENT = Reply("")
-"""It was for the doorstep, and is done; there is nothing to say."""
+"""It was about joining, and is done; there is nothing to say."""
 # Answers to what is no good code: all addresses share them.
 ANSWERS = RateLimit(burst=10.0, per_s=0.5)
 
@@ -50,7 +50,7 @@ class JoinHandler:
 
     Args:
         registry: Who knows people.
-        powers: Who is to be told.
+        admin_policy: Who is to be told.
         admitting: Who asks the admins.
         newcomer_chat: Whose buttons these are.
         shown_as: How the messenger shows the sender; empty if it does not say.
@@ -60,7 +60,7 @@ class JoinHandler:
     def __init__(
         self,
         registry: AccessContext,
-        powers: AdminPolicy,
+        admin_policy: AdminPolicy,
         admitting: ApprovalCommands,
         newcomer_chat: NewcomerChat,
         *,
@@ -69,7 +69,7 @@ class JoinHandler:
     ) -> None:
         self._registry = registry
         self._enrolment: Enrolment = registry.enrolment
-        self._powers = powers
+        self._admin_policy = admin_policy
         self._admitting = admitting
         self._newcomer_chat = newcomer_chat
         self._shown_as = shown_as
@@ -81,7 +81,7 @@ class JoinHandler:
         """Take a message or tap before anybody is recognised; of one that is not fresh, what leaks.
 
         Returns:
-            None: it is nothing of the doorstep's. Otherwise what to say, with buttons that are
+            None: it is not about joining. Otherwise what to say, with buttons that are
             bound already; nothing, if the text is empty.
 
         Raises:
@@ -176,7 +176,7 @@ class JoinHandler:
         if alarm is None:
             return
         buttons = (words.REOPEN_ROW,) if alarm.kind == "code-breaker" else ()
-        admins = self._powers.holders(PEOPLE)
+        admins = self._admin_policy.holders(PEOPLE)
         self._registry.reach.tell(admins, alarm.sentence, buttons, urgent=True)
 
     def _still_waiting(self, inbound: Inbound) -> Reply | None:

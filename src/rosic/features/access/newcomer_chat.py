@@ -101,7 +101,7 @@ class NewcomerChat:
         return issued
 
     def knows(self, nonce: str) -> bool:
-        """Whether a button was shown on the doorstep; one look-up."""
+        """Whether a button was shown to somebody who is not known yet; one look-up."""
         return nonce in self._offered
 
     def redeem(self, inbound: Inbound) -> TappedInvitation:

@@ -42,7 +42,7 @@ class AccountCommands:
 
     Args:
         registry: Who knows people.
-        powers: Who may look.
+        admin_policy: Who may look.
         admitting: Who waits.
         slots: Returns somebody's next slots, a line each; None if there are no slots here.
         zone_of: Returns the zone whose clocks somebody reads.
@@ -55,7 +55,7 @@ class AccountCommands:
     def __init__(
         self,
         registry: AccessContext,
-        powers: AdminPolicy,
+        admin_policy: AdminPolicy,
         admitting: ApprovalCommands,
         *,
         slots: Callable[[PrincipalId], Sequence[str] | None] = _no_slots,
@@ -63,7 +63,7 @@ class AccountCommands:
         shown: Callable[[RobotId], str] = str,
     ) -> None:
         self._registry = registry
-        self._powers = powers
+        self._admin_policy = admin_policy
         self._admitting = admitting
         self._slots = slots
         self._zone_of = zone_of
@@ -80,7 +80,7 @@ class AccountCommands:
         """
         check_private(asked)
         principal = asked.caller.principal
-        self._powers.check_not_locked(principal)
+        self._admin_policy.check_not_locked(principal)
         lines = [messages.you_are(asked.caller.name)]
         lines += messages.rights_lines(self._grants(principal, reader=principal))
         lines += self._robots(principal)
@@ -161,7 +161,7 @@ class AccountCommands:
             NotPermitted: Not theirs to see, or others read along.
         """
         by = asked.caller.principal
-        self._powers.check(by, PEOPLE)
+        self._admin_policy.check(by, PEOPLE)
         check_private(asked)
         wanted = clean_name(asked.rest).casefold()
         found = [p for p in self._registry.authoriser.directory.people() if self._fits(p, wanted)]
@@ -204,7 +204,7 @@ class AccountCommands:
         Raises:
             NotPermitted: Not theirs to see, or others read along.
         """
-        self._powers.check(asked.caller.principal, PEOPLE)
+        self._admin_policy.check(asked.caller.principal, PEOPLE)
         check_private(asked)
         return Reply(_cut(self._registry.security.lines()))
 

@@ -39,10 +39,10 @@ class RevokeLockCommands:
     """Takes access away and gives a locked person theirs back."""
 
     def __init__(
-        self, registry: AccessContext, powers: AdminPolicy, notices: AccessNotices
+        self, registry: AccessContext, admin_policy: AdminPolicy, notices: AccessNotices
     ) -> None:
         self._registry = registry
-        self._powers = powers
+        self._admin_policy = admin_policy
         self._notices = notices
         self._names = PersonNames(registry)
         self._directory = registry.authoriser.directory
@@ -58,7 +58,7 @@ class RevokeLockCommands:
             Refusal: Others read along, not theirs to do, nobody of that name, or the last admin.
         """
         by = asked.caller.principal
-        self._powers.check(by, PEOPLE)
+        self._admin_policy.check(by, PEOPLE)
         check_private(asked)
         said = asked.rest.strip()
         if not said:
@@ -84,7 +84,7 @@ class RevokeLockCommands:
     def _check_revocable(self, person: Principal) -> None:
         if not self._has_access(person):
             raise NotUnderstood(access_messages.no_access(person.name))
-        if self._powers.is_last_admin(person.id, for_good=True):
+        if self._admin_policy.is_last_admin(person.id, for_good=True):
             raise NotPermitted(access_messages.last_admin(person.name))
 
     def _revocation(self, person: Principal, by: PrincipalId) -> tuple[Record, ...]:
@@ -108,7 +108,7 @@ class RevokeLockCommands:
 
     async def _end_for_good(self, person: Principal, by: PrincipalId) -> bool:
         async with self._registry.changes.turn() as turn:
-            self._powers.check(by, PEOPLE)  # they may have waited for somebody else's turn
+            self._admin_policy.check(by, PEOPLE)  # they may have waited for somebody else's turn
             self._check_revocable(person)
             ending = self._begin_to_end(person.id)
             written = await turn.act(self._revocation(person, by))
@@ -133,13 +133,13 @@ class RevokeLockCommands:
             said = by
         own = [person.id for person in self._names.called(said)] == [by]
         if not own:
-            self._powers.check(by, LOCK)
+            self._admin_policy.check(by, LOCK)
         if not said:
             return Reply(access_messages.HOW_TO_LOCK)
         found = self._names.find(asked, said, "lock", self._is_free)
         if isinstance(found, Reply):
             return found
-        if self._powers.is_last_admin(found.id, for_good=False):
+        if self._admin_policy.is_last_admin(found.id, for_good=False):
             if found.id != by:
                 raise NotPermitted(access_messages.last_admin(found.name))
             agreed = sure("lock", by)
@@ -160,7 +160,7 @@ class RevokeLockCommands:
             Refusal: Not theirs to do, nobody of that name, or not locked.
         """
         by, said = asked.caller.principal, asked.rest.strip()
-        self._powers.check(by, LOCK)
+        self._admin_policy.check(by, LOCK)
         if not said:
             return Reply(
                 access_messages.how_to_unlock(self._locked_names() if asked.private else ())
@@ -171,7 +171,7 @@ class RevokeLockCommands:
         if isinstance(found, Reply):
             return found
         async with self._registry.changes.turn() as turn:
-            self._powers.check(by, LOCK)
+            self._admin_policy.check(by, LOCK)
             await turn.write(self._locks.unlock(found.id, by, found.name))
         self._notices.unlocked(found, by)
         return Reply(keys_messages.unlocked(found.name))
@@ -220,9 +220,9 @@ def _all(found: Iterable[Iterable[Record]]) -> tuple[Record, ...]:
 class AccessNotices:
     """Tells them, in private, wherever they can be reached."""
 
-    def __init__(self, registry: AccessContext, powers: AdminPolicy) -> None:
+    def __init__(self, registry: AccessContext, admin_policy: AdminPolicy) -> None:
         self._registry = registry
-        self._powers = powers
+        self._admin_policy = admin_policy
 
     def revoked(self, person: Principal, by: PrincipalId) -> None:
         """Somebody's access has ended for good."""
@@ -258,5 +258,5 @@ class AccessNotices:
 
     def _admins(self, by: PrincipalId, person: Principal, verb: str, text: str) -> None:
         """Tell everybody else who looks after people: whoever it is about has heard of it."""
-        others = [who for who in self._powers.holders(verb, besides=by) if who != person.id]
+        others = [who for who in self._admin_policy.holders(verb, besides=by) if who != person.id]
         self._registry.reach.tell(others, text, urgent=True)

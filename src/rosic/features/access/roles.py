@@ -124,13 +124,15 @@ class RoleCommands:
 
     Args:
         registry: Who knows people.
-        powers: Who may give what.
+        admin_policy: Who may give what.
         rolebook: The roles there are.
     """
 
-    def __init__(self, registry: AccessContext, powers: AdminPolicy, rolebook: CustomRoles) -> None:
+    def __init__(
+        self, registry: AccessContext, admin_policy: AdminPolicy, rolebook: CustomRoles
+    ) -> None:
         self._registry = registry
-        self._powers = powers
+        self._admin_policy = admin_policy
         self._book = rolebook
 
     async def role(self, asked: CommandContext) -> Reply:
@@ -180,7 +182,7 @@ class RoleCommands:
             affected = self._check(by, name, role)
             now_ns = self._registry.clock.wall_ns()
             await turn.write(self._book.make(name, role, by, now_ns))
-        others = {*affected, *self._powers.holders("grant")} - {by}
+        others = {*affected, *self._admin_policy.holders("grant")} - {by}
         told = roles_messages.was_made(self._registry.name(by), name, role)
         self._registry.reach.tell(tuple(sorted(others)), told)
         return Reply(roles_messages.made(name, role))
@@ -230,16 +232,18 @@ class RoleCommands:
         if FLEET in given:
             raise NotPermitted(roles_messages.NO_FLEET)
         now_ns = self._registry.clock.wall_ns()
-        if not self._powers.may_make(by, given, rules, name, now_ns):
+        if not self._admin_policy.may_make(by, given, rules, name, now_ns):
             what = roles_messages.gives(rules.roles[name])
-            raise NotPermitted(messages.too_much(what, self._powers.helpers(by)))
-        if not self._powers.may_make(by, given, rules, name, FOR_GOOD_NS):
-            raise NotPermitted(roles_messages.for_good(self._powers.helpers(by, for_good=True)))
+            raise NotPermitted(messages.too_much(what, self._admin_policy.helpers(by)))
+        if not self._admin_policy.may_make(by, given, rules, name, FOR_GOOD_NS):
+            raise NotPermitted(
+                roles_messages.for_good(self._admin_policy.helpers(by, for_good=True))
+            )
 
     def _check_gives(self, by: PrincipalId) -> None:
-        self._powers.check_not_locked(by)
-        if not self._powers.gives(by):
-            raise NotPermitted(roles_messages.not_yours(self._powers.helpers(by)))
+        self._admin_policy.check_not_locked(by)
+        if not self._admin_policy.gives(by):
+            raise NotPermitted(roles_messages.not_yours(self._admin_policy.helpers(by)))
 
     def _check_not_of_the_file(self, name: str) -> None:
         if name in self._book.file.roles:

@@ -29,9 +29,9 @@ AUTHENTICATOR = "authenticator"
 class SecondFactorCommands:
     """Sets phones up and takes their codes."""
 
-    def __init__(self, registry: AccessContext, powers: AdminPolicy) -> None:
+    def __init__(self, registry: AccessContext, admin_policy: AdminPolicy) -> None:
         self._registry = registry
-        self._powers = powers
+        self._admin_policy = admin_policy
         self._two_factor = registry.two_factor
         self._names = PersonNames(registry)
 
@@ -45,7 +45,7 @@ class SecondFactorCommands:
         if first.casefold() == RESET:
             return await self._reset(asked, rest.strip())
         caller = asked.caller
-        self._powers.check_not_locked(caller.principal)
+        self._admin_policy.check_not_locked(caller.principal)
         setup = self._two_factor.begin(caller.principal, caller.name, asked.inbound.chat)
         uri = setup.uri.reveal()
         lines = [access_messages.set_up(uri, setup.key.reveal())]
@@ -75,7 +75,7 @@ class SecondFactorCommands:
         if asked.inbound.nonce is None:  # it was typed: right or wrong, it is not left lying about
             self._registry.retracting.now(asked.messenger, chat, asked.inbound.message)
         async with self._registry.changes.turn() as turn:
-            self._powers.check_not_locked(principal)
+            self._admin_policy.check_not_locked(principal)
             take = self._two_factor.finish if finishes else self._two_factor.prove
             proof = take(principal, chat, digits)
             try:
@@ -87,7 +87,7 @@ class SecondFactorCommands:
 
     async def _reset(self, asked: CommandContext, said: str) -> Reply:
         by = asked.caller.principal
-        self._powers.check(by, PEOPLE)
+        self._admin_policy.check(by, PEOPLE)
         check_private(asked)
         if not said:
             return Reply(access_messages.HOW_TO_RESET)
@@ -95,7 +95,7 @@ class SecondFactorCommands:
         if isinstance(found, Reply):
             return found
         async with self._registry.changes.turn() as turn:
-            self._powers.check(by, PEOPLE)
+            self._admin_policy.check(by, PEOPLE)
             await turn.write(self._two_factor.reset(found.id, by))
         self._registry.reach.tell(
             (found.id,), access_messages.your_phone_was_reset(self._registry.name(by))

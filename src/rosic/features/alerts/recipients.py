@@ -60,7 +60,7 @@ class AlertNews(NamedTuple):
 
 
 class _Window:
-    """One person's.
+    """The news that one person is to be told together.
 
     Attributes:
         kept: The newest of each sort and rule, in the order in which they came.

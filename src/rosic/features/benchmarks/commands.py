@@ -21,16 +21,16 @@ class BenchmarkCommands:
     """Answers for robots that the asker may see.
 
     Args:
-        judging: Knows how each task was that came to its end, and how robots are set.
+        evaluation: Knows how each task was that came to its end, and how robots are set.
         rooms: Know the robots, and how people are called.
         naming: Finds the robot that is meant, among those that the asker may see.
         face: Writes when something was set.
     """
 
     def __init__(
-        self, judging: BenchmarkEvaluation, rooms: Components, naming: RobotArgument, face: Face
+        self, evaluation: BenchmarkEvaluation, rooms: Components, naming: RobotArgument, face: Face
     ) -> None:
-        self._judging = judging
+        self._evaluation = evaluation
         self._rooms = rooms
         self._naming = naming
         self._face = face
@@ -43,7 +43,7 @@ class BenchmarkCommands:
         """
         robot, _ = self._naming.robot(asked, "/benchmark", asked.rest)
         profile = self._rooms.profiles[robot]
-        verdicts = self._judging.verdicts.get(robot, {})
+        verdicts = self._evaluation.verdicts.get(robot, {})
         lines: list[str] = []
         for skill in profile.skills.values():
             if skill.benchmark is not None:
@@ -56,7 +56,7 @@ class BenchmarkCommands:
 
     def _settings(self, robot: RobotId) -> str:
         organiser = self._rooms.organiser
-        kept = self._judging.settings.of.get(robot, {})
+        kept = self._evaluation.settings.of.get(robot, {})
         lines = [
             words.setting(name, one.value, organiser.name_of(one.by), self._face(one.at_ns))
             for name, one in kept.items()

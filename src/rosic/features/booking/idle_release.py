@@ -45,9 +45,9 @@ class IdleSlotRelease:
     After a restart the count begins anew.
     """
 
-    def __init__(self, times: BookingContext, vacancy: Availability) -> None:
+    def __init__(self, times: BookingContext, availability: Availability) -> None:
         self._times = times
-        self._vacancy = vacancy
+        self._availability = availability
         self._watches: dict[RobotId, WatchedSlot] = {}
         self._release_ns = int(times.idle_release_s * SECOND_NS)
         self._notice_ns = int(min(times.notice_s, times.idle_release_s) * SECOND_NS)
@@ -58,7 +58,7 @@ class IdleSlotRelease:
 
     def keep(self, principal: PrincipalId, robot: RobotId) -> bool:
         """Count as used now. Return False if it is not this person's slot."""
-        slot = self._vacancy.slot(robot)
+        slot = self._availability.slot(robot)
         if slot is None or slot.principal != principal:
             return False
         self.begins(slot)
@@ -70,7 +70,7 @@ class IdleSlotRelease:
         Raises:
             RecordUnavailable: Nothing was released.
         """
-        now_ns, slot = self._times.clock.monotonic_ns(), self._vacancy.slot(robot)
+        now_ns, slot = self._times.clock.monotonic_ns(), self._availability.slot(robot)
         if slot is None:
             return None
         if await self.takes_back(slot):
@@ -117,7 +117,7 @@ class IdleSlotRelease:
         if times.sides.may_book(slot.principal, slot.robot) is None:
             return False
         async with times.changes.turn() as turn:
-            if self._vacancy.slot(slot.robot) is not slot:
+            if self._availability.slot(slot.robot) is not slot:
                 return True
             facts = times.calendar.cancel(slot.id, slot.principal)
             # As whatever takes rights away it waits for no disk.
@@ -129,7 +129,7 @@ class IdleSlotRelease:
     async def _release(self, slot: BookedSlot) -> None:
         times = self._times
         async with times.changes.turn() as turn:
-            if self._vacancy.slot(slot.robot) is not slot:
+            if self._availability.slot(slot.robot) is not slot:
                 return
             facts = times.calendar.cancel(slot.id, slot.principal)
             await turn.write(decided("release", OPERATOR, times.clock.wall_ns(), facts))

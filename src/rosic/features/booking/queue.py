@@ -39,7 +39,7 @@ class QueueCommands:
     def __init__(self, times: BookingContext, scheduler: BookingScheduler) -> None:
         self._times = times
         self._scheduler = scheduler
-        self._vacancy = scheduler.vacancy
+        self._availability = scheduler.availability
         self._naming = RobotArgument(times)
 
     async def wait(self, asked: CommandContext) -> Reply:
@@ -71,7 +71,7 @@ class QueueCommands:
         times = self._times
         async with times.changes.turn() as turn:
             self._check(principal, robot)
-            if self._vacancy.has(principal, robot):
+            if self._availability.has(principal, robot):
                 until = self._until(principal, robot)
                 return Reply(words.yours_already(times.shown(robot), until))
             await turn.write(times.waiting.join(principal, robot))
@@ -88,7 +88,7 @@ class QueueCommands:
         times = self._times
         waiting, now_ns = times.waiting, times.clock.wall_ns()
         free_ns = now_ns
-        if self._vacancy.booked(robot):
+        if self._availability.booked(robot):
             useful_s = times.calendar.limits.useful_s
             free_ns = times.calendar.next_free(robot, now_ns, useful_s, principal)
         about_ns = waiting.estimate_ns(principal, robot, free_ns) or now_ns
@@ -121,7 +121,7 @@ class QueueCommands:
             await turn.write(facts)
             for offer in offers:
                 if offer is not None and offer.principal == principal:
-                    self._vacancy.give_up(offer)
+                    self._availability.give_up(offer)
         return Reply(joined("\n", (words.left_queue(times.shown(r)) for r in sorted(robots))))
 
     # ---- turns ----
@@ -132,12 +132,12 @@ class QueueCommands:
         async with times.changes.turn() as turn:
             self._check(principal, robot)
             left = times.waiting.take(principal, robot)
-            if not self._vacancy.free_for(robot, principal):
+            if not self._availability.free_for(robot, principal):
                 place = times.waiting.place(principal, robot)
                 times.waiting.withdraw(robot)
                 raise RobotTaken(words.taken_meanwhile(times.shown(robot), place))
             await turn.write((*self._slot(principal, robot), *left))
-            self._vacancy.give(robot, principal)
+            self._availability.give(robot, principal)
         until = self._until(principal, robot)
         menu = Button(times.shown(robot), f"/use {robot}")
         return Reply(words.turn_taken(times.shown(robot), until), ((menu,),))
@@ -145,9 +145,9 @@ class QueueCommands:
     def _slot(self, principal: PrincipalId, robot: RobotId) -> tuple[Record, ...]:
         """Return what books a turn: nobody else can have the robot then."""
         times = self._times
-        if not self._vacancy.booked(robot) or self._vacancy.slot(robot) is not None:
+        if not self._availability.booked(robot) or self._availability.slot(robot) is not None:
             return ()
-        start_ns, length_s = self._vacancy.turn(robot)
+        start_ns, length_s = self._availability.turn(robot)
         if length_s < times.calendar.limits.shortest_s:
             return ()  # their own slot begins just now
         facts = times.calendar.book(principal, robot, start_ns, length_s, principal)
@@ -157,7 +157,7 @@ class QueueCommands:
         """Return until when a robot is somebody's by their slots; empty if they have none."""
         times = self._times
         now_ns = times.clock.wall_ns()
-        if not self._vacancy.booked(robot):
+        if not self._availability.booked(robot):
             return ""
         slots = [s for s in times.upcoming(principal) if s.robot == robot]
         if not slots or slots[0].start_ns >= now_ns + _SOON_NS:

@@ -47,10 +47,10 @@ class SlotEnd:
     """
 
     def __init__(
-        self, times: BookingContext, vacancy: Availability, look: Callable[[], None]
+        self, times: BookingContext, availability: Availability, look: Callable[[], None]
     ) -> None:
         self._times = times
-        self._vacancy = vacancy
+        self._availability = availability
         self._look = look
         self._under_way: dict[RobotId, asyncio.Task[None]] = {}
         self._unsure: set[RobotId] = set()
@@ -62,7 +62,7 @@ class SlotEnd:
             robot: Which one.
             ended: Whose slots have ended just now.
         """
-        holder, slot = self._vacancy.holder(robot), self._vacancy.slot(robot)
+        holder, slot = self._availability.holder(robot), self._availability.slot(robot)
         if holder is None or robot in self._under_way:
             return
         if slot is None and holder not in ended:
@@ -82,12 +82,12 @@ class SlotEnd:
         for robot in tuple(self._unsure):
             if self._times.sides.ready(robot):
                 self._unsure.discard(robot)
-                self._vacancy.barred.discard(robot)
+                self._availability.barred.discard(robot)
                 self._tell_begins(robot, "")
         return self._times.clock.monotonic_ns() + POLL_NS if self._unsure else None
 
     def _begin(self, robot: RobotId, holder: PrincipalId, reason: str) -> None:
-        self._vacancy.barred.add(robot)
+        self._availability.barred.add(robot)
         self._times.waiting.withdraw(robot)
         task = asyncio.create_task(self._hand_over(robot, holder, reason))
         self._under_way[robot] = task
@@ -99,7 +99,7 @@ class SlotEnd:
             self._under_way.pop(robot, None)
         if at_rest:
             self._unsure.discard(robot)
-            self._vacancy.barred.discard(robot)
+            self._availability.barred.discard(robot)
         else:
             self._unsure.add(robot)
         self._tell_holder(robot, holder, reason, at_rest=at_rest)
@@ -127,7 +127,7 @@ class SlotEnd:
         self, robot: RobotId, holder: PrincipalId, reason: str, *, at_rest: bool
     ) -> None:
         times, shown = self._times, self._times.shown(robot)
-        slot = self._vacancy.slot(robot)
+        slot = self._availability.slot(robot)
         if reason == words.OVER or slot is None:
             said = scheduler_messages.ended(shown, at_rest=at_rest)
         else:
@@ -137,7 +137,7 @@ class SlotEnd:
 
     def _tell_begins(self, robot: RobotId, before: PrincipalId) -> None:
         """Tell whose slot it is that they can begin; who waits in the queue is offered it."""
-        slot = self._vacancy.slot(robot)
+        slot = self._availability.slot(robot)
         if slot is not None and slot.principal != before:
             times, shown = self._times, self._times.shown(robot)
             zone = times.sides.zone_of(slot.principal)
@@ -146,7 +146,7 @@ class SlotEnd:
             times.reach.tell((slot.principal,), scheduler_messages.begins(shown, until), ((menu,),))
 
     def _tell_wait(self, robot: RobotId, before: PrincipalId) -> None:
-        slot = self._vacancy.slot(robot)
+        slot = self._availability.slot(robot)
         if slot is not None and slot.principal != before:
             self.tell_to_wait(slot)
 
@@ -184,16 +184,16 @@ class BookingScheduler:
     """Sleeps until something is due, and tells or does it, once.
 
     Attributes:
-        vacancy: Who could have which robot now.
+        availability: Who could have which robot now.
     """
 
     def __init__(self, times: BookingContext) -> None:
-        self.vacancy = Availability(times)
+        self.availability = Availability(times)
         self._times = times
         self._woken = asyncio.Event()
-        self._ending = SlotEnd(times, self.vacancy, self.look)
-        self._unused = IdleSlotRelease(times, self.vacancy)
-        self._offering = TurnOffers(times, self.vacancy)
+        self._ending = SlotEnd(times, self.availability, self.look)
+        self._unused = IdleSlotRelease(times, self.availability)
+        self._offering = TurnOffers(times, self.availability)
 
     def look(self) -> None:
         """Look again soon: something was booked, given back, or an order has ended."""
@@ -256,7 +256,7 @@ class BookingScheduler:
         seconds = (delay_ns + 0.5) / SECOND_NS
         await sleep_or_wake(self._times.clock, seconds, self._woken)
 
-    # ---- bells ----
+    # ---- events ----
 
     async def _ring(self, events: tuple[CalendarEvent, ...]) -> None:
         """Tell starts and warnings; let those come to rest whose time is over."""
@@ -264,7 +264,7 @@ class BookingScheduler:
         ended: dict[RobotId, set[PrincipalId]] = {}
         for event in events:
             robot = event.slot.robot
-            if not self.vacancy.booked(robot):
+            if not self.availability.booked(robot):
                 continue
             if event.kind == "start":
                 ended.setdefault(robot, set())
@@ -274,13 +274,13 @@ class BookingScheduler:
         for robot, people in ended.items():
             self._ending.change_over(robot, people)
         for event in events:
-            if not event.overtaken and self.vacancy.booked(event.slot.robot):
+            if not event.overtaken and self.availability.booked(event.slot.robot):
                 self._tell(event)
 
     async def _takes_back(self, event: CalendarEvent) -> bool:
         """Let no slot begin whose owner has lost the right: nobody gives way to them."""
         slot = event.slot
-        if event.kind != "start" or self.vacancy.slot(slot.robot) is not slot:
+        if event.kind != "start" or self.availability.slot(slot.robot) is not slot:
             return False
         return await self._unused.takes_back(slot)
 
@@ -296,13 +296,13 @@ class BookingScheduler:
         told_just_now = slot.by == slot.principal and slot.start_ns - slot.made_ns < MINUTE_NS
         if self._ending.is_unsure(slot.robot):
             self._ending.tell_to_wait(slot)
-        elif slot.robot not in self.vacancy.barred and not told_just_now:
+        elif slot.robot not in self.availability.barred and not told_just_now:
             self._begins(slot)
 
     def _begins(self, slot: BookedSlot) -> None:
         times = self._times
         shown, until = times.shown(slot.robot), self._moment(slot, slot.end_ns)
-        holder = self.vacancy.holder(slot.robot)
+        holder = self.availability.holder(slot.robot)
         if holder not in {None, slot.principal}:
             said = scheduler_messages.begins_taken(shown, times.calendar.name_of(holder or ""))
             times.reach.tell((slot.principal,), said)
@@ -311,7 +311,7 @@ class BookingScheduler:
         times.reach.tell((slot.principal,), scheduler_messages.begins(shown, until), ((menu,),))
 
     def _warn(self, slot: BookedSlot) -> None:
-        """Say how long it goes on from now on, which after a pause is less than the bell says."""
+        """Say how long it goes on from now on, which after a pause is less than the event says."""
         times = self._times
         following = times.calendar.present(slot.robot, slot.end_ns)
         if following is not None and following.principal == slot.principal:

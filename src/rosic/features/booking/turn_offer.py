@@ -24,9 +24,9 @@ POLL_NS = 5 * SECOND_NS
 class TurnOffers:
     """Offers free robots, once each."""
 
-    def __init__(self, times: BookingContext, vacancy: Availability) -> None:
+    def __init__(self, times: BookingContext, availability: Availability) -> None:
         self._times = times
-        self._vacancy = vacancy
+        self._availability = availability
         self._told: dict[RobotId, TurnOffer] = {}
 
     async def pass_on(self) -> int | None:
@@ -44,7 +44,7 @@ class TurnOffers:
                 lapsed = times.waiting.lapsed()  # somebody may have taken it meanwhile
                 await turn.write([waiting.no_more() for waiting in lapsed])
             for waiting in lapsed:
-                if self._vacancy.has(waiting.principal, waiting.robot):
+                if self._availability.has(waiting.principal, waiting.robot):
                     continue  # they went ahead without a tap
                 again = Button(said("Wait again"), f"/wait {waiting.robot}")
                 given = turn_over(times.shown(waiting.robot))
@@ -62,15 +62,15 @@ class TurnOffers:
             return None
         standing = waiting.standing(robot)
         following = queue[0] if standing is None else standing.principal
-        if not self._vacancy.free_for(robot, following):
+        if not self._availability.free_for(robot, following):
             waiting.withdraw(robot)
             self._told.pop(robot, None)
             poll_ns = times.clock.monotonic_ns() + POLL_NS
-            return min(poll_ns, self._vacancy.lapses_ns(robot) or poll_ns)
+            return min(poll_ns, self._availability.lapses_ns(robot) or poll_ns)
         made = waiting.offer(robot)
         if made is not None and made is not self._told.get(robot):
             self._told[robot] = made
-            self._vacancy.keep(made)
+            self._availability.keep(made)
             self._tell(made)
         return None if made is None else made.expires_ns
 
@@ -87,10 +87,10 @@ class TurnOffers:
     async def _drop_who_has_it(self, robot: RobotId) -> None:
         """Whoever has a robot, and more than the offer of it, does not wait for it any more."""
         standing = self._times.waiting.standing(robot)
-        if standing is not None and self._vacancy.is_only_kept(standing):
+        if standing is not None and self._availability.is_only_kept(standing):
             return
         for principal in self._times.waiting.queue(robot):
-            if self._vacancy.has(principal, robot):
+            if self._availability.has(principal, robot):
                 await self._drop(principal, robot)
 
     async def _drop_who_may_not(self, robot: RobotId) -> None:

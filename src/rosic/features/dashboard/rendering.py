@@ -141,12 +141,12 @@ class DashboardRendering:
                     self._sides.shown(picture.robot), self._sides.face(picture.at_ns), until
                 )
             )
-        sights = self.picturing.row(card, robots)
+        view_buttons = self.picturing.row(card, robots)
         stop = (_stop_button(robots if card.robots else ()),)
         outbound = Outbound(
             chat=card.chat,
             text=joined("\n", (*lines, stamp)),
-            buttons=_rows(card.chat, sights, stop),
+            buttons=_rows(card.chat, view_buttons, stop),
             weight=weight,
             attachment=None if picture is None else picture.content,
         )
@@ -170,12 +170,12 @@ def pace_of(chat: Chat) -> RefreshPace:
 
 
 def _rows(
-    chat: Chat, sights: tuple[Button, ...], stop: tuple[Button, ...]
+    chat: Chat, view_buttons: tuple[Button, ...], stop: tuple[Button, ...]
 ) -> tuple[tuple[Button, ...], ...]:
     """Return the rows under a card; what is for reading has none."""
     if chat.kind is ChatKind.CHANNEL:
         return ()
-    return (sights, stop) if sights else (stop,)
+    return (view_buttons, stop) if view_buttons else (stop,)
 
 
 def _units(text: str) -> int:

@@ -96,7 +96,7 @@ class FileCommands:
         most = asked.messenger.file_bytes
         if filed.size > most:
             raise OutOfBounds(words.too_large_to_send(filed.name, filed.size, most))
-        attachment = await attachment_of(self._data_context.vault, filed)
+        attachment = await attachment_of(self._data_context.container_store, filed)
         text = words.handed(filed.name, filed.size, filed.digest)
         if attachment.pieces is None or self._aside is None:
             return Reply(text, attachment=attachment)

@@ -21,7 +21,7 @@ IN_PIECES_FROM: Final = 1_000_000
 """What is larger is never in memory as a whole, and its way is shown."""
 
 
-async def pieces_of(vault: ContainerStore, filed: StoredFile) -> AsyncGenerator[bytes]:
+async def pieces_of(container_store: ContainerStore, filed: StoredFile) -> AsyncGenerator[bytes]:
     """Yield what is in a file; a few parts at a time, so that writes pass between.
 
     Raises:
@@ -30,7 +30,7 @@ async def pieces_of(vault: ContainerStore, filed: StoredFile) -> AsyncGenerator[
     digest, count, after, held = hashlib.sha256(), 0, f"{filed.id}.", b""
     while count < filed.size:
         try:
-            page = await vault.facts(PART, after, AT_ONCE)
+            page = await container_store.facts(PART, after, AT_ONCE)
         except StoreFault as fault:
             raise RecordUnavailable(words.DAMAGED) from fault
         ours = [one for one in page if one.key.startswith(f"{filed.id}.") and one.letter]
@@ -49,22 +49,22 @@ async def pieces_of(vault: ContainerStore, filed: StoredFile) -> AsyncGenerator[
     yield held
 
 
-async def content_of(vault: ContainerStore, filed: StoredFile) -> bytes:
+async def content_of(container_store: ContainerStore, filed: StoredFile) -> bytes:
     """Return what is in a small file.
 
     Raises:
         RecordUnavailable: It cannot be read now, or is not what was kept.
     """
-    return b"".join([piece async for piece in pieces_of(vault, filed)])
+    return b"".join([piece async for piece in pieces_of(container_store, filed)])
 
 
-async def attachment_of(vault: ContainerStore, filed: StoredFile) -> Attachment:
+async def attachment_of(container_store: ContainerStore, filed: StoredFile) -> Attachment:
     """Return a file as it goes with a message: a large one is read only while it is sent.
 
     Raises:
         RecordUnavailable: A small one cannot be read now, or is not what was kept.
     """
     if filed.size <= IN_PIECES_FROM:
-        return Attachment(filed.name, filed.media_type, await content_of(vault, filed))
-    pieces = StreamedContent(filed.size, lambda: pieces_of(vault, filed))
+        return Attachment(filed.name, filed.media_type, await content_of(container_store, filed))
+    pieces = StreamedContent(filed.size, lambda: pieces_of(container_store, filed))
     return Attachment(filed.name, filed.media_type, pieces=pieces)

@@ -50,7 +50,7 @@ class SeenFile(NamedTuple):
 
 
 class RobotOutbox:
-    """Every robot's."""
+    """Takes files out of the outboxes of all robots."""
 
     def __init__(self, folders: OutboxFolders, data_context: ContainerContext) -> None:
         self._folders = folders

@@ -155,7 +155,7 @@ class FileTransfer:
         """Look once more, write down, put into the inbox, hand to the robot's side."""
         data_context, takes = self._data_context, self._files_of(robot)
         carried = takes.deliver is not None and takes.deliver.carries
-        content = await content_of(data_context.vault, filed) if carried else b""
+        content = await content_of(data_context.container_store, filed) if carried else b""
         async with data_context.changes.turn() as turn:
             self._check(asked.caller, robot, filed)  # a right may have ended meanwhile
             decided = Decided(
@@ -168,7 +168,7 @@ class FileTransfer:
             await turn.write((decided,))
         shown = self._profiles[robot].shown
         if takes.inbox:
-            pieces = progress.counted(pieces_of(data_context.vault, filed))
+            pieces = progress.counted(pieces_of(data_context.container_store, filed))
             try:
                 done = await self._folders.put(robot, filed.name, pieces, filed.digest)
             except RobotUnreachable as fault:
@@ -177,7 +177,7 @@ class FileTransfer:
                 raise NotUnderstood(words.name_taken(filed.name, shown))
         if takes.deliver is None:
             return Reply(words.put_there(filed.name, filed.digest, shown))
-        parcel = FileForRobot(
+        robot_file = FileForRobot(
             name=filed.name,
             path=self._folders.path(robot, filed.name),
             sort=filed.sort,
@@ -185,22 +185,22 @@ class FileTransfer:
             digest=filed.digest,
             content=content,
         )
-        return Reply(await self._delivered(robot, parcel))
+        return Reply(await self._delivered(robot, robot_file))
 
-    async def _delivered(self, robot: RobotId, parcel: FileForRobot) -> str:
+    async def _delivered(self, robot: RobotId, robot_file: FileForRobot) -> str:
         """Hand it to the robot's side, once, and return what came of it."""
         shown = self._profiles[robot].shown
         try:
             if self._board[robot].latched:
                 raise RobotStopped(words.is_stopped(shown))
-            receipt = await self._deliver(robot, parcel)
+            receipt = await self._deliver(robot, robot_file)
         except RobotUnreachable as fault:
-            return joined(" ", [fault.sentence, words.perhaps(parcel.name, shown)])
+            return joined(" ", [fault.sentence, words.perhaps(robot_file.name, shown)])
         except Refusal as why:
-            if not parcel.path:
+            if not robot_file.path:
                 raise
-            return words.taken_back(why.sentence, parcel.name, shown)
-        sentence = _received(parcel, receipt, shown)
+            return words.taken_back(why.sentence, robot_file.name, shown)
+        sentence = _received(robot_file, receipt, shown)
         return words.in_its_words(sentence, shown, receipt.words) if receipt.words else sentence
 
     def _check(self, caller: Caller, robot: RobotId, filed: StoredFile) -> None:
@@ -321,16 +321,16 @@ class FileTransfer:
         return files
 
 
-def _received(parcel: FileForRobot, receipt: Receipt, shown: str) -> str:
+def _received(robot_file: FileForRobot, receipt: Receipt, shown: str) -> str:
     if receipt.declined:
-        return words.declined(parcel.name, shown)
+        return words.declined(robot_file.name, shown)
     if not receipt.received:
-        return words.sent_to(parcel.name, parcel.digest, shown)
+        return words.sent_to(robot_file.name, robot_file.digest, shown)
     if not receipt.digest:
-        return words.received_unproved(parcel.name, shown)
-    if receipt.agrees(parcel.digest):
-        return words.received(parcel.name, parcel.digest, shown)
-    return words.received_other(parcel.name, parcel.digest, receipt.digest, shown)
+        return words.received_unproved(robot_file.name, shown)
+    if receipt.agrees(robot_file.digest):
+        return words.received(robot_file.name, robot_file.digest, shown)
+    return words.received_other(robot_file.name, robot_file.digest, receipt.digest, shown)
 
 
 def _shown(name: str) -> str:

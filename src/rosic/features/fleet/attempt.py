@@ -119,7 +119,7 @@ class TaskAttempts:
         self._rooms = rooms
         self._hands = hands
         self._clock = clock
-        self._lowering = LimitClamping(rooms, RequestFactory(rooms, clock), clock)
+        self._clamping = LimitClamping(rooms, RequestFactory(rooms, clock), clock)
 
     def check_author(self, author: PrincipalId) -> Caller:
         """Return whoever a task acts for.
@@ -152,7 +152,7 @@ class TaskAttempts:
         caller = self.check_author(task.author)
         # What nobody said stays within their limits, as in an order of their own.
         step = step_for(rooms, doing.robot, said.lines[doing.step])
-        line, note = self._lowering.of(caller, step)
+        line, note = self._clamping.of(caller, step)
         request = self._request(doing, line, said, attempt_id(task, doing.attempt))
         complete = rooms.container.complete
         permits = rooms.organiser.admit(

@@ -371,10 +371,10 @@ class MissionCommands:
         moment = self._rooms.organiser.moment("", at_ns)  # as it is kept
         text = words.planned(key, mission.name, moment, again=bool(when.rrule))
         meant = ResolvedMission(mission, values.given, where)
-        remark = self._hindrance(who, meant, asked.cid)
+        remark = self._conflict(who, meant, asked.cid)
         return Reply(joined("\n", filter(None, (text, remark))), words.off_button(key))
 
-    def _hindrance(self, who: PrincipalId, meant: ResolvedMission, cid: CommandId) -> str:
+    def _conflict(self, who: PrincipalId, meant: ResolvedMission, cid: CommandId) -> str:
         """Return what would keep a mission from beginning now; empty if nothing would.
 
         It is planned all the same: until its time comes, a robot may be back, or a right given.

@@ -210,10 +210,10 @@ class FleetMonitor:
             late, left_alone = self._dispatching.patience.not_now(self._clock.monotonic_ns())
             least = self._least()
             robots = [r for r in self._rooms.profiles if r not in left_alone]
-            glances = {r: self.glance(r, least) for r in robots}
+            candidates = {r: self.candidate(r, least) for r in robots}
             at_most, leave = at_once(len(self._rooms.profiles)), late | self.prefer.keys()
-            levels = by_priority(fleet, glances, now_ns, leave=leave, at_most=at_most)
-            for task, robot in assign(fleet, levels, glances, now_ns).pairs:
+            levels = by_priority(fleet, candidates, now_ns, leave=leave, at_most=at_most)
+            for task, robot in assign(fleet, levels, candidates, now_ns).pairs:
                 await self._choose(task, robot)
 
     async def _choose(self, task: TaskId, robot: RobotId) -> None:
@@ -234,7 +234,7 @@ class FleetMonitor:
             )
             if task is None or not waits or not helps:
                 del self.prefer[key]
-            elif key in fleet.waiting and may(fleet, task, self.glance(robot, helping=True)):
+            elif key in fleet.waiting and may(fleet, task, self.candidate(robot, helping=True)):
                 del self.prefer[key]
                 await self._choose(key, robot)
 
@@ -242,7 +242,7 @@ class FleetMonitor:
         """Return how many steps whoever has done least has done: the measure of load."""
         return min(self._dispatching.finished.values(), default=0)
 
-    def glance(self, robot: RobotId, least: int = 0, *, helping: bool = False) -> CandidateRobot:
+    def candidate(self, robot: RobotId, least: int = 0, *, helping: bool = False) -> CandidateRobot:
         """Return what a look at a robot shows now.
 
         Args:

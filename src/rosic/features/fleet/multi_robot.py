@@ -300,7 +300,7 @@ class MultiRobotCommands:
         """
         admit = self._rooms.organiser.admit
         try:
-            return admit(asked.caller, requests, self._arguments_of, said.grounds)
+            return admit(asked.caller, requests, self._arguments_of, said.auth_context)
         except FirstNeeded as first:
             if first.need == StepRequired.STEP_UP.value:
                 raise

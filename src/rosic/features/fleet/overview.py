@@ -122,10 +122,10 @@ class FleetOverview:
         idle = robot not in fleet.holds and not presence.doing
         if idle and presence.moves:
             wrong.append(words.moves())
-        glance = self._watching.glance(robot)
-        if glance.battery is not None and glance.battery < LOW:
-            wrong.append(words.battery(glance.battery, low=True))
-        rest = self._rest(robot, who, glance.battery, presence.age_s, ready=not wrong)
+        candidate = self._watching.candidate(robot)
+        if candidate.battery is not None and candidate.battery < LOW:
+            wrong.append(words.battery(candidate.battery, low=True))
+        rest = self._rest(robot, who, candidate.battery, presence.age_s, ready=not wrong)
         return wrong, list(rest)
 
     def _rest(

@@ -42,7 +42,7 @@ ANYBODY: Final = "any"
 
 
 class TaskWish(msgspec.Struct):
-    """What somebody said.
+    """A task as somebody asked for it.
 
     Attributes:
         words: Whom and what, before the conditions.

@@ -27,7 +27,7 @@ def register_commands(commands: CommandRegistry, media: MediaContext) -> None:
     commands.register("path", recalling.trajectory)
 
 
-def sights(media: MediaContext, robot: RobotId) -> list[Button]:
+def view_buttons(media: MediaContext, robot: RobotId) -> list[Button]:
     """Return buttons for everything that can be seen of a robot."""
     profile = media.profiles[robot]
     if not media.render_queue.works:

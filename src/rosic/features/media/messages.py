@@ -19,7 +19,7 @@ NOTHING_M = 0.005
 """A shorter way reads as 0.00 m."""
 SHOWN_VALUES = 8
 
-NO_PAINTER = said(
+NO_RENDERER = said(
     "Pictures cannot be drawn here: Pillow is missing. The operator installs it with "
     "pip install 'rosic[pictures]', in a checkout .venv/bin/pip install -e '.[pictures]'."
 )
@@ -196,5 +196,5 @@ def somebody_looks(robot: str) -> str:
 
 
 def too_many_look() -> str:
-    """Everybody's pictures share one studio."""
+    """Everybody's pictures share one render queue."""
     return said("Too many pictures are being made just now. Try again in a moment.")

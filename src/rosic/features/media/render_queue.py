@@ -64,7 +64,7 @@ class RenderQueue:
 
     def __init__(
         self,
-        painter: Renderer | None,
+        renderer: Renderer | None,
         chat_sender: ChatSender,
         clock: Clock,
         *,
@@ -72,7 +72,7 @@ class RenderQueue:
         issue: Callable[[Button, PrincipalId, str], Button],
         shown: Callable[[RobotId], str],
     ) -> None:
-        self._painter = painter
+        self._renderer = renderer
         self._chat_sender = chat_sender
         self._clock = clock
         self._may_see = may_see
@@ -85,7 +85,7 @@ class RenderQueue:
     @property
     def works(self) -> bool:
         """Whether anything can be drawn at all."""
-        return self._painter is not None
+        return self._renderer is not None
 
     @property
     def quiet(self) -> bool:
@@ -117,8 +117,8 @@ class RenderQueue:
             NothingToSee: Pictures cannot be drawn or sent here.
             TooManyRequests: Not now. Nothing was begun.
         """
-        if self._painter is None:
-            raise NothingToSee(words.NO_PAINTER)
+        if self._renderer is None:
+            raise NothingToSee(words.NO_RENDERER)
         if asked.messenger.file_bytes <= 0:
             raise NothingToSee(words.NO_FILES)
         key = f"{robot} {kept}"
@@ -149,14 +149,14 @@ class RenderQueue:
         take: Callable[[], Awaitable[RenderJob]],
         tell: Callable[[CommandContext, str], None],
     ) -> None:
-        painter = self._painter
-        assert painter is not None  # noqa: S101 - nothing is begun without one
+        renderer = self._renderer
+        assert renderer is not None  # noqa: S101 - nothing is begun without one
         try:
             shot = await take()
             async with self._drawing:
                 reader = self._chat_sender.languages.of(asked.caller.principal)
                 say = partial(in_language, catalogue=reader)
-                drawing = await asyncio.to_thread(painter, shot.subject, low=shot.low, say=say)
+                drawing = await asyncio.to_thread(renderer, shot.subject, low=shot.low, say=say)
             await self._send(asked, robot, shot, drawing)
         except Refusal as refusal:
             tell(asked, refusal.sentence)

@@ -160,7 +160,9 @@ class ArchiveCommands:
         if form == "xlsx" and not asked.messenger.file_bytes:
             return Reply(words.spreadsheet_later(command))
         try:
-            found = await rows_of(self._data_context.vault, archive_records.chat_key(chat))
+            found = await rows_of(
+                self._data_context.container_store, archive_records.chat_key(chat)
+            )
         except StoreFault as fault:
             raise RecordUnavailable(words.NOT_READABLE) from fault
         if not found:
@@ -186,7 +188,7 @@ def _days(said: Sequence[str]) -> int:
     return int(said[0][:6])
 
 
-async def all_facts(vault: ContainerStore, kind: str, prefix: str) -> tuple[Fact, ...]:
+async def all_facts(container_store: ContainerStore, kind: str, prefix: str) -> tuple[Fact, ...]:
     """Return every fact of a kind whose key begins so; in pages, so that writes pass between.
 
     Raises:
@@ -195,7 +197,7 @@ async def all_facts(vault: ContainerStore, kind: str, prefix: str) -> tuple[Fact
     found: list[Fact] = []
     after = prefix
     while True:
-        page = await vault.facts(kind, after, PAGE)
+        page = await container_store.facts(kind, after, PAGE)
         ours = [fact for fact in page if fact.key.startswith(prefix)]
         found += ours
         if len(ours) < PAGE:
@@ -203,11 +205,11 @@ async def all_facts(vault: ContainerStore, kind: str, prefix: str) -> tuple[Fact
         after = page[-1].key
 
 
-async def rows_of(vault: ContainerStore, key: ChatKey) -> list[export.ArchiveRow]:
+async def rows_of(container_store: ContainerStore, key: ChatKey) -> list[export.ArchiveRow]:
     """Return every entry of an archive, in order.
 
     Raises:
         StoreFault: They cannot be read now.
     """
-    found = await all_facts(vault, archive_records.ENTRY, f"{key}.")
+    found = await all_facts(container_store, archive_records.ENTRY, f"{key}.")
     return await asyncio.to_thread(export.rows, found)  # many of them: a stop does not wait

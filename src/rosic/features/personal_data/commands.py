@@ -128,7 +128,7 @@ class MyDataCommands:
             raise NotUnderstood(words.HOW_TO_FORGET, offers=("/mydata", f"/mydata {EXPORT}"))
         if verb == EXPORT:
             return await self._export(asked, form)
-        found = await self._belongings(asked.caller.principal)
+        found = await self._container_facts(asked.caller.principal)
         row = (Button(words.EXPORT, f"/mydata {EXPORT}"), Button(words.FORGET, "/forget me"))
         count, size = self._data_context.files.used(asked.caller.principal)
         inside = (export.ContainerSummary(PART, count, size),) if count else ()
@@ -138,7 +138,7 @@ class MyDataCommands:
         command = f"{words.TO_EXPORT} {asked.caller.principal}"
         if form == "xlsx" and not asked.messenger.file_bytes:
             return Reply(words.spreadsheet_later(command))
-        found = await self._belongings(asked.caller.principal)
+        found = await self._container_facts(asked.caller.principal)
         try:
             things = map(export.thing_of, found)
             made = await asyncio.to_thread(export.container_as, form, things)
@@ -146,9 +146,9 @@ class MyDataCommands:
             raise NotUnderstood(str(missing)) from missing
         return handed_over(asked, f"{FILE}.{export.ENDINGS[form]}", made, command)
 
-    async def _belongings(self, principal: PrincipalId) -> tuple[Fact, ...]:
+    async def _container_facts(self, principal: PrincipalId) -> tuple[Fact, ...]:
         try:
-            return await self._data_context.vault.belongings(principal)
+            return await self._data_context.container_store.container_facts(principal)
         except StoreFault as fault:
             raise RecordUnavailable(words.NOT_READABLE) from fault
 
@@ -199,7 +199,7 @@ def books_kept(data_context: ContainerContext) -> Mapping[str, Callable[[Fact], 
     """Return which book keeps which kind. A switch comes before the entries of its chat."""
     return {
         preferences.KIND: data_context.preferences.apply,
-        history.KIND: data_context.habits.apply,
+        history.KIND: data_context.command_history.apply,
         shared_data.KIND: data_context.shelf.apply,
         shared_data_access.LOAN: data_context.shelf.apply,
         shared_data.QUOTA: data_context.shelf.apply,

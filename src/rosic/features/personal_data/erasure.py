@@ -158,7 +158,7 @@ class ErasureCommands:
             *self._sides.ends(principal, by),
             *data_context.preferences.unset(principal),
             *data_context.shelf.end_all(principal),
-            *data_context.habits.end_all(principal),
+            *data_context.command_history.end_all(principal),
             *data_context.files.end_all(principal),
             *data_context.archive.end_private(lambda chat: self._sides.theirs(principal, chat)),
         )
@@ -175,7 +175,7 @@ class ErasureCommands:
         return True
 
     async def _shred(self, principal: PrincipalId, *, done: bool) -> None:
-        await self._data_context.vault.shred(principal)
+        await self._data_context.container_store.shred(principal)
         if done:
             body = _encode(_Body(self._bodies[principal].at_ns, done=True))
             async with self._data_context.changes.turn() as turn:
@@ -192,7 +192,7 @@ class ErasureCommands:
         What fails is logged; `strays` finds it again.
         """
         try:
-            await self._data_context.vault.shred(principal)
+            await self._data_context.container_store.shred(principal)
         except StoreFault:
             log.exception("what was kept of somebody not let in could not be erased yet")
 
@@ -204,10 +204,10 @@ class ErasureCommands:
         """
         # Nobody comes in meanwhile: their container would be there before they are known.
         async with self._data_context.changes.turn():
-            vault = self._data_context.vault
-            found = [name for name in await vault.containers() if self._sides.stray(name)]
+            container_store = self._data_context.container_store
+            found = [name for name in await container_store.containers() if self._sides.stray(name)]
             for name in found:
-                await vault.shred(name)
+                await container_store.shred(name)
         return len(found)
 
     async def finish(self) -> int:
@@ -255,6 +255,6 @@ class ErasureCommands:
             decided = Decided(act="erase", by=by, about=container, at_ns=now_ns)
             await turn.write((decided, *ends))
         try:
-            await data_context.vault.shred(container)
+            await data_context.container_store.shred(container)
         except StoreFault as fault:
             raise RecordUnavailable(words.NOT_READABLE) from fault

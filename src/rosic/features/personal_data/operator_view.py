@@ -134,7 +134,7 @@ async def list_containers(data_context: ContainerContext) -> list[ListedContaine
     Raises:
         StoreFault: They cannot be read now.
     """
-    kept = await data_context.vault.containers()
+    kept = await data_context.container_store.containers()
     others = [_listed(data_context, name) for name in kept if name not in data_context.robots]
     robots = [_listed(data_context, robot) for robot in sorted(data_context.robots)]
     order = [ROBOT, PERSON, CHAT]
@@ -174,7 +174,7 @@ async def export_container(data_context: ContainerContext, container: str) -> It
     """
     if container.startswith(_CHAT):
         await _found(data_context, container)
-        rows = await rows_of(data_context.vault, container.removeprefix(_CHAT))
+        rows = await rows_of(data_context.container_store, container.removeprefix(_CHAT))
         return together(map(export.row_as_json, rows))
     found = await _found(data_context, container)
     return together(map(export.thing_as_json, map(export.thing_of, found)))
@@ -257,18 +257,18 @@ async def _known(data_context: ContainerContext, container: str) -> None:
     """
     if (
         container not in data_context.robots
-        and container not in await data_context.vault.containers()
+        and container not in await data_context.container_store.containers()
     ):
         raise NotUnderstood(words.NO_SUCH_CONTAINER)
 
 
 async def _found(data_context: ContainerContext, container: str) -> tuple[Fact, ...]:
     """Return what a container holds; of a chat, all its entries, whoever sealed them."""
-    found = await data_context.vault.belongings(container)
+    found = await data_context.container_store.container_facts(container)
     if container.startswith(_CHAT):
         key = container.removeprefix(_CHAT)
         known = {(fact.kind, fact.key) for fact in found}
-        entries = await all_facts(data_context.vault, archive_records.ENTRY, f"{key}.")
+        entries = await all_facts(data_context.container_store, archive_records.ENTRY, f"{key}.")
         found = (*found, *(_open(f) for f in entries if (f.kind, f.key) not in known))
     if not found and container not in data_context.robots:
         raise NotUnderstood(words.NO_SUCH_CONTAINER)

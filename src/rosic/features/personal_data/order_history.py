@@ -92,7 +92,7 @@ class OrderHistory:
         robot = self._robot(who, named)
         query = HistoryQuery(principal="" if robot else who, robot=robot, limit=limit + 1)
         try:
-            found = await self._data_context.vault.history(query)
+            found = await self._data_context.container_store.history(query)
         except StoreFault as fault:
             raise RecordUnavailable(words.NOT_READABLE) from fault
         if not found:

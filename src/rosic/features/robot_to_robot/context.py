@@ -1,4 +1,4 @@
-"""What the parts of the fellowship share."""
+"""What the parts of robot messaging share."""
 
 from __future__ import annotations
 

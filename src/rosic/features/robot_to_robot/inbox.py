@@ -35,7 +35,7 @@ log = logging.getLogger("rosic.among")
 
 
 class Inbox:
-    """One robot's.
+    """The messages of one robot that wait to be taken.
 
     Attributes:
         taken: How many utterances were worked on.

@@ -69,7 +69,7 @@ _read_quiet = msgspec.msgpack.Decoder(SilencedRobot).decode
 
 
 class PeerGroup(NamedTuple):
-    """What the fellowship is made of."""
+    """What robot messaging is made of."""
 
     around: RobotToRobotContext
     board: SharedState

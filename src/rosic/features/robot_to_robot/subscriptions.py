@@ -231,7 +231,7 @@ def described(shared: Shared, now_ns: int) -> dict[str, object]:
 
 
 def key_of(subscriber: Subscriber, where: SubscriberChat | None) -> str:
-    """Return the key of an ear's fact, which names nobody."""
+    """Return the key of a subscriber's fact, which names nobody."""
     at = (where.messenger, where.chat.id, where.chat.topic) if where is not None else ()
     said_of = "\0".join((subscriber.robot, subscriber.topic, subscriber.peer, subscriber.who, *at))
     return blake2b(said_of.encode(), digest_size=16).hexdigest()

@@ -1,8 +1,8 @@
-"""Tell: what goes back to a chat, newest state first, an ending never lost while we live.
+"""Sends what goes back to chats: newest state first, an ending never lost while we live.
 
-One voice per chat speaks at a time. A voice that has nothing to say costs nothing. Where a platform
-takes only so much, a voice waits for its turn first and chooses its words then: the most important
-thing that waits, as it is at that moment. What a stop answers does not wait for any of this.
+Each chat has a queue, emptied by one task. An empty queue costs nothing. Where a platform takes
+only so much, the task waits for its turn first and chooses what to send then: the most important
+message that waits, as it is at that moment. What a stop answers does not wait for any of this.
 """
 
 from __future__ import annotations
@@ -58,12 +58,12 @@ log = logging.getLogger("rosic.telling")
 
 
 class ChatSender:
-    """All voices.
+    """Sends messages to every chat, each from a queue of its own.
 
     Attributes:
         on_buttons: Tells which message shows a note now.
         languages: Who reads which language; what is handed over here to be said is plain already.
-        subjects: Of which robot each message speaks.
+        reply_targets: Of which robot each message speaks.
 
     Args:
         gone: Passes on what a chat can be told no more, before it counts as told.
@@ -86,7 +86,7 @@ class ChatSender:
         self._ticking: asyncio.Task[None] | None = None
         self._gone = gone
         self.on_buttons: Signal[[OutgoingMessage, str]] = Signal()
-        self.subjects = ReplyTargets()
+        self.reply_targets = ReplyTargets()
 
     def say(self, note: OutgoingMessage) -> None:
         """Say something after everything said before in its chat; an urgent one at once."""
@@ -143,7 +143,7 @@ class ChatSender:
             queue.hasten(item)
 
     def _retire(self) -> None:
-        """Keep the number of voices bounded: the oldest ones that have nothing to say go."""
+        """Keep the number of queues bounded: the oldest ones that are empty go."""
         if len(self._queues) < QUEUES_AT_MOST:
             return
         for where, queue in list(self._queues.items())[: QUEUES_AT_MOST // 2]:
@@ -275,7 +275,7 @@ class ChatSender:
         if not message:
             return
         self.on_buttons.emit(note, message)
-        self.subjects.note(note.messenger.name, note.outbound.chat, message, note.about)
+        self.reply_targets.note(note.messenger.name, note.outbound.chat, message, note.about)
         if note.cid is not None:
             self._containers.told(note.cid, *note.also)
         if note.landed is not None:
@@ -304,7 +304,7 @@ class ChatSender:
         except MessengerFault as fault:
             card.doubted = fault.perhaps_sent
             raise
-        self.subjects.note(card.messenger.name, card.chat, card.message, card.about)
+        self.reply_targets.note(card.messenger.name, card.chat, card.message, card.about)
         card.dirty = False
         self._containers.told(*card.untold)
         card.untold = ()
@@ -357,7 +357,7 @@ class ChatSender:
             except MessengerFault as fault:
                 card.doubted = card.doubted or fault.perhaps_sent  # it may stand there for ever
                 raise
-        self.subjects.note(card.messenger.name, card.chat, card.message, card.about)
+        self.reply_targets.note(card.messenger.name, card.chat, card.message, card.about)
         if card.ending:
             await self._containers.place(card.cids, card.principal, card.message)
         else:

@@ -108,7 +108,7 @@ def write(text: str, *, colour: bool) -> None:
     """
     shown = harmless(text)
     try:
-        print(painted(shown) if colour else shown, flush=True)  # noqa: T201 - this is its voice
+        print(painted(shown) if colour else shown, flush=True)  # noqa: T201 - this is what it is for
     except UnicodeEncodeError:
         print(shown.encode("ascii", "replace").decode(), flush=True)  # noqa: T201
     except (OSError, ValueError, AttributeError) as gone:

@@ -47,7 +47,7 @@ class WishNames(NamedTuple):
 
 
 class ReadWishes(NamedTuple):
-    """What was read.
+    """The wishes and opening hours that were read.
 
     Attributes:
         complaints: One sentence for each line that is wrong: ``week.csv:7: ...``. Such a line

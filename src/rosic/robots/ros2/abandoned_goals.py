@@ -28,7 +28,7 @@ ANSWER_WITHIN_S: Final = 1.0
 
 
 class AbandonedGoal(NamedTuple):
-    """One of them.
+    """A goal that was given up and has not ended yet.
 
     Attributes:
         goal: What may go on.

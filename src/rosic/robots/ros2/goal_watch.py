@@ -75,7 +75,7 @@ class GoalWatch:
         self._call = call
         self._pulse = FeedbackPulse(self.now_ns())
         self._unserved_ns: int | None = None
-        self._births = call.side.measured.births
+        self._restarts = call.side.measured.restarts
         self._fraction = fraction
         self._missed = missed
         self._looked_ns = self.now_ns()
@@ -152,7 +152,7 @@ class GoalWatch:
         side = self._call.side
         self._call.interrupted(broken)
         if side.measured.measures_rest:
-            self.resting = await side.brakes.apply()
+            self.resting = await side.stop_controller.apply()
         else:
             await call_off(goal)
             await asyncio.wait({end}, timeout=side.rest_timeout_s)
@@ -182,7 +182,7 @@ class GoalWatch:
 
     def _left(self, why: BreakCause | None) -> MotionBreak | None:
         """Return that nobody carries out the goal any more; one look alone may be wrong."""
-        if why is BreakCause.REBORN or self._call.side.measured.births != self._births:
+        if why is BreakCause.REBORN or self._call.side.measured.restarts != self._restarts:
             return MotionBreak(BreakCause.REBORN, 0.0)
         if why is None:
             self._unserved_ns = None

@@ -65,7 +65,7 @@ class OdometryDistance:
     def _jumps(self, past_m: float, before: MeasuredPose, now: MeasuredPose) -> bool:
         speed_m_s = max(self._told_m_s, before.speed_m_s, now.speed_m_s)
         past_s = (now.at_ns - before.at_ns) / SECOND_NS + SLACK_S
-        return now.births != before.births or past_m > AT_MOST * speed_m_s * past_s + SLACK_M
+        return now.restarts != before.restarts or past_m > AT_MOST * speed_m_s * past_s + SLACK_M
 
 
 def told_m_s(values: Mapping[str, object]) -> float:

@@ -50,13 +50,13 @@ class TopicPublishers:
 
     Attributes:
         told_apart: rclpy says who sent a message (9 and later).
-        births: How often that has happened.
+        restarts: How often that has happened.
         born_ns: When the last of them had not sent anything yet.
     """
 
     def __init__(self) -> None:
         self.told_apart = True
-        self.births = 0
+        self.restarts = 0
         self.born_ns = 0
         self._known: dict[bytes, _Apart] = {}
 
@@ -70,7 +70,7 @@ class TopicPublishers:
         apart = self._known.get(gid)
         if apart is None:
             if self._known:
-                self.births += 1
+                self.restarts += 1
                 self.born_ns = now_ns - 1
             while len(self._known) >= REMEMBERED:
                 del self._known[next(iter(self._known))]

@@ -103,7 +103,7 @@ ODOMETRY = "nav_msgs/msg/Odometry"
 
 
 class RestReading:
-    """One robot's.
+    """Reads from the newest messages of one robot whether it rests.
 
     Attributes:
         source: The topic.

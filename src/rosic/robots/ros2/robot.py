@@ -148,9 +148,9 @@ class Ros2Robot:
         # What stands at the root shares it with everybody: it is told by its topics alone.
         self._namespace = "" if space in {"", ROOT} else check_graph_name(space)
         self._measured = Measurements(profile, clock)
-        self._brakes = StopController(profile, self._measured, clock)
+        self._stop_controller = StopController(profile, self._measured, clock)
         self._heartbeat = Heartbeat(self._namespace, clock)
-        self._sights = CameraAndMap(profile, clock)
+        self._camera_map = CameraAndMap(profile, clock)
         self._meetings = QosMismatch(profile.id)
         self._delivery = FileBinding(profile, gate)
         self._dialogue = self._text_link()
@@ -241,14 +241,14 @@ class Ros2Robot:
     def _parts(self) -> Iterator[Part]:
         """Yield everything to be opened: first what stops the robot, last what moves it."""
         yield self._measured
-        yield self._brakes
+        yield self._stop_controller
         yield self._heartbeat
         if self._dialogue is not None:
             yield self._dialogue
         for carrier in self._carriers.values():
             if carrier is not self._dialogue:
                 yield carrier
-        yield self._sights
+        yield self._camera_map
         yield self._delivery
         if self._among is not None:
             yield self._among
@@ -350,7 +350,7 @@ class Ros2Robot:
         """Apply the brakes; whatever goes wrong with them, it ends with an answer."""
         begun_ns = self._clock.monotonic_ns()
         try:
-            return await self._brakes.apply(quiet, limit_s=limit_s)
+            return await self._stop_controller.apply(quiet, limit_s=limit_s)
         except Exception:  # noqa: BLE001 - a contract: it never raises
             _log.exception("%s could not be brought to rest", self.profile.id)
             seconds = (self._clock.monotonic_ns() - begun_ns) / SECOND_NS
@@ -378,16 +378,16 @@ class Ros2Robot:
             holds=self._measured.holds(self._measured.stale_ns()),
             doubt=self._measured.doubt(),
             values=self._measured.values(),
-            pose=self._sights.pose() if online is not False else None,
+            pose=self._camera_map.pose() if online is not False else None,
         )
 
     def look(self, sight: ViewKind) -> AsyncGenerator[View, None]:
         """Yield what can be seen."""
-        return self._sights.look(sight)
+        return self._camera_map.look(sight)
 
-    async def deliver(self, parcel: FileForRobot) -> Receipt:
+    async def deliver(self, robot_file: FileForRobot) -> Receipt:
         """Hand a file to the robot's side."""
-        return await self._delivery.deliver(parcel)
+        return await self._delivery.deliver(robot_file)
 
     def _age_s(self) -> float | None:
         ages = (self._measured.age_s(), None if self._dialogue is None else self._dialogue.age_s())
@@ -411,7 +411,7 @@ class Ros2Robot:
         if self._namespace:
             self._seen = others_under(seen, self._namespace)
         self._notice()
-        self._meetings.look(seen, list(self._measured.sources.values()), self._brakes)
+        self._meetings.look(seen, list(self._measured.sources.values()), self._stop_controller)
         self._meetings.doubt(self._measured.doubt())
         if self._dialogue is not None:
             self._dialogue.look()
@@ -441,7 +441,7 @@ class Ros2Robot:
             self.profile.shown,
             self.gate,
             self._clock,
-            self._brakes,
+            self._stop_controller,
             self._measured,
             self._namespace,
             self.profile.rest_timeout_s,

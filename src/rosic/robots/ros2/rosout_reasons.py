@@ -27,7 +27,7 @@ CLOCKS_AGREE_S = 0.5
 
 
 class RosoutReasons:
-    """Looks up why."""
+    """Looks up in the log why a robot declined."""
 
     def __init__(self) -> None:
         self._runtime: RosRuntime | None = None

@@ -27,7 +27,7 @@ TRIES: Final = 3
 
 
 class RestInterlock:
-    """One robot's.
+    """Keeps one robot from moving after a motion was broken off, until it has rested.
 
     Args:
         profile, measured, clock: Of the robot.

@@ -170,8 +170,8 @@ class StopController:
 class _Attempt:
     """One attempt to bring a robot to rest."""
 
-    def __init__(self, brakes: StopController, quiet: Callable[[], bool]) -> None:
-        self._brakes = brakes
+    def __init__(self, stop_controller: StopController, quiet: Callable[[], bool]) -> None:
+        self._stop_controller = stop_controller
         self._quiet = quiet
         self._asking: dict[ServiceLink, asyncio.Task[bool]] = {}
         self._answered: set[ServiceLink] = set()
@@ -182,19 +182,19 @@ class _Attempt:
     async def run(self, limit_s: float) -> RestResult:
         """Go round until rest is measured, or the time is over."""
         resting = await self._run(limit_s)
-        own = self._brakes.own
+        own = self._stop_controller.own
         unanswered = own is not None and own not in self._answered
         return resting._replace(declined=self._declined, unanswered=unanswered)
 
     async def _run(self, limit_s: float) -> RestResult:
-        measured, clock = self._brakes.measured, self._brakes.clock
+        measured, clock = self._stop_controller.measured, self._stop_controller.clock
         begun_ns = clock.monotonic_ns()
         while True:
             now_ns = clock.monotonic_ns()
             past_s = (now_ns - begun_ns) / SECOND_NS
             if self._round_ns is None or now_ns - self._round_ns >= AGAIN_EVERY_S * SECOND_NS:
                 self._round_ns = now_ns
-                self._brakes.zero()
+                self._stop_controller.zero()
                 self._ask()
             if self._settled_ns is None and (past_s >= ANSWER_WITHIN_S or self._heard_out()):
                 self._settled_ns = now_ns
@@ -215,14 +215,14 @@ class _Attempt:
 
     def _heard_out(self) -> bool:
         """Tell whether everything that is there has answered, and the order has ended."""
-        calls = self._brakes.calls
+        calls = self._stop_controller.calls
         there = {call for call in calls if call.ready()}
         somebody = bool(self._answered) or not calls
         return somebody and there <= self._answered and self._quiet()
 
     def _ask(self) -> None:
         """Call what is not being called already."""
-        for link in self._brakes.calls:
+        for link in self._stop_controller.calls:
             task = self._asking.get(link)
             if task is None or task.done():
                 self._asking[link] = asyncio.create_task(self._call(link))
@@ -230,7 +230,7 @@ class _Attempt:
     async def _call(self, link: ServiceLink) -> bool:
         try:
             response = await link.call(
-                self._brakes.request(link), timeout_s=ANSWER_WITHIN_S, urgent=True
+                self._stop_controller.request(link), timeout_s=ANSWER_WITHIN_S, urgent=True
             )
         except NotSent:
             return False  # nobody is there: what can be done about it is done again and again
@@ -243,7 +243,7 @@ class _Attempt:
 
     def _hear(self, link: ServiceLink, response: RosObject) -> None:
         """Take in what a service answers; what speaks against it is logged once."""
-        declined = self._brakes.declined(link, response)
+        declined = self._stop_controller.declined(link, response)
         if declined and declined != self._declined:
             _log.warning("while stopping: %s answered that it failed: %s", link.name, declined)
         if declined is not None:
@@ -251,7 +251,7 @@ class _Attempt:
 
     async def _wait(self) -> None:
         """Wait for an answer or for the next measurement, a moment at most."""
-        word = asyncio.create_task(self._brakes.measured.next_word(LOOK_EVERY_S))
+        word = asyncio.create_task(self._stop_controller.measured.next_word(LOOK_EVERY_S))
         calls = [task for task in self._asking.values() if not task.done()]
         events: list[asyncio.Task[Any]] = [word, *(calls if self._settled_ns is None else ())]
         try:

@@ -43,14 +43,14 @@ class MeasuredPose(NamedTuple):
     """Where a robot was by its odometry, and how fast, and when it said so on our clock.
 
     Attributes:
-        births: How often its odometry had begun anew.
+        restarts: How often its odometry had begun anew.
     """
 
     x_m: float
     y_m: float
     speed_m_s: float
     at_ns: int
-    births: int
+    restarts: int
 
 
 class Measurements:
@@ -152,15 +152,15 @@ class Measurements:
         return not self.sources or (age_s is not None and age_s <= self.within_s)
 
     @property
-    def births(self) -> int:
+    def restarts(self) -> int:
         """How often what shows rest, or else anything that is heard, has begun anew."""
         heard = self.sources.values() if self._rest is None else (self._rest.source,)
-        return sum(source.senders.births for source in heard)
+        return sum(source.senders.restarts for source in heard)
 
     def place(self) -> MeasuredPose | None:
         """Return where the robot last was by its odometry; None where it has none."""
         for source, readers in self._places:
-            at_ns, births = source.sent_ns or 0, source.senders.births
+            at_ns, restarts = source.sent_ns or 0, source.senders.restarts
             try:
                 message = source.message()
             except BadValue:
@@ -168,7 +168,7 @@ class Measurements:
             if message is not None:
                 x_m, y_m, *speeds = (numbers(read(message))[0] for read in readers)
                 known = all(map(isfinite, (x_m, y_m, *speeds)))
-                return MeasuredPose(x_m, y_m, hypot(*speeds), at_ns, births) if known else None
+                return MeasuredPose(x_m, y_m, hypot(*speeds), at_ns, restarts) if known else None
         return None
 
     def age_s(self) -> float | None:

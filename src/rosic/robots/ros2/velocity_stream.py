@@ -24,7 +24,7 @@ class StreamPace(NamedTuple):
 
 
 class VelocityStream:
-    """One drive.
+    """The velocities of one drive, sent until it ends.
 
     Who takes the velocities is looked at immediately before each is sent. What remains is the way
     from there to DDS, some microseconds in which an end may be matched; and that ROS may call a
@@ -50,7 +50,7 @@ class VelocityStream:
         self._pace = pace
         self._begun_ns = self._sent_ns = 0
         self._newcomers = UnidentifiedEndpoints(publisher.takers(), call.side.watchdog_s / 2)
-        self._births = call.side.measured.births
+        self._restarts = call.side.measured.restarts
 
     async def run(self) -> MotionBreak | None:
         """Pass the gate and send, until the time is over, a stop comes, or it is broken off.
@@ -125,7 +125,7 @@ class VelocityStream:
         """Tell whether who takes the velocities, or shows whether it rests, is another now."""
         takers = self._publisher.takers()
         nameless = self._newcomers.nameless(takers, now_ns)
-        anew = self._call.side.measured.births != self._births
+        anew = self._call.side.measured.restarts != self._restarts
         if anew or born_anew(self._newcomers.first, takers):
             return BreakCause.REBORN
         return BreakCause.NAMELESS if nameless else None

@@ -43,12 +43,12 @@ class FaultyStore:
 
     Args:
         inner: The honest store.
-        diary: What the faulty one keeps over restarts.
+        persisted: What the faulty one keeps over restarts.
     """
 
-    def __init__(self, inner: Store, diary: dict[Any, Any]) -> None:
+    def __init__(self, inner: Store, persisted: dict[Any, Any]) -> None:
         self.inner = inner
-        self.diary = diary
+        self.persisted = persisted
 
     async def open(self) -> Memory:
         """Open the honest store and tell about it."""
@@ -81,21 +81,21 @@ class FaultyStore:
 
 
 class FaultyStoreFixture:
-    """Premises on which every store sins in the same way."""
+    """A fixture whose stores all break the same rule."""
 
     def __init__(self, honest: StoreFixture, faulty: type[FaultyStore]) -> None:
         self._honest = honest
         self._faulty = faulty
-        self._diary: dict[Any, Any] = {}
+        self._persisted: dict[Any, Any] = {}
 
     def make(self) -> FaultyStore:
-        """Return a wicked store without data."""
-        return self._faulty(self._honest.make(), self._diary)
+        """Return a faulty store without data."""
+        return self._faulty(self._honest.make(), self._persisted)
 
     def survivor(self, store: Store) -> FaultyStore:
-        """Return the wicked store that the next process would find."""
+        """Return the faulty store that the next process would find."""
         assert isinstance(store, FaultyStore)
-        return self._faulty(self._honest.survivor(store.inner), self._diary)
+        return self._faulty(self._honest.survivor(store.inner), self._persisted)
 
 
 # ---- each breaks one rule of facts ----
@@ -116,7 +116,7 @@ class KeepsTheFirstFact(FaultyStore):
     def twist(self, record: Record) -> tuple[Record, ...]:
         if not isinstance(record, Fact):
             return (record,)
-        first = self.diary.setdefault((record.kind, record.key), record)
+        first = self.persisted.setdefault((record.kind, record.key), record)
         return (record,) if first is record else ()
 
 
@@ -151,10 +151,10 @@ class AcknowledgesEarly(FaultyStore):
     """Says that it is written, and writes at the end of the day."""
 
     async def write(self, *records: Record) -> None:
-        self.diary.setdefault(id(self), []).append(records)
+        self.persisted.setdefault(id(self), []).append(records)
 
     async def close(self) -> None:
-        for records in self.diary.pop(id(self), ()):
+        for records in self.persisted.pop(id(self), ()):
             await self.inner.write(*records)
         await self.inner.close()
 
@@ -163,7 +163,7 @@ class LosesOrder(FaultyStore):
     """Writes what was asked for together the other way round."""
 
     async def write(self, *records: Record) -> None:
-        waiting = self.diary.setdefault("waiting", [])
+        waiting = self.persisted.setdefault("waiting", [])
         waiting.append(records)
         await asyncio.sleep(0)
         while waiting:
@@ -212,13 +212,13 @@ class SpoilsTheGroup(FaultyStore):
     """Lets everybody in a group fail for the one who did wrong."""
 
     async def write(self, *records: Record) -> None:
-        self.diary.pop("spoilt", None)
+        self.persisted.pop("spoilt", None)
         try:
             await self.inner.write(*records)
         except Repeated:
-            self.diary["spoilt"] = True
+            self.persisted["spoilt"] = True
         await asyncio.sleep(0)
-        if self.diary.get("spoilt"):
+        if self.persisted.get("spoilt"):
             raise Repeated("Somebody did wrong.")
 
 
@@ -226,10 +226,10 @@ class NotesLate(FaultyStore):
     """Writes notes when it has nothing better to do."""
 
     def note(self, *records: Record) -> None:
-        self.diary.setdefault("notes", []).extend(records)
+        self.persisted.setdefault("notes", []).extend(records)
 
     async def close(self) -> None:
-        self.inner.note(*self.diary.pop("notes", ()))
+        self.inner.note(*self.persisted.pop("notes", ()))
         await self.inner.close()
 
 
@@ -260,8 +260,8 @@ class SaysTooEarlyThatItIsKept(FaultyStore):
 class KeepsSilentWhenItFails(FaultyStore):
     """Forgets whoever waits once it is closed."""
 
-    def __init__(self, inner: Store, diary: dict[Any, Any]) -> None:
-        super().__init__(inner, diary)
+    def __init__(self, inner: Store, persisted: dict[Any, Any]) -> None:
+        super().__init__(inner, persisted)
         self._closed = False
 
     async def close(self) -> None:
@@ -287,11 +287,11 @@ class LetsNumbersFall(FaultyStore):
 
     def twist(self, record: Record) -> tuple[Record, ...]:
         if isinstance(record, Claimed):
-            self.diary[record.robot] = (record.n, record.fence)
+            self.persisted[record.robot] = (record.n, record.fence)
         return (record,)
 
     def tell(self, memory: Memory) -> Memory:
-        return replace(memory, numbers=dict(self.diary))
+        return replace(memory, numbers=dict(self.persisted))
 
 
 class LetsGenerationsFall(FaultyStore):
@@ -299,11 +299,11 @@ class LetsGenerationsFall(FaultyStore):
 
     def twist(self, record: Record) -> tuple[Record, ...]:
         if isinstance(record, Stopped):
-            self.diary[record.robot] = record.generation
+            self.persisted[record.robot] = record.generation
         return (record,)
 
     def tell(self, memory: Memory) -> Memory:
-        return replace(memory, generations=dict(self.diary))
+        return replace(memory, generations=dict(self.persisted))
 
 
 class RevivesKeys(FaultyStore):
@@ -317,12 +317,14 @@ class RevivesKeysThatAreIssuedAgain(FaultyStore):
     """Takes issuing for more than it is."""
 
     def tell(self, memory: Memory) -> Memory:
-        keys = tuple(replace(k, revoked_ns=self.diary.get(k.id, k.revoked_ns)) for k in memory.keys)
+        keys = tuple(
+            replace(k, revoked_ns=self.persisted.get(k.id, k.revoked_ns)) for k in memory.keys
+        )
         return replace(memory, keys=keys)
 
     def twist(self, record: Record) -> tuple[Record, ...]:
         if isinstance(record, KeyIssued):
-            self.diary[record.key.id] = None
+            self.persisted[record.key.id] = None
         return (record,)
 
 
@@ -374,12 +376,12 @@ class RewritesHistory(FaultyStore):
 
     def twist(self, record: Record) -> tuple[Record, ...]:
         if isinstance(record, Concluded):
-            self.diary[record.cid] = record.ending
+            self.persisted[record.cid] = record.ending
         return (record,)
 
     def tell(self, memory: Memory) -> Memory:
         open_orders = [
-            replace(open_order, ending=self.diary[open_order.cid])
+            replace(open_order, ending=self.persisted[open_order.cid])
             for open_order in memory.unfinished
         ]
         return replace(memory, unfinished=tuple(open_orders))
@@ -394,7 +396,7 @@ class KeepsTheFirst(FaultyStore):
         if not isinstance(record, self.kind):
             return (record,)
         mark = getattr(record, "cid", getattr(record, "chat", None))
-        return (record,) if self.diary.setdefault(mark, record) is record else ()
+        return (record,) if self.persisted.setdefault(mark, record) is record else ()
 
 
 class KeepsTheFirstPlace(KeepsTheFirst):

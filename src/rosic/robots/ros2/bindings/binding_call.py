@@ -45,7 +45,7 @@ class RobotSide(NamedTuple):
     shown: str
     gate: OrderGate
     clock: Clock
-    brakes: StopController
+    stop_controller: StopController
     measured: Measurements
     namespace: str
     rest_timeout_s: float

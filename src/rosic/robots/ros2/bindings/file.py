@@ -80,18 +80,18 @@ class FileBinding:
             if end is not None:
                 await end.close()
 
-    async def deliver(self, parcel: FileForRobot) -> Receipt:
+    async def deliver(self, robot_file: FileForRobot) -> Receipt:
         """Hand one file over; see ``contracts.robot.deliver_of``."""
         deliver = self._deliver
         if deliver is None:
             raise RobotOffline(said("{robot} takes no files.", robot=self._shown))
-        values = {field: _value(given, parcel) for field, given in deliver.sent.items()}
+        values = {field: _value(given, robot_file) for field, given in deliver.sent.items()}
         async with self._one:
             try:
                 to_message(self._cls, values)
                 if deliver.service is not None:
                     return await self._call(values, deliver.service.timeout_s)
-                return await self._publish(values, parcel)
+                return await self._publish(values, robot_file)
             except (NotSent, BadValue) as fault:
                 raise RobotOffline(self._nothing_sent()) from fault
 
@@ -115,7 +115,7 @@ class FileBinding:
             words="" if words == digest else words,
         )
 
-    async def _publish(self, values: dict[str, object], parcel: FileForRobot) -> Receipt:
+    async def _publish(self, values: dict[str, object], robot_file: FileForRobot) -> Receipt:
         publisher, deliver = self._publisher, self._deliver
         if publisher is None or deliver is None:
             raise NotSent("The link is closed.")
@@ -127,7 +127,7 @@ class FileBinding:
             publisher.publish(values)
             return Receipt(received=False)
         saying: asyncio.Future[str] = asyncio.get_running_loop().create_future()
-        self._waiting = (parcel.digest.hex(), saying)
+        self._waiting = (robot_file.digest.hex(), saying)
         try:
             publisher.publish(values)
             async with asyncio.timeout(deliver.receipt.within_s):
@@ -161,15 +161,15 @@ class FileBinding:
         )
 
 
-def _value(given: float | str | bool, parcel: FileForRobot) -> object:
+def _value(given: float | str | bool, robot_file: FileForRobot) -> object:
     if not isinstance(given, str) or given[:1] != "$":
         return given
     return {
-        "$name": parcel.name,
-        "$path": parcel.path,
-        "$sha256": parcel.digest.hex(),
-        "$size": parcel.size,
-        "$kind": parcel.sort,
-        "$text": parcel.content.decode("utf-8", "replace"),
-        "$content": parcel.content,
+        "$name": robot_file.name,
+        "$path": robot_file.path,
+        "$sha256": robot_file.digest.hex(),
+        "$size": robot_file.size,
+        "$kind": robot_file.sort,
+        "$text": robot_file.content.decode("utf-8", "replace"),
+        "$content": robot_file.content,
     }[given]

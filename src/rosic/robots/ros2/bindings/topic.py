@@ -69,14 +69,14 @@ class TopicSkill:
         """Stream, cease without a zero, and wait for measured rest; for measuring a watchdog."""
         stream = await self._stream(call)
         if await stream.run() is not None:
-            return await call.side.brakes.apply()
+            return await call.side.stop_controller.apply()
         side = call.side
-        return await side.brakes.measure(side.clock.monotonic_ns(), side.rest_timeout_s)
+        return await side.stop_controller.measure(side.clock.monotonic_ns(), side.rest_timeout_s)
 
     async def _listened_to(self, call: BindingCall) -> Publisher:
         # A stream shares its publisher with the zeros that end it: two publishers of one topic may
         # overtake each other, and a velocity that comes after the zero would count.
-        publisher = self._publisher or call.side.brakes.zeros.get(self._binding.name)
+        publisher = self._publisher or call.side.stop_controller.zeros.get(self._binding.name)
         if publisher is None:
             raise call.offline()
         await call.there(lambda: publisher.listeners > 0, publisher.topic)
@@ -100,9 +100,9 @@ class TopicSkill:
         ended_ns = side.clock.monotonic_ns()
         period_s = 1.0 / self._binding.stream_hz
         for _ in range(ZEROS):
-            side.brakes.zero()
+            side.stop_controller.zero()
             await side.clock.sleep(period_s)
-        resting = await side.brakes.measure(ended_ns, side.rest_timeout_s)
+        resting = await side.stop_controller.measure(ended_ns, side.rest_timeout_s)
         if not side.measured.measures_rest or (resting.confirmed and not stream.moved):
             return Outcome(OrderEnding.SENT)
         if resting.confirmed:
@@ -116,7 +116,7 @@ class TopicSkill:
     ) -> Outcome:
         """Bring it to rest, and say what was measured."""
         call.interrupted(broken)
-        resting = await call.side.brakes.apply()
+        resting = await call.side.stop_controller.apply()
         stream.way.look()
         what = joined("; ", (_driven(stream), over(broken)))
         if not call.allowed():  # a stop came meanwhile, and says more about rest
@@ -130,11 +130,11 @@ class TopicSkill:
 
     async def _does_not_obey(self, call: BindingCall) -> Outcome:
         """Zero did not bring it to rest, or that was not seen: apply everything else."""
-        resting = await call.side.brakes.apply()
+        resting = await call.side.stop_controller.apply()
         if not resting.confirmed:
             call.unsettled = True
             raise in_doubt(call.side.shown, "", resting)
-        if call.side.brakes.own is None or resting.declined or resting.unanswered:
+        if call.side.stop_controller.own is None or resting.declined or resting.unanswered:
             return Outcome(
                 OrderEnding.FAILED, said("it came to rest late, and not by its own stop")
             )

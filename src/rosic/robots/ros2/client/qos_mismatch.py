@@ -29,14 +29,16 @@ class QosMismatch:
         self._apart: dict[str, int] = {}
         self._doubt = ""
 
-    def look(self, seen: GraphSnapshot, heard: list[Subscription], brakes: StopController) -> None:
+    def look(
+        self, seen: GraphSnapshot, heard: list[Subscription], stop_controller: StopController
+    ) -> None:
         """Take in a look at the graph, and log what should meet and does not."""
         topics = {topic.name: topic for topic in seen.topics}
         for source in heard:
             topic = topics.get(source.topic)
             there = topic is not None and topic.publishers > 0
             self._count(source.topic, apart=there and source.publishers == 0, verb="hears nothing")
-        for publisher in brakes.zeros.values():
+        for publisher in stop_controller.zeros.values():
             topic = topics.get(publisher.topic)
             there = topic is not None and topic.subscribers > 0
             apart = there and publisher.listeners == 0
