@@ -47,7 +47,7 @@ def test_what_it_drives_is_added_up_also_back_and_over_a_gap() -> None:
     assert not way.jumped
 
 
-@pytest.mark.parametrize("births", [0, 1])
+@pytest.mark.parametrize("restarts", [0, 1])
 def test_a_jump_is_never_a_way_and_what_follows_tells_no_way_either(restarts: int) -> None:
     odometry = Odometry()
     way = way_of(odometry)

@@ -65,7 +65,7 @@ async def driven(monkeypatch: pytest.MonkeyPatch, sleeps_s: list[float], named_a
     clock = SleepyClock(sleeps_s)
     side = Side(clock, named_at_s)
     way = SimpleNamespace(look=lambda: None)
-    monkeypatch.setattr(velocity_stream, "MeasuredWay", lambda *_: way)
+    monkeypatch.setattr(velocity_stream, "OdometryDistance", lambda *_: way)
     monkeypatch.setattr(velocity_stream, "told_m_s", lambda _: 0.2)
     call: Any = SimpleNamespace(
         side=SimpleNamespace(measured=side, watchdog_s=WATCHDOG_S, clock=clock),
