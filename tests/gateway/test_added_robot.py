@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+from typing import TYPE_CHECKING
 
 from rosic.testing.clock import settle
 from tests.gateway.place import BO, Place
 from tests.gateway.rover import CAN, HoldingStore, Lab, Reluctant, add, draft
 from tests.pace import pace
+
+if TYPE_CHECKING:
+    from rosic.gateway.robot_registry import AddedRobot
 
 # ---- it is there ----
 
@@ -26,6 +30,24 @@ async def test_every_room_knows_a_robot_from_the_moment_it_was_added() -> None:
         await place.say("use rover")
         await place.clock.advance(31.0)
         assert "done" in await place.say("wiggle")
+
+
+async def test_who_subscribes_is_told_when_every_room_knows() -> None:
+    async with Place().open() as place:
+        rooms, told = place.gateway.rooms, list[str]()
+
+        def hear(newcomer: AddedRobot) -> None:
+            robot = newcomer.profile.id
+            assert rooms.linker.presence(robot) == newcomer.robot.presence()
+            assert robot in rooms.profiles
+            assert robot in rooms.organiser.leases
+            assert rooms.vocabulary.robot(robot) is newcomer.profile
+            assert not rooms.board[robot].latched
+            told.append(robot)
+
+        place.gateway.registry.added.connect(hear)
+        await add(place)
+        assert told == ["rover"]
 
 
 async def test_a_line_that_made_no_sense_before_makes_sense_now() -> None:

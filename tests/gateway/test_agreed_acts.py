@@ -162,9 +162,9 @@ async def is_other(place: Place, how: str) -> None:
     profiles = {name: _changed(profile, how) for name, profile in place.gateway.profiles.items()}
     place.gateway.profiles.update(profiles)
     rooms = place.gateway.rooms
-    rooms.vocabulary.become(Vocabulary.build(tuple(profiles.values()), known_units()))
     rooms.container.add_robot("omni", 10)
-    place.gateway.pipeline.add_robot("omni", profiles["omni"].shown)
+    rooms.vocabularies.replace(Vocabulary.build(tuple(profiles.values()), known_units()))
+    place.gateway.pipeline.ends.clear()
 
 
 def _changed(profile: Profile, how: str) -> Profile:

@@ -271,7 +271,7 @@ def test_of_strangers_words_no_stop_is_looked_for() -> None:
                 asked.append(text)
                 return super().urgent(text)
 
-        place.gateway.pipeline._reader = Counted(place.gateway.rooms.vocabulary)
+        place.gateway.pipeline._reader = Counted(place.gateway.rooms.vocabularies)
         await place.longest(place.message(STRANGER, "stop"), place.message(BO, "help"))
         assert asked == ["help"]
         assert not place.gateway.rooms.board["omni"].latched

@@ -12,6 +12,7 @@ from hashlib import blake2b
 from typing import TYPE_CHECKING, Final, Protocol
 
 import msgspec
+from msgspec.structs import replace
 
 from rosic.config.profile_validation import clash
 from rosic.config.profiles import read_profile_text
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from rosic.app.gateway_parts import RunningGateway
+    from rosic.app.settings import GatewaySettings
     from rosic.config.profiles import ReadProfile
     from rosic.container.files import StoredFile
     from rosic.core.identity import PrincipalId
@@ -152,6 +154,20 @@ def with_added(
         else:
             good.append(profile)
     return tuple(good)
+
+
+def settings_with_added(
+    settings: GatewaySettings, facts: Iterable[Fact], units: UnitTable
+) -> GatewaySettings:
+    """Return the settings of a gateway with the robots that were added since; see `with_added`.
+
+    An added robot is asked as often as any that the configuration says nothing else about.
+    """
+    robots, limit = with_added(settings.profiles, facts, units), settings.robot_limit
+    limits = dict(settings.robot_limits)
+    if limit is not None:
+        limits.update((robot.id, limit) for robot in robots[len(settings.profiles) :])
+    return replace(settings, profiles=robots, robot_limits=limits)
 
 
 def _recalled(fact: Fact, units: UnitTable) -> Profile | None:

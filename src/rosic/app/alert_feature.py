@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.sender import ChatSender
     from rosic.gateway.order_services import OrderServices
+    from rosic.gateway.robot_registry import AddedRobot
 
 
 # ---- alert rules ----
@@ -98,6 +99,10 @@ class AlertFeature:
         self.alerting.write(self.alerting.telling.placed.restore(told, open_now))
         follow(pipeline.executor, self.absences)
         AlertCommands(self.alerting, rooms, changes).register(pipeline.hooks.commands)
+
+    def robot_added(self, newcomer: AddedRobot) -> None:
+        """Follow the rules of one more robot."""
+        self.alerting.add_robot(*read_rules((newcomer.profile,), self._rooms.vocabulary))
 
     async def run(self) -> None:
         """Follow the rules until cancelled."""
@@ -183,7 +188,7 @@ def set_up_media(
         shown=lambda robot: profiles[robot].shown,
     )
     media_feature = MediaContext(
-        vocabulary=rooms.vocabulary,
+        vocabularies=rooms.vocabularies,
         profiles=profiles,
         sides=MediaQueries(visible=organiser.visible, selected=rooms.container.selected),
         linker=rooms.linker,
@@ -196,6 +201,11 @@ def set_up_media(
     for profile in profiles.values():
         add_seen(media_feature, pipeline, profile)
     return media_feature
+
+
+def robot_seen(media_feature: MediaContext, pipeline: Pipeline, newcomer: AddedRobot) -> None:
+    """Let one more robot be looked at."""
+    add_seen(media_feature, pipeline, newcomer.profile)
 
 
 def add_seen(media_feature: MediaContext, pipeline: Pipeline, profile: Profile) -> None:

@@ -43,13 +43,14 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.store import ContainerStore, Store
     from rosic.core.identity import PrincipalId
-    from rosic.core.language import UnitTable, Vocabulary
+    from rosic.core.language import UnitTable, VocabularyHolder
     from rosic.core.message import Chat
     from rosic.core.records import Fact, Memory, Record
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.gateway import Pipeline
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.translation import ChatLanguages
+    from rosic.gateway.robot_registry import AddedRobot
     from rosic.organiser.organiser import Organiser
 
 PERSON = re.compile("p[0-9a-f]{16}")  # how ids of people look
@@ -136,7 +137,7 @@ class DataFeature:
             rooms.authoriser,
             rooms.organiser,
             rooms.profiles,
-            rooms.vocabulary,
+            rooms.vocabularies,
             self._clock,
             features.reach.tell,
             pipeline.command_history,
@@ -213,11 +214,12 @@ class DataFeature:
 
         self._access.changes.keep(PREFERENCE, changed)
 
-    def add_robot(self, profile: Profile) -> None:
+    def robot_added(self, newcomer: AddedRobot) -> None:
         """Know the folders of one more robot, and let people's own speed hold for it.
 
         After the rights reach it.
         """
+        profile = newcomer.profile
         if profile.files is not None:
             self._folders.add_robot(profile.id, profile.files)
         if self.data_context is not None:
@@ -333,7 +335,7 @@ class DataContext(NamedTuple):
     authoriser: Authoriser
     organiser: Organiser
     profiles: Mapping[RobotId, Profile]
-    vocabulary: Vocabulary
+    vocabularies: VocabularyHolder
     clock: Clock
     tell: Callable[[tuple[PrincipalId, ...], str], object]
     command_history: CommandHistory
@@ -366,7 +368,7 @@ def data_context_of(
         changes=around.access.changes,
         clock=clock,
         name=around.authoriser.directory.name,
-        vocabulary=around.vocabulary,
+        vocabularies=around.vocabularies,
         shown=lambda robot: profiles[robot].shown if robot in profiles else robot,
         visible=organiser.visible,
         choices=organiser.visible,

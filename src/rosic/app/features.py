@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.app.access import admins_of
 from rosic.app.alert_feature import AlertFeature
 from rosic.app.fleet_feature import BenchmarkContext as Askers
-from rosic.app.fleet_feature import FleetFeature, set_up_benchmarks, show_benchmarks
+from rosic.app.fleet_feature import FleetFeature, add_judged, set_up_benchmarks, show_benchmarks
 from rosic.authoriser.invite_codes import telegram_link
 from rosic.contracts.messenger import bot_name_of
 from rosic.core.i18n import joined
@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.delivery.sender import ChatSender
+    from rosic.gateway.robot_registry import AddedRobot
     from rosic.gateway.stop import StopLane
 
 
@@ -148,6 +149,10 @@ class FeatureSetup:
         self.fleet.show_on_cards(self.live_cards, self._card_sides, self._pipeline, memory)
         return alarms
 
+    def robot_added(self, newcomer: AddedRobot) -> None:
+        """Hold one more robot against its benchmarks."""
+        add_judged(self.evaluation, self._pipeline, newcomer.profile)
+
     async def close(self) -> None:
         """Follow nothing any more; wait for robots that come to rest, briefly."""
         await self.scheduler.close()
@@ -209,7 +214,7 @@ class FeatureSetup:
             names_robot=self._names_robot,
         )
         places = RequestPlaces(
-            vocabulary=self._rooms.vocabulary,
+            vocabularies=self._rooms.vocabularies,
             naming=lambda asked, text: self._naming.robot_or_group(asked, "/ask", text),
             shown=lambda name: profiles[name].shown if name in profiles else name,
             zone_of=self._rooms.organiser.calendar.zone,
@@ -297,7 +302,7 @@ class FeatureSetup:
             calendar=organiser.calendar,
             waiting=access.waiting,
             wishes=access.wishes,
-            vocabulary=rooms.vocabulary,
+            vocabularies=rooms.vocabularies,
             changes=access.changes,
             reach=self.reach,
             clock=clock,
@@ -351,7 +356,7 @@ class FeatureSetup:
         )
         self.live_cards = Dashboards(snapshots, self._access.changes, messengers, clock, sides)
         self.live_cards.restore(self._access.cards)
-        handler = DashboardCommands(self.live_cards, snapshots, rooms.vocabulary, sides)
+        handler = DashboardCommands(self.live_cards, snapshots, rooms.vocabularies, sides)
         pipeline.hooks.commands.register("card", handler.card)
 
     def _sees(self, principal: PrincipalId) -> frozenset[RobotId]:

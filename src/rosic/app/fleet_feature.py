@@ -146,7 +146,7 @@ class FleetFeature:
         cards.restore(memory.facts.get(FLEET_CARD, ()))
         robots.others = cards
         handler = DashboardCommands(
-            cards, cards.snapshots, self._rooms.vocabulary, sides, verb="fleet"
+            cards, cards.snapshots, self._rooms.vocabularies, sides, verb="fleet"
         )
         pipeline.hooks.commands.register("fleet", handler.card)
 

@@ -7,12 +7,10 @@ import logging
 from functools import partial
 from typing import TYPE_CHECKING
 
-from msgspec.structs import replace
-
 from rosic.app.access import AbuseResponse, AccessFeature, admins_of, authoriser_of
 from rosic.app.added_robots import KIND as ADDED
-from rosic.app.added_robots import newcomers_of, with_added
-from rosic.app.alert_feature import set_up_media
+from rosic.app.added_robots import newcomers_of, settings_with_added
+from rosic.app.alert_feature import robot_seen, set_up_media
 from rosic.app.data_feature import DataFeature, OwnDataQueries, preferences_of
 from rosic.app.features import FeatureSetup
 from rosic.app.gateway_parts import RunningGateway
@@ -23,17 +21,17 @@ from rosic.app.policy import PolicyEnforcer, PolicyService
 from rosic.app.record_monitor import record_watch_of
 from rosic.app.retention import AuditStore, Retention
 from rosic.app.robot_opening import RobotStartup, warn_of_thieves
-from rosic.app.robot_registry import RobotConnections, RobotRegistry
+from rosic.app.robot_provisioning import RobotProvisioning
 from rosic.app.robot_startup import board_of, robots_of
 from rosic.app.robot_to_robot_feature import groups_of, messaging_of
-from rosic.app.settings import GatewayParts, GatewaySettings
+from rosic.app.settings import GatewayParts, GatewaySettings, SupportsCompletion
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.translations import LANGUAGES, catalogue, whose
 from rosic.container.container import Containers
 from rosic.container.messages import SETTINGS_DAMAGED
 from rosic.contracts.store import ContainerStore
 from rosic.core.deferred import Deferred
-from rosic.core.language import Vocabulary, inert_text
+from rosic.core.language import Vocabulary, VocabularyHolder, inert_text
 from rosic.core.message import Outbound
 from rosic.errors import ConfigurationError
 from rosic.features.media.snapshot import DashboardCamera
@@ -48,6 +46,7 @@ from rosic.gateway.hooks import PipelineHooks
 from rosic.gateway.order_execution import inert_words
 from rosic.gateway.recovery import Recovery
 from rosic.gateway.resume import ResumeHandler
+from rosic.gateway.robot_registry import RobotRegistry
 from rosic.gateway.stop import StopLane
 from rosic.linker.linker import Linker
 from rosic.organiser.organiser import Organiser
@@ -64,6 +63,7 @@ if TYPE_CHECKING:
     from rosic.errors import ChatGone
     from rosic.gateway.confirmation import Resolver
     from rosic.gateway.delivery.chat_queue import Item
+    from rosic.gateway.robot_registry import AddedRobot
 
 __all__ = ["Gateway", "GatewayParts", "GatewaySettings"]
 
@@ -86,7 +86,7 @@ class Gateway(RunningGateway):
     """
 
     outbox: Outbox
-    robot_adder: RobotRegistry
+    robot_adder: RobotProvisioning
 
     def __init__(self, settings: GatewaySettings, parts: GatewayParts) -> None:
         self._settings = settings
@@ -121,18 +121,33 @@ class Gateway(RunningGateway):
 
     def _know_added(self, memory: Memory) -> bool:
         """Know the robots that earlier runs have added, too. Return whether there are any."""
-        before, facts = self._settings, memory.facts.get(ADDED, ())
-        robots = with_added(before.profiles, facts, self._parts.units)
-        added = robots[len(before.profiles) :]
-        limits = (
-            {}
-            if before.robot_limit is None
-            else dict.fromkeys((profile.id for profile in added), before.robot_limit)
-        )
-        self._settings = replace(
-            before, profiles=robots, robot_limits={**before.robot_limits, **limits}
-        )
-        return bool(added)
+        before = self._settings
+        self._settings = settings_with_added(before, memory.facts.get(ADDED, ()), self._parts.units)
+        return len(self._settings.profiles) > len(before.profiles)
+
+    def _tell_of_robots(self) -> None:
+        """Have whoever keeps something per robot told of each that is added, in this order."""
+        self.registry = RobotRegistry(self.rooms, self.profiles, self.robots)
+        for told in (
+            self.pipeline.robot_added,
+            self._robot_added,
+            self.data_feature.robot_added,
+            self.alarms.robot_added,
+            self.features.robot_added,
+            partial(robot_seen, self.media_feature, self.pipeline),
+            self.among.robot_added,
+        ):
+            self.registry.added.connect(told)
+
+    def _robot_added(self, newcomer: AddedRobot) -> None:
+        """Close it with the gateway, bound how often it is asked, and let its name be completed."""
+        self._opened.append(newcomer.robot)
+        if self._settings.robot_limit is not None:
+            rates = self.rooms.organiser.rates
+            rates.add_robot(newcomer.profile.id, self._settings.robot_limit)
+        for messenger in self._parts.messengers:
+            if isinstance(messenger, SupportsCompletion):
+                messenger.know(self.profiles.values())
 
     def _vocabulary(self) -> Vocabulary:
         try:
@@ -156,6 +171,7 @@ class Gateway(RunningGateway):
         )
         self._leaves.append(self._leave_access)
         rights = authority.draw_up()
+        vocabularies = VocabularyHolder(vocabulary)
         organiser = Organiser(
             authority.in_force,
             profiles,
@@ -168,7 +184,7 @@ class Gateway(RunningGateway):
         organiser.name_of = lambda principal: inert_words(authoriser.directory.name(principal))
         organiser.remember_fences({robot: fence for robot, (_, fence) in numbers.items()})
         container = Containers(
-            vocabulary, parts.store, parts.clock, {robot: n for robot, (n, _) in numbers.items()}
+            vocabularies, parts.store, parts.clock, {robot: n for robot, (n, _) in numbers.items()}
         )
         for choice in memory.selected:
             container.restore_selection(choice.principal, choice.chat, choice.robot)
@@ -176,7 +192,7 @@ class Gateway(RunningGateway):
             self.robots, board, parts.latch, parts.clock, time.wall_ns, authority.in_force
         )
         self.rooms = Components(
-            authoriser, organiser, container, linker, vocabulary, profiles, board
+            authoriser, organiser, container, linker, vocabularies, profiles, board
         )
         self._leaves.insert(0, self._save_rates)
         self.authority = authority
@@ -231,8 +247,8 @@ class Gateway(RunningGateway):
         groups_feature.gather(self._messengers, memory)
         self.among = messaging_of(self, parts, chat_sender, memory)
         self.record_watch = record_watch_of(parts.store, parts.latch, parts.clock, self.features)
-        ways = RobotConnections(self._opened.append, self._robot_says)
-        self.robot_adder = RobotRegistry(self, self._settings, parts, memory, ways)
+        self._tell_of_robots()
+        self.robot_adder = RobotProvisioning(self, parts, memory, self._robot_says)
         self._closes.append(self.robot_adder.close)
         settled, now_ns = self.pipeline.backlog.settled, time.wall_ns()
         await take_in(self._messengers, memory, parts.store, self.rooms, settled, now_ns)
@@ -242,9 +258,11 @@ class Gateway(RunningGateway):
             newcomers_of(self, self.robot_adder)
 
     def _elsewhere(self, reach: Notifier) -> UndeliverableHandler:
-        rooms = self.rooms
-        name = rooms.authoriser.directory.name
-        return UndeliverableHandler(reach, partial(admins_of, rooms.organiser), name)
+        admins, directory = (
+            partial(admins_of, self.rooms.organiser),
+            self.rooms.authoriser.directory,
+        )
+        return UndeliverableHandler(reach, admins, directory.name)
 
     def _pipeline(self, chat_sender: ChatSender, reach: Notifier) -> Pipeline:
         """Make the way of an order, with everything that decides beside it."""

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rosic.gateway import Pipeline
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.translation import ChatLanguages
+    from rosic.gateway.robot_registry import RobotRegistry
     from rosic.gateway.stop import StopLane
 
 
@@ -24,13 +25,14 @@ class RunningGateway:
     """The rooms, the way through them, and the features.
 
     Attributes:
-        pipeline, rooms, stop_lane, robots: Made when the gateway opens.
+        pipeline, registry, rooms, stop_lane, robots: Made when the gateway opens.
         profiles: Of every robot; what the rooms look into, so that it grows for all of them.
         authority, enforcer, access, features, data_feature: Likewise.
         languages, media_feature, alarms, among: Likewise.
     """
 
     pipeline: Pipeline
+    registry: RobotRegistry
     rooms: Components
     stop_lane: StopLane
     robots: dict[RobotId, Robot]

@@ -68,11 +68,11 @@ class GroupsFeature:
     ) -> None:
         rooms, changes = around.rooms, around.changes
         self.groups = GroupMembership(around)
-        vocabulary, profiles = rooms.vocabulary, rooms.profiles
+        vocabularies, profiles = rooms.vocabularies, rooms.profiles
         self.topics = TopicBindings(
             rooms.organiser,
             changes,
-            lambda name: (name,) if name in profiles else vocabulary.members(name),
+            lambda name: (name,) if name in profiles else vocabularies.current.members(name),
         )
         rooms.container.here.bind(self.topics.of)
         pipeline.hooks.commands.register("topic", self.topics.topic)

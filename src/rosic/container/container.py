@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
     from rosic.core.identity import Caller, CommandId, PrincipalId
-    from rosic.core.language import Vocabulary
+    from rosic.core.language import VocabularyHolder
     from rosic.core.message import Chat
     from rosic.core.robot.profile import RobotId
 
@@ -135,12 +135,12 @@ class Containers:
 
     def __init__(
         self,
-        vocabulary: Vocabulary,
+        vocabularies: VocabularyHolder,
         store: Store,
         clock: Clock,
         numbers: Mapping[RobotId, int],
     ) -> None:
-        self._vocabulary = vocabulary
+        self._vocabularies = vocabularies
         self._store = store
         self._bounded = BoundedWriter(store, clock)
         self._clock = clock
@@ -150,6 +150,7 @@ class Containers:
         self._there: Counter[bytes] = Counter()
         self._unwritten: OrderedDict[CommandId, None] = OrderedDict()
         self._completed: dict[tuple[RobotId, str, tuple[SpokenValue, ...]], CompletedOrders] = {}
+        vocabularies.replaced.connect(self._completed.clear)  # worked out with the one before
         self._robots = {robot: RobotContainer(robot, n) for robot, n in numbers.items()}
 
     def complete(self, request: Request) -> CompletedOrders:
@@ -164,11 +165,11 @@ class Containers:
         key = (robot, skill.id, spoken)
         completed = self._completed.get(key)
         if completed is None:
-            arguments = bind(self._vocabulary, robot, skill, spoken, group=request.group)
+            arguments = bind(self._vocabularies.current, robot, skill, spoken, group=request.group)
             said = _digest_form((skill.id, arguments))
             completed = CompletedOrders(
                 arguments,
-                show(self._vocabulary, robot, skill, arguments),
+                show(self._vocabularies.current, robot, skill, arguments),
                 blake2b(said, digest_size=DIGEST_BYTES).digest(),
             )
             if len(self._completed) >= COMPLETED_KEPT:
@@ -400,11 +401,7 @@ class Containers:
         container.select(chat, name)
 
     def add_robot(self, robot: RobotId, n: int) -> None:
-        """Have a container for one more robot, from the highest number it was given (I3).
-
-        What words came to before, under another profile of that name, is worked out anew.
-        """
-        self._completed.clear()
+        """Have a container for one more robot, from the highest number it was given (I3)."""
         self._robots[robot] = RobotContainer(robot, n)
 
 

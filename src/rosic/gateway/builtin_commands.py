@@ -96,7 +96,7 @@ class BuiltinCommands:
         self._organiser = rooms.organiser
         self._container = rooms.container
         self._linker = rooms.linker
-        self._vocabulary = rooms.vocabulary
+        self._vocabularies = rooms.vocabularies
         self._board = rooms.board
         self._profiles = rooms.profiles
         self._choosing = choosing
@@ -194,7 +194,7 @@ class BuiltinCommands:
 
     def members(self, name: str) -> tuple[RobotId, ...]:
         """Return the robots that a choice means: one, a group's, or none."""
-        return (name,) if name in self._profiles else self._vocabulary.members(name)
+        return (name,) if name in self._profiles else self._vocabularies.current.members(name)
 
     def _states(self, robots: Sequence[RobotId]) -> str:
         lines = [self._status(robot) for robot in robots[: messages.NAMED_AT_MOST]]

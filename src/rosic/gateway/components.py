@@ -8,7 +8,7 @@ import msgspec
 
 from rosic.authoriser.authoriser import Authoriser
 from rosic.container.container import Containers
-from rosic.core.language import Vocabulary
+from rosic.core.language import Vocabulary, VocabularyHolder
 from rosic.core.robot.profile import Profile, RobotId
 from rosic.core.stop_registry import StopRegistry
 from rosic.linker.linker import Linker
@@ -19,6 +19,7 @@ class Components(msgspec.Struct, frozen=True):
     """The paper's four components, and the snapshots they share.
 
     Attributes:
+        vocabularies: Holds what can be said now.
         board: Which robots are stopped; written by the linker alone.
     """
 
@@ -26,6 +27,11 @@ class Components(msgspec.Struct, frozen=True):
     organiser: Organiser
     container: Containers
     linker: Linker
-    vocabulary: Vocabulary
+    vocabularies: VocabularyHolder
     profiles: Mapping[RobotId, Profile]
     board: StopRegistry
+
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """What can be said now; not to be kept, as it may be replaced."""
+        return self.vocabularies.current

@@ -15,7 +15,7 @@ from rosic.container.shared_data import SharedData
 from rosic.contracts.clock import Clock
 from rosic.contracts.store import ContainerStore
 from rosic.core.identity import PrincipalId
-from rosic.core.language import Vocabulary
+from rosic.core.language import Vocabulary, VocabularyHolder
 from rosic.core.robot.profile import RobotId
 from rosic.gateway.transactions import Transactions
 from rosic.organiser.timezones import Zone
@@ -54,7 +54,7 @@ class ContainerContext(msgspec.Struct, frozen=True, kw_only=True):
     changes: Transactions
     clock: Clock
     name: Callable[[PrincipalId], str]
-    vocabulary: Vocabulary
+    vocabularies: VocabularyHolder
     shown: Callable[[RobotId], str]
     visible: Callable[[PrincipalId], frozenset[RobotId]]
     choices: Callable[[PrincipalId], frozenset[str]]
@@ -64,3 +64,8 @@ class ContainerContext(msgspec.Struct, frozen=True, kw_only=True):
     robots: AbstractSet[RobotId]
     find: Callable[[str], tuple[PrincipalId, ...]] = _nobody
     tell: Callable[[tuple[PrincipalId, ...], str], object] = _silence
+
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """What can be said now; not to be kept, as it may be replaced."""
+        return self.vocabularies.current

@@ -82,7 +82,7 @@ class HelpMenu:
     def __init__(self, rooms: Components) -> None:
         self._organiser = rooms.organiser
         self._profiles = rooms.profiles
-        self._vocabulary = rooms.vocabulary
+        self._vocabularies = rooms.vocabularies
         self._sections: dict[str, Section] = {
             "move": self._move,
             "see": self._see,
@@ -190,7 +190,7 @@ class HelpMenu:
     def _together(self, principal: PrincipalId, visible: frozenset[RobotId]) -> str:
         """Return an order to the first group all of whose robots somebody may move."""
         for group in sorted({group for r in visible for group in self._profiles[r].groups}):
-            members = self._vocabulary.members(group)
+            members = self._vocabularies.current.members(group)
             if len(members) >= SEVERAL and visible.issuperset(members):
                 example = self._example(group, principal, *members)
                 if example:
@@ -199,7 +199,7 @@ class HelpMenu:
 
     def _example(self, name: str, principal: PrincipalId, *robots: RobotId) -> str:
         for skill in self._profiles[robots[0]].skills.values():
-            compiled = self._vocabulary.compiled_skill(robots[0], skill.id)
+            compiled = self._vocabularies.current.compiled_skill(robots[0], skill.id)
             every = all(self._organiser.allows(principal, robot, skill.id) for robot in robots)
             if every and compiled is not None and all(map(_shared(skill.id), self._of(robots))):
                 values = list(_values(compiled))

@@ -67,6 +67,7 @@ if TYPE_CHECKING:
     from rosic.gateway.commands import Reply
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.sender import ChatSender
+    from rosic.gateway.robot_registry import AddedRobot
     from rosic.gateway.stop import StopLane
 
 
@@ -167,7 +168,7 @@ class Pipeline:
     ) -> None:
         organiser, container, linker = rooms.organiser, rooms.container, rooms.linker
         self._rooms = rooms
-        self._reader = reader = LanguageReader(rooms.vocabulary)
+        self._reader = reader = LanguageReader(rooms.vocabularies)
         self._chat_sender = chat_sender
         self._languages = chat_sender.languages
         self._clock = clock
@@ -493,8 +494,7 @@ class Pipeline:
         await self._expiring.close()
         await asyncio.sleep(0)
 
-    def add_robot(self, robot: str, shown: str) -> None:
-        """Understand one more robot: what was read before it was there is read anew."""
-        self._shown[robot] = shown
-        self._reader.forget()
+    def robot_added(self, newcomer: AddedRobot) -> None:
+        """Show one more robot; what the ends of orders offer is worked out anew."""
+        self._shown[newcomer.profile.id] = newcomer.profile.shown
         self.ends.clear()

@@ -85,7 +85,7 @@ class Replies:
         self._bind_act = bind
         self._authoriser = rooms.authoriser
         self._container = rooms.container
-        self._vocabulary = rooms.vocabulary
+        self._vocabularies = rooms.vocabularies
         self._chat_sender = chat_sender
         self._languages = chat_sender.languages
         self._clock = clock
@@ -192,7 +192,7 @@ class Replies:
         except Repeated:
             return  # the same message was settled before
         buttons: tuple[tuple[Button, ...], ...] = tuple(
-            (Button(label_of(offer, self._vocabulary), offer),)
+            (Button(label_of(offer, self._vocabularies.current), offer),)
             for offer in refusal.offers[:OFFERED_AT_MOST]
         )
         if refusal.choices:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.core.identity import PrincipalId
-    from rosic.core.language import Vocabulary
+    from rosic.core.language import VocabularyHolder
     from rosic.core.message import Chat
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.commands import CommandContext
@@ -43,8 +43,8 @@ class RobotArgumentContext(Protocol):
     """What names are found with."""
 
     @property
-    def vocabulary(self) -> Vocabulary:
-        """Return who is called what."""
+    def vocabularies(self) -> VocabularyHolder:
+        """Return what holds who is called what."""
 
     @property
     def sides(self) -> RobotArgumentQueries:
@@ -58,7 +58,7 @@ class RobotArgument:
     """
 
     def __init__(self, parts: RobotArgumentContext) -> None:
-        self._vocabulary = parts.vocabulary
+        self._vocabularies = parts.vocabularies
         self._sides = parts.sides
 
     def robot(
@@ -94,7 +94,7 @@ class RobotArgument:
         if begin < len(low) and not nameless:
             heard = ([verb, *raw], [verb, *low])
             # What comes after the name is read by the verb.
-            trouble = SyntaxErrorBuilder(heard, self._vocabulary, visible, lambda _: True)
+            trouble = SyntaxErrorBuilder(heard, self._vocabularies.current, visible, lambda _: True)
             wrong = trouble.no_such_robot(begin + 1)
             raise NotUnderstood(wrong.sentence, offers=wrong.offers)
         return self._unnamed(asked, verb, visible, text), text
@@ -128,7 +128,7 @@ class RobotArgument:
         """
         low = [fold(word) for word in _split(text)]
         name, robots, end = self._named(low, 0, self._sides.visible(asked.caller.principal))
-        if len(robots) > 1 and robots == self._vocabulary.members(name):
+        if len(robots) > 1 and robots == self._vocabularies.current.members(name):
             return name, " ".join(text.split()[end:])
         return self.robot(asked, verb, text)
 
@@ -150,9 +150,9 @@ class RobotArgument:
         self, low: list[str], at: int, visible: frozenset[RobotId]
     ) -> tuple[str, tuple[RobotId, ...], int]:
         """Return the longest name here, whom of the visible it calls, and where it ends."""
-        most = self._vocabulary.longest_callee.get(low[at], 0) if at < len(low) else 0
+        most = self._vocabularies.current.longest_callee.get(low[at], 0) if at < len(low) else 0
         for count in range(most, 0, -1):
-            callee = self._vocabulary.callees.get(" ".join(low[at : at + count]))
+            callee = self._vocabularies.current.callees.get(" ".join(low[at : at + count]))
             if callee is not None:
                 seen = tuple(robot.id for robot in callee.robots if robot.id in visible)
                 if seen:

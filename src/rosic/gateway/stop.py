@@ -128,7 +128,7 @@ class StopLane:
         self._linker = rooms.linker
         self._board = rooms.board
         self._profiles = rooms.profiles
-        self._vocabulary = rooms.vocabulary
+        self._vocabularies = rooms.vocabularies
         self._store = store
         self._clock = clock
         self._latch_wait = LatchWait(clock)
@@ -169,7 +169,7 @@ class StopLane:
             self._spawn(messenger.answer_tap(inbound, ""))
         by, visible = self._whose(inbound)
         visible = visible or await self._company.ask(messenger, inbound)
-        robots, _ = self._vocabulary.to_stop(names, visible)
+        robots, _ = self._vocabularies.current.to_stop(names, visible)
         if not robots:
             return bool(by) or is_unnamed(inbound)
         halting = self.stop_robots(robots, by, own_of(by) if by else ())

@@ -7,10 +7,17 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rosic.config.units import compile_units
-from rosic.core.language import CommandLine, LanguageReader, Start, Vocabulary, without_codes
+from rosic.core.language import (
+    CommandLine,
+    LanguageReader,
+    Start,
+    Vocabulary,
+    VocabularyHolder,
+    without_codes,
+)
 from tests.gateway.place import FLEET
 
-READER = LanguageReader(Vocabulary.build(FLEET, compile_units()))
+READER = LanguageReader(VocabularyHolder(Vocabulary.build(FLEET, compile_units())))
 VISIBLE = frozenset(profile.id for profile in FLEET)
 SECRET = "417293"  # noqa: S105 - of nobody
 

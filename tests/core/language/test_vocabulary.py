@@ -5,7 +5,16 @@ import re
 import msgspec
 import pytest
 
-from rosic.core.language import SAY, UnitTable, Vocabulary, skills_of
+from rosic.core.language import (
+    SAY,
+    LanguageReader,
+    Misunderstood,
+    UnitTable,
+    Use,
+    Vocabulary,
+    VocabularyHolder,
+    skills_of,
+)
 from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Parameter, Skill
 from tests.core.language.fleet import echo, kuka, omni, profiles
@@ -127,3 +136,19 @@ def test_robots_that_are_alike_share_their_skills(vocabulary: Vocabulary) -> Non
     first, second = vocabulary.robots["cf1"], vocabulary.robots["cf2"]
 
     assert first.skills["takeoff"] is second.skills["takeoff"]
+
+
+def test_a_replaced_vocabulary_counts_at_once(units: UnitTable) -> None:
+    before = Vocabulary.build([robot("omni")], units)
+    after = Vocabulary.build([robot("omni"), robot("digger")], units)
+    holder = VocabularyHolder(before)
+    reader, everybody = LanguageReader(holder), frozenset({"omni", "digger"})
+    assert isinstance(reader.lines("use digger", "", everybody)[0], Misunderstood)
+    told: list[Vocabulary] = []
+    holder.replaced.connect(lambda: told.append(holder.current))
+
+    holder.replace(after)
+
+    assert told == [after]
+    assert tuple(before.profiles) == ("omni",)
+    assert reader.lines("use digger", "", everybody) == (Use("digger"),)

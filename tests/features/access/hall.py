@@ -19,7 +19,7 @@ from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.profiles import known_units
 from rosic.container.container import Containers
 from rosic.core.identity import OPERATOR, Address, AuthorisationKey
-from rosic.core.language import CommandLine, Do, LanguageReader, Vocabulary
+from rosic.core.language import CommandLine, Do, LanguageReader, Vocabulary, VocabularyHolder
 from rosic.core.message import Button, ChatKind, MessageValidity, Outbound
 from rosic.core.policy.roles import DEFAULT_ROLES, Grant, Role, RoleRules
 from rosic.core.rate_limit import RateLimit
@@ -136,11 +136,11 @@ class Hall:
             rates=RateLimits(self.clock, RateLimit(), {}, rights.rates, self.store.note, str),
             lease_idle_s=30.0,
         )
-        vocabulary = Vocabulary.build(FLEET, known_units())
-        containers = Containers(vocabulary, self.store, self.clock, {})
+        vocabularies = VocabularyHolder(Vocabulary.build(FLEET, known_units()))
+        containers = Containers(vocabularies, self.store, self.clock, {})
         self.chat_sender = ChatSender(containers, self.clock, nobody_to_tell)
         self.outbox = Outbox(self.store, self.clock, entropy, self.chat_sender)
-        self.reader = LanguageReader(vocabulary)
+        self.reader = LanguageReader(vocabularies)
         self.registry = self._registry()
         self.commands = CommandRegistry()
         self._employ(entropy)

@@ -11,7 +11,7 @@ from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.profiles import known_units
 from rosic.container.container import Containers
 from rosic.core.identity import Address, AuthorisationKey, Caller, CommandId, Principal
-from rosic.core.language import CommandLine, LanguageReader, Vocabulary
+from rosic.core.language import CommandLine, LanguageReader, Vocabulary, VocabularyHolder
 from rosic.core.lease import Lease
 from rosic.core.message import Chat, ChatKind, Inbound
 from rosic.core.robot.profile import Link, Profile, Slots
@@ -125,21 +125,21 @@ class Lab:
 
     def _compose(self) -> None:
         clock = self.clock
-        vocabulary = Vocabulary.build(FLEET, known_units())
-        self.reader = LanguageReader(vocabulary)
+        vocabularies = VocabularyHolder(Vocabulary.build(FLEET, known_units()))
+        self.reader = LanguageReader(vocabularies)
         self.authoriser = authoriser_of(MonotonicWallClock(clock), clock, SeededEntropy())
         for who, name in NAMES.items():
             person = Principal(id=who, name=name, addresses=(Address("memory", who),))
             key = AuthorisationKey(id=f"k{who}", principal=who, issuer=ADA, issued_ns=0)
             self.authoriser.enrol(person, key)
         chat_sender = ChatSender(
-            Containers(vocabulary, self.store, clock, {}), clock, nobody_to_tell
+            Containers(vocabularies, self.store, clock, {}), clock, nobody_to_tell
         )
         outbox = Outbox(self.store, clock, SeededEntropy(), chat_sender)
         self.changes = Transactions(self.store)
         self.calendar = Calendar(clock)
         self.calendar.name_of = NAMES.__getitem__
-        self.calendar.shown_of = lambda robot: vocabulary.profiles[robot].shown
+        self.calendar.shown_of = lambda robot: vocabularies.current.profiles[robot].shown
         self.calendar.zone_of = lambda who: self.zone_of(who).name
         self.waiting = WaitingList(clock)
         self.waiting.shown_of = self.calendar.shown_of
@@ -152,7 +152,7 @@ class Lab:
             calendar=self.calendar,
             waiting=self.waiting,
             wishes=self.wishes,
-            vocabulary=vocabulary,
+            vocabularies=vocabularies,
             changes=self.changes,
             reach=Notifier(self.authoriser, chat_sender, (self.chat,), outbox),
             clock=clock,

@@ -129,7 +129,7 @@ class Ward(Place):
             changes=access.changes,
             clock=clock,
             name=directory.name,
-            vocabulary=rooms.vocabulary,
+            vocabularies=rooms.vocabularies,
             shown=lambda robot: rooms.profiles[robot].shown if robot in rooms.profiles else robot,
             visible=organiser.visible,
             choices=organiser.visible,

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Principal, PrincipalId
-    from rosic.core.language import Vocabulary
+    from rosic.core.language import Vocabulary, VocabularyHolder
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.features.access.revoke_lock import AccessNotices
     from rosic.features.personal_data.erasure import ErasureCommands
@@ -52,7 +52,7 @@ class AdminContext(NamedTuple):
     enforce: Callable[[], object]
     authoriser: Authoriser
     organiser: Organiser
-    vocabulary: Vocabulary
+    vocabularies: VocabularyHolder
     profiles: Mapping[RobotId, Profile]
     clock: Clock
     zone: Zone
@@ -61,6 +61,11 @@ class AdminContext(NamedTuple):
     notices: AccessNotices | None = None
     data_context: ContainerContext | None = None
     erasing: ErasureCommands | None = None
+
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """What can be said now; not to be kept, as it may be replaced."""
+        return self.vocabularies.current
 
     def name(self, principal: PrincipalId) -> str:
         """Return how somebody is shown."""
@@ -96,7 +101,7 @@ def books_of(
         enforce=gateway.enforcer.enforce,
         authoriser=rooms.authoriser,
         organiser=rooms.organiser,
-        vocabulary=rooms.vocabulary,
+        vocabularies=rooms.vocabularies,
         profiles=rooms.profiles,
         clock=gateway.access.time,
         zone=zone_or_universal(zone),

@@ -24,7 +24,7 @@ from rosic.container.files import FileQuota
 from rosic.container.history import CommandHistory
 from rosic.contracts.store import ContainerStore
 from rosic.core.i18n import plain
-from rosic.core.language import Vocabulary, clean
+from rosic.core.language import Vocabulary, VocabularyHolder, clean
 from rosic.core.policy.roles import DEFAULT_ROLES, Assurance, RoleRules
 from rosic.core.rate_limit import RateLimit
 from rosic.core.stop_registry import StopRegistry, not_known_yet
@@ -165,14 +165,13 @@ class OfflineAdmin:
         )
         organiser.name_of = lambda who: clean(authoriser.directory.name(who))
         access.restore(memory, organiser)
-        vocabulary = Vocabulary.build(robots, known_units())
         around = DataContext(
             preferences,
             access,
             authoriser,
             organiser,
             profiles,
-            vocabulary,
+            VocabularyHolder(Vocabulary.build(robots, known_units())),
             clock,
             _nobody_hears,
             CommandHistory(),
@@ -183,7 +182,7 @@ class OfflineAdmin:
             enforce=_nothing_runs,
             authoriser=authoriser,
             organiser=organiser,
-            vocabulary=vocabulary,
+            vocabularies=around.vocabularies,
             profiles=profiles,
             clock=time,
             zone=zone_or_universal(UNIVERSAL if config is None else config.zone),

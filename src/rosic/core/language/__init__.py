@@ -31,7 +31,7 @@ from rosic.core.language.parser import LONGEST_TEXT, MOST_LINES, LanguageReader,
 from rosic.core.language.sanitise import clean, clean_name, inert_text
 from rosic.core.language.secrecy import kept_of, without_codes
 from rosic.core.language.stop_detection import hears_stop
-from rosic.core.language.vocabulary import Vocabulary
+from rosic.core.language.vocabulary import Vocabulary, VocabularyHolder
 
 __all__ = [
     "LONGEST_TEXT",
@@ -55,6 +55,7 @@ __all__ = [
     "UnitTable",
     "Use",
     "Vocabulary",
+    "VocabularyHolder",
     "bind",
     "clean",
     "clean_name",

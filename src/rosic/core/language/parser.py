@@ -19,7 +19,7 @@ from rosic.core.language.sanitise import REORDERING, clean, is_plain
 from rosic.core.language.stop_detection import hears_stop
 
 if TYPE_CHECKING:
-    from rosic.core.language.vocabulary import Vocabulary
+    from rosic.core.language.vocabulary import Vocabulary, VocabularyHolder
     from rosic.core.robot.profile import RobotId
 
 
@@ -115,12 +115,13 @@ LONGEST_REMEMBERED = 200
 
 
 class LanguageReader:
-    """`hears_stop`, `hears_cancel` and `understand` over one vocabulary."""
+    """`hears_stop`, `hears_cancel` and `understand` over the newest vocabulary."""
 
-    __slots__ = ("_lines", "_urgent", "vocabulary")
+    __slots__ = ("_lines", "_urgent", "_vocabularies")
 
-    def __init__(self, vocabulary: Vocabulary) -> None:
-        self.vocabulary = vocabulary
+    def __init__(self, vocabularies: VocabularyHolder) -> None:
+        self._vocabularies = vocabularies
+        vocabularies.replaced.connect(self._forget)
         self._urgent: dict[str, Halt | Cancel | None] = {}
         self._lines: dict[tuple[str, str, frozenset[RobotId]], tuple[Line, ...]] = {}
 
@@ -137,13 +138,19 @@ class LanguageReader:
         return heard
 
     def _heard(self, text: str) -> Halt | Cancel | None:
-        names = hears_stop(text, self.vocabulary.known)
+        known = self._vocabularies.current.known
+        names = hears_stop(text, known)
         if names is not None:
             return Halt(names)
-        names = hears_cancel(text, self.vocabulary.known)
+        names = hears_cancel(text, known)
         return None if names is None else Cancel(names)
 
-    def forget(self) -> None:
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """What is read with."""
+        return self._vocabularies.current
+
+    def _forget(self) -> None:
         """Read everything anew from now on: the vocabulary has changed."""
         self._urgent.clear()
         self._lines.clear()
@@ -153,7 +160,7 @@ class LanguageReader:
         key = (text, selected, visible)
         read = self._lines.get(key)
         if read is None:
-            read = understand(text, self.vocabulary, LineContext(selected, visible))
+            read = understand(text, self._vocabularies.current, LineContext(selected, visible))
             if len(text) <= LONGEST_REMEMBERED:
                 if len(self._lines) >= REMEMBERED:
                     self._lines.clear()

@@ -22,6 +22,7 @@ from rosic.core.language.numbers import UnitTable, read_numeral
 from rosic.core.language.sanitise import clean_name, quote
 from rosic.core.language.stop_detection import is_stop_word
 from rosic.core.robot.profile import Profile, RobotId
+from rosic.core.signal import Signal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -46,7 +47,7 @@ class NameTarget(msgspec.Struct, frozen=True):
 
 
 class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
-    """A snapshot of robots, groups, skills and units. It changes only by `become`.
+    """A snapshot of robots, groups, skills and units. `VocabularyHolder` holds the newest.
 
     Attributes:
         profiles: By robot id, in the order in which they were given.
@@ -103,15 +104,6 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
             longest_skill=longest_by_first_word(iter(having)),
             known=frozenset(VERBS).union(NUMBERS, callees, having, *said),
         )
-
-    def become(self, newer: Vocabulary) -> None:
-        """Be another snapshot from now on, for everybody who holds this one.
-
-        Between two turns of the event loop: whoever reads a line reads it with one of them. What
-        was remembered of the older one must be forgotten.
-        """
-        for field in self.__struct_fields__:
-            msgspec.structs.force_setattr(self, field, getattr(newer, field))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -174,6 +166,29 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
                 if found:
                     return found, at + count
         return (), at + 1
+
+
+class VocabularyHolder:
+    """Which vocabulary counts now.
+
+    Attributes:
+        current: The newest. Ask for it each time: whoever keeps it goes on with an old one.
+        replaced: Tells whoever remembers what was read with the one before.
+    """
+
+    __slots__ = ("current", "replaced")
+
+    def __init__(self, current: Vocabulary) -> None:
+        self.current = current
+        self.replaced: Signal[[]] = Signal()
+
+    def replace(self, newer: Vocabulary) -> None:
+        """Let another snapshot count from now on, for everybody at once.
+
+        Between two turns of the event loop: whoever reads a line reads it with one of them.
+        """
+        self.current = newer
+        self.replaced.emit()
 
 
 def _means_else(name: str) -> bool:

@@ -11,7 +11,7 @@ import msgspec
 from rosic.authoriser.invitations import InvitedRights
 from rosic.core.i18n import joined
 from rosic.core.identity import PrincipalId
-from rosic.core.language import Vocabulary, clean
+from rosic.core.language import Vocabulary, VocabularyHolder, clean
 from rosic.core.language.keywords import ALIASES
 from rosic.core.language.sanitise import fold_word
 from rosic.core.language.suggestions import did_you_mean
@@ -50,10 +50,15 @@ class RequestPlaces(msgspec.Struct, frozen=True, kw_only=True):
         zone_of: Returns the zone whose clocks somebody reads.
     """
 
-    vocabulary: Vocabulary
+    vocabularies: VocabularyHolder
     naming: Callable[[CommandContext, str], tuple[RobotId, str]]
     shown: Callable[[RobotId], str]
     zone_of: Callable[[PrincipalId], Zone]
+
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """What can be said now; not to be kept, as it may be replaced."""
+        return self.vocabularies.current
 
     def named(self, robot: RobotId, skill: str) -> str:
         """Return the name of a skill in a sentence."""

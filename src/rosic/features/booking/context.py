@@ -10,7 +10,7 @@ import msgspec
 
 from rosic.contracts.clock import Clock
 from rosic.core.identity import PrincipalId
-from rosic.core.language import Vocabulary
+from rosic.core.language import Vocabulary, VocabularyHolder
 from rosic.core.lease import Lease
 from rosic.core.message import Chat
 from rosic.core.records import Decided, Fact
@@ -79,7 +79,7 @@ class BookingContext(msgspec.Struct, frozen=True, kw_only=True):
     calendar: Calendar
     waiting: WaitingList
     wishes: Wishes
-    vocabulary: Vocabulary
+    vocabularies: VocabularyHolder
     changes: Transactions
     reach: Notifier
     clock: Clock
@@ -87,6 +87,11 @@ class BookingContext(msgspec.Struct, frozen=True, kw_only=True):
     lease_idle_s: float = 60.0
     idle_release_s: float = 900.0
     notice_s: float = 60.0
+
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """What can be said now; not to be kept, as it may be replaced."""
+        return self.vocabularies.current
 
     def shown(self, robot: RobotId) -> str:
         """Return a robot's title."""

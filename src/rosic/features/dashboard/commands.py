@@ -15,7 +15,7 @@ from rosic.features.dashboard import messages as words
 from rosic.gateway.commands import Reply
 
 if TYPE_CHECKING:
-    from rosic.core.language import Vocabulary
+    from rosic.core.language import VocabularyHolder
     from rosic.core.robot.profile import RobotId
     from rosic.features.dashboard.dashboard import RobotSnapshots
     from rosic.features.dashboard.dashboards import Dashboards
@@ -32,7 +32,7 @@ class DashboardCommands:
     Args:
         live: The cards.
         snapshots: Looks at what they show.
-        vocabulary: Knows robots by name.
+        vocabularies: Knows robots by name.
         sides: What the rooms know.
         verb: What asks for such a card.
     """
@@ -41,13 +41,13 @@ class DashboardCommands:
         self,
         live: Dashboards,
         snapshots: RobotSnapshots,
-        vocabulary: Vocabulary,
+        vocabularies: VocabularyHolder,
         sides: DashboardQueries,
         verb: str = "card",
     ) -> None:
         self._live = live
         self._snapshots = snapshots
-        self._vocabulary = vocabulary
+        self._vocabularies = vocabularies
         self._sides = sides
         self._verb = verb
 
@@ -122,11 +122,11 @@ class DashboardCommands:
     ) -> tuple[tuple[RobotId, ...], int]:
         """Return whom the longest name means that begins here, and where it ends."""
         first = fold(said[at]).partition(" ")[0]
-        most = self._vocabulary.longest_callee.get(first, 1)
+        most = self._vocabularies.current.longest_callee.get(first, 1)
         for end in range(min(len(said), at + most), at, -1):
             name = " ".join(said[at:end])
-            profile = self._vocabulary.robot(name)
-            meant = self._vocabulary.members(name) if profile is None else (profile.id,)
+            profile = self._vocabularies.current.robot(name)
+            meant = self._vocabularies.current.members(name) if profile is None else (profile.id,)
             seen = tuple(robot for robot in meant if robot in visible)
             if seen:
                 return seen, end
@@ -136,6 +136,6 @@ class DashboardCommands:
 
     def _groups(self, visible: frozenset[RobotId]) -> list[str]:
         """Return the groups of which somebody sees a robot."""
-        vocabulary = self._vocabulary
+        vocabulary = self._vocabularies.current
         groups = (name for name in vocabulary.names if name not in vocabulary.profiles)
         return [name for name in groups if not visible.isdisjoint(vocabulary.members(name))]

@@ -8,7 +8,7 @@ import msgspec
 
 from rosic.contracts.clock import Clock
 from rosic.core.identity import PrincipalId
-from rosic.core.language import Vocabulary
+from rosic.core.language import Vocabulary, VocabularyHolder
 from rosic.core.message import Chat
 from rosic.core.robot.profile import Profile, RobotId
 from rosic.features.media.render_queue import RenderQueue
@@ -31,13 +31,18 @@ class MediaQueries(msgspec.Struct, frozen=True, kw_only=True):
 class MediaContext(msgspec.Struct, frozen=True, kw_only=True):
     """The robots, what is remembered of them, and where pictures are made."""
 
-    vocabulary: Vocabulary
+    vocabularies: VocabularyHolder
     profiles: Mapping[RobotId, Profile]
     sides: MediaQueries
     linker: Linker
     render_queue: RenderQueue
     sampler: TelemetrySampler
     clock: Clock
+
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """What can be said now; not to be kept, as it may be replaced."""
+        return self.vocabularies.current
 
     def age_s(self, at_ns: int) -> float:
         """Return how long ago something was, on the monotonic clock."""

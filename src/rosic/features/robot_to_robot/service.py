@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import msgspec
 
-from rosic.contracts.robot import UTTERANCE_BYTES
+from rosic.contracts.robot import UTTERANCE_BYTES, PeerRobot
 from rosic.core.identity import REQUEST_ID_BYTES, PrincipalId
 from rosic.core.message import Button
 from rosic.core.messages import no_robot
@@ -36,7 +36,6 @@ from rosic.organiser.calendar_messages import length
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
 
-    from rosic.contracts.robot import PeerRobot
     from rosic.core.identity import Caller
     from rosic.core.robot.profile import RobotId
     from rosic.features.robot_to_robot.context import RobotToRobotContext
@@ -45,6 +44,7 @@ if TYPE_CHECKING:
     from rosic.features.robot_to_robot.inbox import LoopGuard
     from rosic.features.robot_to_robot.shared_state import SharedState
     from rosic.features.robot_to_robot.strategies import Strategies
+    from rosic.gateway.robot_registry import AddedRobot
 
     Answer = Mapping[str, object]
     Do = Callable[[Caller, RobotId, Any], Awaitable[Answer]]
@@ -148,6 +148,11 @@ class RobotMessaging:
         peer.meet(self.inboxes[robot].put)
         if self.around.rights.principal(robot):
             self._peopled.set()
+
+    def robot_added(self, newcomer: AddedRobot) -> None:
+        """Let one more robot take part, if it can."""
+        if isinstance(newcomer.robot, PeerRobot):
+            self.join(newcomer.profile.id, newcomer.robot)
 
     async def run(self) -> None:
         """Bring what is late, say digests and write down, until cancelled.

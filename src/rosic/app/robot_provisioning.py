@@ -13,11 +13,9 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app.added_robots import KIND, AddRobotRequest, check_distinct, check_draft, fact_of
-from rosic.app.alert_feature import add_seen, read_rules
-from rosic.app.fleet_feature import add_judged
+from rosic.app.alert_feature import read_rules
 from rosic.app.people import ConfiguredPerson, admitted
 from rosic.app.robot_startup import stops_of
-from rosic.app.settings import SupportsCompletion
 from rosic.config.plugins import demand_good
 from rosic.contracts.robot import PeerRobot
 from rosic.core import messages as core_words
@@ -30,6 +28,7 @@ from rosic.core.records import Decided
 from rosic.errors import ConfigurationError, NotUnderstood, RosicError
 from rosic.features.fleet import added_robot_messages as words
 from rosic.features.fleet import robot_messages
+from rosic.gateway.robot_registry import AddedRobot
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -37,11 +36,9 @@ if TYPE_CHECKING:
     from rosic.app.added_robots import ProfileDraft
     from rosic.app.gateway_parts import RunningGateway
     from rosic.app.policy import PolicyPreview
-    from rosic.app.settings import GatewayParts, GatewaySettings
+    from rosic.app.settings import GatewayParts
     from rosic.contracts.robot import Robot
-    from rosic.core.alerts.rule import AlertRule
     from rosic.core.identity import PrincipalId
-    from rosic.core.language import Do
     from rosic.core.records import Memory, Record
     from rosic.core.robot.profile import Profile, RobotId
 
@@ -56,53 +53,35 @@ class PendingRobot(NamedTuple):
 
     Attributes:
         vocabulary: Everything that can be said once it is here.
-        lines: What its rules run.
     """
 
     profile: Profile
     robot: Robot
     vocabulary: Vocabulary
-    rules: Sequence[AlertRule]
-    lines: dict[str, Do | None]
 
 
-class RobotConnections(NamedTuple):
-    """Between an adapter and the gateway.
-
-    Attributes:
-        opened: Takes an adapter that is to be closed with the gateway.
-        says: Brings what a robot says of its own accord to people.
-    """
-
-    opened: Callable[[Robot], object]
-    says: Callable[[Profile, str], None]
-
-
-class RobotRegistry:
-    """Adds robots to one gateway, one after another.
+class RobotProvisioning:
+    """Makes and opens robots for one gateway, one after another, and adds them to its registry.
 
     Args:
         gateway: Furnished.
-        settings: Its own.
         parts: Its own.
         memory: Says how far robots got that an earlier run knew (I13).
-        ways: Between an adapter and the gateway.
+        says: Brings what a robot says of its own accord to people.
     """
 
     def __init__(
         self,
         gateway: RunningGateway,
-        settings: GatewaySettings,
         parts: GatewayParts,
         memory: Memory,
-        ways: RobotConnections,
+        says: Callable[[Profile, str], None],
     ) -> None:
         self._gateway = gateway
-        self._settings = settings
         self._parts = parts
         self._numbers = dict(memory.numbers)
         self._stops = stops_of(parts.latch.read(), memory.generations)
-        self._ways = ways
+        self._says = says
         self._one = asyncio.Lock()
         self._adding: set[asyncio.Task[str]] = set()
         self._closing = False
@@ -238,7 +217,7 @@ class RobotRegistry:
         except ValueError as why:
             sentence = capital(f"{str(why).rstrip('.')}.")
             raise NotUnderstood(words.unspeakable(sentence)) from why
-        rules, lines = read_rules((profile,), vocabulary)
+        read_rules((profile,), vocabulary)  # what is wrong with them is said before it is here
         n, fence = self._numbers.get(profile.id, (0, 0))
         generation, latched = self._stops.get(profile.id, (0, False))
         gate = OrderGate(profile.id, n=n, fence=fence, generation=generation, latched=latched)
@@ -248,7 +227,7 @@ class RobotRegistry:
             robot = factory(profile, gate, parts.clock)
         except ConfigurationError as why:
             raise NotUnderstood(words.not_opened(profile.shown, str(why))) from why
-        return PendingRobot(profile, robot, vocabulary, rules, lines)
+        return PendingRobot(profile, robot, vocabulary)
 
     async def _open(self, robot: Robot) -> None:
         """Open an adapter; one that cannot be opened is closed again.
@@ -261,7 +240,7 @@ class RobotRegistry:
             among.stand_by(profile.id, robot)
         try:
             async with asyncio.timeout(OPENS_WITHIN_S):
-                await robot.open(partial(self._ways.says, profile))
+                await robot.open(partial(self._says, profile))
         except BaseException as why:
             with suppress(Exception):
                 await robot.close()
@@ -288,36 +267,19 @@ class RobotRegistry:
         """
         gateway, profile = self._gateway, newcomer.profile
         meanwhile, by = gateway.rooms.board.newest()
-        self._let_rooms_know(newcomer, outlook)
+        number, fence = self._numbers.get(profile.id, (0, 0))
+        added = AddedRobot(
+            profile=profile,
+            robot=newcomer.robot,
+            number=number,
+            fence=fence,
+            stop=self._stops.get(profile.id, (0, False)),
+        )
+        gateway.authority.add_robot(outlook)
+        gateway.registry.add(added, newcomer.vocabulary)
         if stopped := meanwhile != stops:
             gateway.stop_lane.stop_robots((profile.id,), by)
-        gateway.alarms.alerting.add_robot(newcomer.rules, newcomer.lines)
-        add_judged(gateway.features.evaluation, gateway.pipeline, profile)
-        add_seen(gateway.media_feature, gateway.pipeline, profile)
-        if isinstance(newcomer.robot, PeerRobot):
-            gateway.among.join(profile.id, newcomer.robot)
-        for messenger in self._parts.messengers:
-            if isinstance(messenger, SupportsCompletion):
-                messenger.know(gateway.profiles.values())
         return stopped
-
-    def _let_rooms_know(self, newcomer: PendingRobot, outlook: PolicyPreview) -> None:
-        gateway, profile, robot = self._gateway, newcomer.profile, newcomer.robot
-        rooms, name = gateway.rooms, profile.id
-        n, fence = self._numbers.get(name, (0, 0))
-        gateway.profiles[name] = profile
-        rooms.board.add_robot(name, self._stops.get(name, (0, False)))
-        rooms.linker.add_robot(robot)
-        rooms.organiser.add_robot(profile, fence)
-        rooms.container.add_robot(name, n)
-        rooms.vocabulary.become(newcomer.vocabulary)
-        gateway.pipeline.add_robot(name, profile.shown)
-        gateway.authority.add_robot(outlook)
-        gateway.data_feature.add_robot(profile)
-        gateway.robots[name] = robot
-        self._ways.opened(robot)
-        if self._settings.robot_limit is not None:
-            rooms.organiser.rates.add_robot(name, self._settings.robot_limit)
 
     def _answer(self, profile: Profile, advice: Sequence[str], *, stopped: bool) -> str:
         lines = [words.added(profile)]

@@ -1,0 +1,79 @@
+"""The robots of a gateway: where one is added, and who is told of it.
+
+The rooms come first, in the order in which an order passes them: they decide about a robot, so
+they are arguments and not subscribers. Whoever else keeps something per robot connects to the
+signal and is told when every room knows.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.contracts.robot import Robot
+from rosic.core.robot.profile import Profile
+from rosic.core.signal import Signal
+
+if TYPE_CHECKING:
+    from rosic.core.language import Vocabulary
+    from rosic.core.robot.profile import RobotId
+    from rosic.gateway.components import Components
+
+
+class AddedRobot(msgspec.Struct, frozen=True, kw_only=True):
+    """A robot that has just been added.
+
+    Attributes:
+        robot: Its adapter, open.
+        number: The highest number of an order to it so far.
+        fence: The highest fence so far.
+        stop: Generation of its newest stop, and whether it is latched.
+    """
+
+    profile: Profile
+    robot: Robot
+    number: int
+    fence: int
+    stop: tuple[int, bool]
+
+
+class RobotRegistry:
+    """Adds robots, for everybody between two turns of the event loop.
+
+    Attributes:
+        added: Tells of a robot that all rooms know now.
+
+    Args:
+        rooms: Which look into the profiles.
+        profiles: Of every robot; nobody else writes into it.
+        robots: Their adapters; likewise.
+    """
+
+    def __init__(
+        self,
+        rooms: Components,
+        profiles: dict[RobotId, Profile],
+        robots: dict[RobotId, Robot],
+    ) -> None:
+        self.added: Signal[[AddedRobot]] = Signal()
+        self._rooms = rooms
+        self._profiles = profiles
+        self._robots = robots
+
+    def add(self, newcomer: AddedRobot, vocabulary: Vocabulary) -> None:
+        """Let a robot be here: nothing is waited for, so no order meets half of it.
+
+        Args:
+            newcomer: Nobody knows its id yet.
+            vocabulary: Everything that can be said from now on.
+        """
+        rooms, profile = self._rooms, newcomer.profile
+        self._profiles[profile.id] = profile
+        rooms.board.add_robot(profile.id, newcomer.stop)
+        rooms.linker.add_robot(newcomer.robot)
+        rooms.organiser.add_robot(profile, newcomer.fence)
+        rooms.container.add_robot(profile.id, newcomer.number)
+        self._robots[profile.id] = newcomer.robot
+        rooms.vocabularies.replace(vocabulary)
+        self.added.emit(newcomer)
