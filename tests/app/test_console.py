@@ -6,7 +6,7 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.app.console import AGAIN, Console, mind_console
+from rosic.app.console import AGAIN, mind_console
 from rosic.config.translations import catalogue
 from rosic.core.i18n import in_language
 from rosic.core.identity import Address
@@ -17,6 +17,7 @@ from tests.gateway.place import ADA, Place
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
+    from rosic.contracts.console import Console
     from rosic.core.order import Stop
 
 

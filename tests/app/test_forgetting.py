@@ -4,7 +4,8 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.app.service import SOON_S, ForgettingStore, forget_daily
+from rosic.app.service import SOON_S, forget_daily
+from rosic.contracts.store import ForgettingStore
 from rosic.core.time_units import DAY_S
 from rosic.errors import StoreFault
 from rosic.stores.database import DatabaseStore

@@ -19,11 +19,11 @@ from rosic.authoriser.invite_codes import (
     normal,
     reads_as_stop,
     shared_words,
-    telegram_link,
     without_these,
 )
 from rosic.core.identity import Address
 from rosic.core.secret import Secret
+from rosic.messengers.telegram.messenger import deep_link
 from rosic.testing.clock import SeededEntropy
 
 
@@ -88,7 +88,7 @@ def test_reading_a_code_is_total(text: str) -> None:
 def test_every_code_survives_the_ways_it_travels(drawn: bytes) -> None:
     code = new_code(Bytes(drawn))
     symbols = code.reveal().replace("-", "")
-    link = telegram_link("@lab_robots_bot", code)
+    link = deep_link("lab_robots_bot", code)
     payload = link.partition("?start=")[2]
 
     assert re.fullmatch(r"[A-Za-z0-9_-]{1,64}", payload)
@@ -144,7 +144,7 @@ def test_an_ordinary_message_hands_in_no_code(text: str) -> None:
 def test_the_digest_needs_the_key() -> None:
     assert digest(b"a" * 32, "7K3MQ0ZD") != digest(b"b" * 32, "7K3MQ0ZD")
     assert len(digest(b"a" * 32, "7K3MQ0ZD")) == 16
-    assert "7K3M" not in telegram_link("bot", Secret("X")) + repr(Secret("7K3M"))
+    assert "7K3M" not in deep_link("bot", Secret("X")) + repr(Secret("7K3M"))
 
 
 def test_the_words_are_short_distinct_and_unlike() -> None:

@@ -152,3 +152,60 @@ def _without_foreign_names(text: str) -> str:
     for pattern in FOREIGN_NAMES:
         text = pattern.sub("", text)
     return text
+
+
+# ---- what belongs to one adapter alone ----
+
+_OF_TELEGRAM = re.compile(
+    r"telegram|\bt\.me\b|botfather|setprivacy|@\w*bot\b|(?-i:[a-z]_bot\b)|\bbot_?names?\b",
+    re.IGNORECASE,
+)
+
+
+def of_telegram(texts: Mapping[str, str], shown: Mapping[str, tuple[str, ...]]) -> list[str]:
+    """Lines that know of Telegram.
+
+    Args:
+        texts: Of modules outside its adapter.
+        shown: By module, what people read or write there and what has to stay.
+    """
+    found = []
+    for path, text in texts.items():
+        for number, line in enumerate(text.splitlines(), 1):
+            rest = line
+            for words in shown.get(path, ()):
+                rest = rest.replace(words, "")
+            if _OF_TELEGRAM.search(rest):
+                found.append(f"{path}:{number}: {line.strip()}")
+    return found
+
+
+def abilities_asked_by_name(texts: Mapping[str, str], foreign: frozenset[str]) -> list[str]:
+    """Places that ask an object by name for what it may have: a Protocol says it in the open.
+
+    Args:
+        texts: Of modules.
+        foreign: Attributes of objects that are not ours, whose libraries offer no other way.
+    """
+    found = []
+    for path, text in texts.items():
+        for node in ast.walk(ast.parse(text)):
+            if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name):
+                continue
+            asks = node.func.id == "hasattr" or (node.func.id == "getattr" and len(node.args) > 2)
+            name = node.args[1].value if asks and isinstance(node.args[1], ast.Constant) else ""
+            if asks and name not in foreign:
+                found.append(f"{path}:{node.lineno}: {ast.unparse(node)}")
+    return found
+
+
+def protocols_in(texts: Mapping[str, str], allowed: frozenset[str] = frozenset()) -> list[str]:
+    """Protocols that are asked for by ``isinstance`` outside the contracts."""
+    found = []
+    for path, text in texts.items():
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.ClassDef) and node.name not in allowed:
+                marks = [ast.unparse(mark) for mark in node.decorator_list]
+                if "runtime_checkable" in marks:
+                    found.append(f"{path}: {node.name}")
+    return found

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING
 from zoneinfo import ZoneInfo
 
 from rosic.app.alert_feature import renderer
 from rosic.app.runtime import face_of
-from rosic.app.settings import GatewayParts, GatewaySettings, SupportsCompletion
+from rosic.app.settings import GatewayParts, GatewaySettings
 from rosic.config.plugins import demand_good, messenger_factory, robot_factory, shared_spaces
 from rosic.config.profiles import known_units
+from rosic.contracts.console import SupportsCompletion
 from rosic.contracts.messenger import is_account
 from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
@@ -25,20 +26,6 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
 
 log = logging.getLogger("rosic.gateway")
-
-
-@runtime_checkable
-class AccountProbe(Protocol):
-    """A messenger whose account can be looked at without listening."""
-
-    async def check(self) -> str:
-        """Return whose account it is, in a few words: ``@lab_robots_bot answers``.
-
-        Raises:
-            ConfigurationError: The account cannot be used (a wrong token).
-            MessengerFault: The platform did not answer; it may work later.
-        """
-        ...
 
 
 def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -> GatewayParts:

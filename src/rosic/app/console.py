@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Final
 
 from rosic.app.admin.dispatch import AdminDispatcher
+from rosic.contracts.console import Console
 from rosic.core.i18n import filled, in_language, joined, said
 from rosic.core.identity import OPERATOR
 from rosic.errors import MessengerFault
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 
     from rosic.app.gateway import Gateway
     from rosic.contracts.messenger import Messenger
-    from rosic.core.identity import Address
 
 AGAIN: Final = said("Ctrl-C again ends ROSIC. To let robots move again: resume all")
 NOT_HEARD: Final = said(
@@ -24,43 +24,6 @@ NOT_HEARD: Final = said(
     "Ctrl-C brings every robot to rest, and a second one ends it."
 )
 AND: Final = said(" and ")
-
-
-@runtime_checkable
-class Console(Protocol):
-    """A messenger that reads what somebody types at a terminal.
-
-    Attributes:
-        interrupted: Set by each Ctrl-C.
-        ended: Set when nothing more is read.
-        locale: What the terminal is set to; only the default for whoever has not chosen.
-    """
-
-    interrupted: asyncio.Event
-    ended: asyncio.Event
-    locale: str
-
-    @property
-    def address(self) -> Address:
-        """Whose keys are pressed there."""
-        ...
-
-    @property
-    def at_hand(self) -> bool:
-        """Whether a person sits there, and not a pipe."""
-        ...
-
-    def interrupt(self) -> None:
-        """Take a Ctrl-C that came as a signal."""
-        ...
-
-    def take_interrupts(self) -> int:
-        """Return how many Ctrl-C came since something was typed, and wait for the next anew."""
-        ...
-
-    def show(self, text: str) -> None:
-        """Show something that need not be part of a conversation."""
-        ...
 
 
 def console_of(messengers: Iterable[Messenger]) -> Console | None:

@@ -8,8 +8,7 @@ from rosic.app.access import admins_of
 from rosic.app.alert_feature import AlertFeature
 from rosic.app.fleet_feature import BenchmarkContext as Askers
 from rosic.app.fleet_feature import FleetFeature, add_judged, set_up_benchmarks, show_benchmarks
-from rosic.authoriser.invite_codes import telegram_link
-from rosic.contracts.messenger import bot_name_of
+from rosic.contracts.messenger import invite_link_of
 from rosic.core.i18n import joined
 from rosic.core.language import clean_name
 from rosic.core.message import Outbound
@@ -56,7 +55,6 @@ if TYPE_CHECKING:
     from rosic.core.order_status import Face
     from rosic.core.records import Memory
     from rosic.core.robot.profile import RobotId
-    from rosic.core.secret import Secret
     from rosic.gateway import Pipeline
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
@@ -237,7 +235,7 @@ class FeatureSetup:
             about,
             self.admitting,
             RevokeLockCommands(registry, admin_policy, self.notices),
-            InviteCommands(registry, admin_policy, link=_link),
+            InviteCommands(registry, admin_policy, link=invite_link_of),
             SecondFactorCommands(registry, admin_policy),
             self.granting,
             self.request_commands,
@@ -369,9 +367,3 @@ class FeatureSetup:
     def admins(self) -> tuple[PrincipalId, ...]:
         """Return who looks after people here."""
         return admins_of(self._rooms.organiser)
-
-
-def _link(messenger: Messenger, code: Secret) -> str:
-    """Return the link that brings a code to a bot; empty on a messenger without such links."""
-    bot = bot_name_of(messenger)
-    return telegram_link(bot, code) if bot else ""

@@ -19,17 +19,18 @@ from rosic.app.messenger_setup import take_in
 from rosic.app.people import remember, seed
 from rosic.app.policy import PolicyEnforcer, PolicyService
 from rosic.app.record_monitor import record_watch_of
-from rosic.app.retention import AuditStore, Retention
+from rosic.app.retention import Retention
 from rosic.app.robot_opening import RobotStartup, warn_of_thieves
 from rosic.app.robot_provisioning import RobotProvisioning
 from rosic.app.robot_startup import board_of, robots_of
 from rosic.app.robot_to_robot_feature import groups_of, messaging_of
-from rosic.app.settings import GatewayParts, GatewaySettings, SupportsCompletion
+from rosic.app.settings import GatewayParts, GatewaySettings
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.translations import LANGUAGES, catalogue, whose
 from rosic.container.container import Containers
 from rosic.container.messages import SETTINGS_DAMAGED
-from rosic.contracts.store import ContainerStore
+from rosic.contracts.console import SupportsCompletion
+from rosic.contracts.store import AuditStore, ContainerStore
 from rosic.core.deferred import Deferred
 from rosic.core.language import Vocabulary, VocabularyHolder, inert_text
 from rosic.core.message import Outbound

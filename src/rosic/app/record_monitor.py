@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Final
 
+from rosic.contracts.store import FileBackedRecord, RepairableStopFile
 from rosic.core.i18n import said
 from rosic.errors import RosicError
 
@@ -20,24 +21,6 @@ TOGETHER: Final = "it, or rosic.db, rosic.db-wal and record.mark as they were la
 BACK: Final = said("The files of my record are all there again. Robots may move.")
 
 log = logging.getLogger("rosic.record")
-
-
-@runtime_checkable
-class FileBackedRecord(Protocol):
-    """A record that is kept in files, and notices when one of them is taken away."""
-
-    def lost_file(self) -> str:
-        """Return the name of a file that is gone or not as it was left; empty while all are."""
-        ...
-
-
-@runtime_checkable
-class RepairableStopFile(Protocol):
-    """A stop file that can be written again from what is known."""
-
-    async def mend(self) -> None:
-        """Write it again if somebody has emptied it or written over it."""
-        ...
 
 
 def lost(file: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING
 
 from rosic.core.time_units import DAY_NS
 
@@ -11,24 +11,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.config.gateway_file import Keep
+    from rosic.contracts.store import AuditStore
     from rosic.gateway.transactions import Transactions
     from rosic.organiser.calendar import Calendar
 
 
 log = logging.getLogger("rosic.gateway")
-
-
-@runtime_checkable
-class AuditStore(Protocol):
-    """A record of administrative acts that can be cut off at its old end; both stores keep it."""
-
-    async def forget_decisions(self, before_ns: int) -> int:
-        """Forget acts from before a time. Return how many.
-
-        Raises:
-            StoreFault: Not all were forgotten; the rest is tried the next time.
-        """
-        ...
 
 
 class Retention:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import re
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING
 
 from rosic.app import runtime
 from rosic.app.admin.api import books_of
 from rosic.app.admin.control_socket import ControlServer, socket_path
 from rosic.app.admin.dispatch import AdminApi, AdminDispatcher
-from rosic.app.builder import AccountProbe, latch_of, parts_of, settings_of
+from rosic.app.builder import latch_of, parts_of, settings_of
 from rosic.app.closing import CLOSE_WITHIN_S, close_in_time, on_signals
-from rosic.app.console import Console, console_of, mind_console
+from rosic.app.console import console_of, mind_console
 from rosic.app.gateway import Gateway, GatewayParts
+from rosic.contracts.console import AccountProbe, Console
+from rosic.contracts.store import ForgettingStore
 from rosic.core.i18n import said
 from rosic.core.time_units import DAY_S
 from rosic.errors import MessengerFault, RosicError
@@ -34,19 +35,6 @@ SOON_S = 60.0  # a gateway that is restarted every day forgets too, but not whil
 log = logging.getLogger("rosic.gateway")
 
 
-@runtime_checkable
-class ForgettingStore(Protocol):
-    """A record that can forget commands that are settled and old."""
-
-    async def prune(self) -> int:
-        """Forget them. Return how many.
-
-        Raises:
-            StoreFault: Not all were forgotten; the rest is tried the next time.
-        """
-        ...
-
-
 async def forget_daily(store: ForgettingStore, clock: Clock) -> None:
     """Forget soon after the start, then once a day, until cancelled. What fails is logged."""
     await clock.sleep(SOON_S)
@@ -64,7 +52,7 @@ async def forget_daily(store: ForgettingStore, clock: Clock) -> None:
 # ---- a gateway at work: from opening it to the signal that ends it ----
 
 CHECK_WITHIN_S = 5.0
-TELEGRAM, TERMINAL = "telegram", "terminal"
+TERMINAL = "terminal"
 GREETING = said(
     "Say help for what can be said here, and stop at any time; Ctrl-C stops every robot. "
     "[1] before a word is a button: type 1 to tap it."
@@ -97,7 +85,6 @@ class GatewayService:
     ) -> None:
         self._config = config
         self._show = show
-        self._bots: list[str] = []
         self._clock = clock
         self._begun_ns = begun_ns
         self._ended = asyncio.Event()
@@ -153,7 +140,7 @@ class GatewayService:
 
     async def _serve(self) -> None:
         config = self._config
-        books = books_of(self._gateway, config.zone, self._parts.messengers, self._bots)
+        books = books_of(self._gateway, config.zone, self._parts.messengers)
         admin = AdminApi(books)
         control = ControlServer(config.data, AdminDispatcher(self._gateway, admin))
         await control.open()
@@ -179,7 +166,7 @@ class GatewayService:
 
     async def _work(self, admin: AdminApi) -> None:
         messengers = self._parts.messengers
-        self._bots += await check_accounts(messengers)
+        await check_accounts(messengers)
         runtime.settle()
         took_s = (self._clock.monotonic_ns() - self._begun_ns) / 1e9
         robots = len(self._gateway.robots)
@@ -210,27 +197,16 @@ class GatewayService:
             self._show(GREETING, "")
 
 
-async def check_accounts(messengers: Iterable[Messenger]) -> list[str]:
+async def check_accounts(messengers: Iterable[Messenger]) -> None:
     """Find a wrong token before saying that everything is ready. A platform may be away for now.
-
-    Returns:
-        Names of the bots on Telegram that answered.
 
     Raises:
         ConfigurationError: An account cannot be used.
     """
-    bots: list[str] = []
     for messenger in messengers:
         if isinstance(messenger, AccountProbe):
             try:
                 async with asyncio.timeout(CHECK_WITHIN_S):
-                    bots += bot_in(messenger.platform, await messenger.check())
+                    await messenger.check()
             except (MessengerFault, TimeoutError):
                 log.warning("%s does not answer; I go on trying", messenger.name)
-    return bots
-
-
-def bot_in(platform: str, answer: str) -> list[str]:
-    """Return the name of the bot that answered; links to it can be made on Telegram alone."""
-    found = re.match(r"@(\w+) ", answer) if platform == TELEGRAM else None
-    return [found[1]] if found else []

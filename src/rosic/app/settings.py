@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import Protocol, runtime_checkable
+from collections.abc import Callable, Mapping
 
 import msgspec
 
@@ -21,15 +20,6 @@ from rosic.core.order_status import Face
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
 from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.profile import Profile, RobotId
-
-
-@runtime_checkable
-class SupportsCompletion(Protocol):
-    """A messenger that helps people type, and wants to know the fleet for it."""
-
-    def know(self, profiles: Iterable[Profile]) -> None:
-        """Take the robots over."""
-        ...
 
 
 class GatewaySettings(msgspec.Struct, frozen=True, kw_only=True):

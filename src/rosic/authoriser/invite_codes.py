@@ -186,16 +186,6 @@ def _sign(character: str) -> str:
     return " " if plain.isalnum() else ""
 
 
-def telegram_link(bot: str, code: Secret) -> str:
-    """Return the link that opens a private chat with the bot and hands the code in.
-
-    Args:
-        bot: The bot's name, with or without the @.
-        code: Within Telegram's alphabet and its 64 characters.
-    """
-    return f"https://t.me/{bot.lstrip('@')}?start={code.reveal()}"
-
-
 def join_text(code: Secret) -> str:
     """Return what to type where no link can carry a code: on every messenger."""
     return f"join {code.reveal()}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
-from typing import Protocol, TypeAlias, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, TypeAlias, runtime_checkable
 
 from rosic.core.identity import Address
 from rosic.core.message import (
@@ -17,6 +17,9 @@ from rosic.core.message import (
     SendPriority,
 )
 from rosic.errors import MessengerFault
+
+if TYPE_CHECKING:
+    from rosic.core.secret import Secret
 
 Receive: TypeAlias = Callable[[Inbound], Awaitable[None]]
 Turn: TypeAlias = Callable[[Chat, SendPriority], Awaitable[None]]
@@ -39,7 +42,7 @@ class Messenger(Protocol):
     """One account on one messenger. ``rosic.testing.MessengerConformance`` is this in tests.
 
     Attributes:
-        platform: The first half of every address it produces: ``telegram``.
+        platform: The first half of every address it produces.
         name: Which of the configured messengers it is.
         assurance: ``provider-readable``, ``e2ee-verified`` or ``local``; shown to people.
         edits: Whether a message can be changed after it was sent.
@@ -176,12 +179,28 @@ class HasAccount(Protocol):
 
 
 @runtime_checkable
-class HasBotName(Protocol):
-    """Its account has a name that others find it by; see `bot_name_of`."""
+class HasHandle(Protocol):
+    """Its account has a name that others find it by; see `handle_of`."""
 
     @property
-    def bot_name(self) -> str:
+    def handle(self) -> str:
         """Return that name."""
+
+
+@runtime_checkable
+class InviteLinks(Protocol):
+    """A link can open a chat with it and hand a code in; see `invite_link_of`."""
+
+    def invite_link(self, code: Secret) -> str:
+        """Return that link, which shows the code."""
+
+
+@runtime_checkable
+class ExplainsHearing(Protocol):
+    """In groups it may be passed only a part, and knows what changes that; see `hearing_of`."""
+
+    def hearing(self, *, everywhere: bool) -> str:
+        """Say to an admin what is not heard, and how to change that."""
 
 
 @runtime_checkable
@@ -333,9 +352,32 @@ def account_of(messenger: Messenger) -> str:
     return messenger.account if isinstance(messenger, HasAccount) else ""
 
 
-def bot_name_of(messenger: Messenger) -> str:
-    """Return the name of our account that its links hold; empty: there is none, or none yet."""
-    return messenger.bot_name if isinstance(messenger, HasBotName) else ""
+def handle_of(messenger: Messenger) -> str:
+    """Return the name that others find our account by; empty: there is none, or none yet."""
+    return messenger.handle if isinstance(messenger, HasHandle) else ""
+
+
+def invite_link_of(messenger: Messenger, code: Secret) -> str:
+    """Return the link that opens a private chat with our account and hands a code in.
+
+    It shows the code. Empty: no link can, or the account's name is not known yet.
+    """
+    return messenger.invite_link(code) if isinstance(messenger, InviteLinks) else ""
+
+
+def hearing_of(messenger: Messenger, *, everywhere: bool) -> str:
+    """Return what an admin is told of an account that hears only a part of what a group says.
+
+    Args:
+        messenger: Which.
+        everywhere: It is so in all groups; otherwise in one that was just named.
+
+    Returns:
+        What is not heard, and how to change that; empty: it does not know.
+    """
+    return (
+        messenger.hearing(everywhere=everywhere) if isinstance(messenger, ExplainsHearing) else ""
+    )
 
 
 def account_since(messenger: Messenger, since_ns: int, *, several: bool) -> None:

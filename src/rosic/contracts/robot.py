@@ -165,3 +165,33 @@ class RobotTasks(Protocol):
             What was changed, in a sentence that people read; empty: nothing had to be.
         """
         ...
+
+
+@runtime_checkable
+class SilenceTest(Protocol):
+    """A robot link that can try out the robot's own watchdog."""
+
+    async def fall_silent(self, order: Order, tell: Tell) -> RestReport:
+        """Stream as `execute` does, then cease without a zero, and wait for measured rest.
+
+        Returns:
+            The seconds from the last message to rest, or to giving up.
+        """
+        ...
+
+
+@runtime_checkable
+class DescribesTelemetry(Protocol):
+    """A robot link that can tell how its robot reports."""
+
+    async def rest_every_s(self, within_s: float) -> float | None:
+        """Listen to what shows rest, at most so long; return how many seconds apart it comes.
+
+        Returns:
+            None where it was not heard twice.
+        """
+        ...
+
+    def guessed(self) -> tuple[str, ...]:
+        """Return which values were taken for per cent, as they are no fractions of 1."""
+        ...

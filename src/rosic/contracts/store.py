@@ -86,6 +86,41 @@ class ContainerStore(Protocol):
         ...
 
 
+@runtime_checkable
+class ForgettingStore(Protocol):
+    """A record that can forget commands that are settled and old; both stores keep it."""
+
+    async def prune(self) -> int:
+        """Forget them. Return how many.
+
+        Raises:
+            StoreFault: Not all were forgotten; the rest is tried the next time.
+        """
+        ...
+
+
+@runtime_checkable
+class AuditStore(Protocol):
+    """A record of administrative acts that can be cut off at its old end; both stores keep it."""
+
+    async def forget_decisions(self, before_ns: int) -> int:
+        """Forget acts from before a time. Return how many.
+
+        Raises:
+            StoreFault: Not all were forgotten; the rest is tried the next time.
+        """
+        ...
+
+
+@runtime_checkable
+class FileBackedRecord(Protocol):
+    """A record that is kept in files, and notices when one of them is taken away."""
+
+    def lost_file(self) -> str:
+        """Return the name of a file that is gone or not as it was left; empty while all are."""
+        ...
+
+
 class StopLatch(Protocol):
     """Where stops survive everything else (I10): needs no free space and no database."""
 
@@ -102,4 +137,13 @@ class StopLatch(Protocol):
         Raises:
             StoreFault: Not written; the state in memory holds all the same.
         """
+        ...
+
+
+@runtime_checkable
+class RepairableStopFile(Protocol):
+    """A stop file that can be written again from what is known."""
+
+    async def mend(self) -> None:
+        """Write it again if somebody has emptied it or written over it."""
         ...

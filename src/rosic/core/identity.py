@@ -36,7 +36,7 @@ class Address(msgspec.Struct, frozen=True, gc=False):
     """A principal's account on a messenger.
 
     Attributes:
-        platform: ``telegram``, ``terminal``, ...
+        platform: ``terminal``, ...; the messenger's adapter gives it
         account: The platform's immutable id, as text.
     """
 

@@ -70,7 +70,7 @@ def _key(principal: PrincipalId, chat: Chat) -> tuple[PrincipalId, str, str, str
     return principal, chat.platform, chat.id, chat.topic
 
 
-# What stands between a robot and a skill in a link; Telegram allows no dot there.
+# What stands between a robot and a skill in a link; platforms allow no dot there.
 LINKED = "__"
 WHICH = said("Which robot?")
 NONE_CHOSEN = said("No robot is chosen now. Say its name with each command.")

@@ -30,7 +30,7 @@ ASKED_AGAIN_NS: Final = 30 * SECOND_NS
 CHATS_AT_MOST: Final = 1_000
 AT_ONCE: Final = 8
 WAITING_AT_MOST: Final = 200
-"""Two whole answers of Telegram, each message of a chat of its own."""
+"""Two whole answers of a platform, each message of a chat of its own."""
 WITHIN_S: Final = 5.0
 
 

@@ -44,7 +44,7 @@ MARKS = (CONFIRMED, *BEHIND)
 # from.
 TRAIL = "\x1f"
 DO_IT, LEAVE_IT, PREVIOUS = said("Do it"), said("Leave it"), said("Previous")
-# What a refusal offers to tap: a page. A robot beyond it can be named; Telegram takes 100 at most.
+# What a refusal offers to tap: a page. A robot beyond it can be named; platforms take 100 at most.
 OFFERED_AT_MOST = 8
 ASKED_KEPT = 300
 """Letters of what was refused that are kept beside the refusal, sealed as it is."""

@@ -7,10 +7,12 @@ from msgspec.structs import replace
 from rosic.core.identity import Address
 from rosic.core.message import Chat, ChatEvent, ChatEventKind, ChatKind
 from rosic.features.groups.membership import GREETINGS
+from rosic.messengers.memory import MemoryMessenger
 from tests.gateway.place import ADA, BO, Place
 
 TRIED_AT_MOST = 2
 LAB = Chat("memory", "-5", ChatKind.GROUP)
+ACCOUNT = Chat("memory", "", ChatKind.GROUP)
 IN_LAB = {"chat": "-5", "kind": ChatKind.GROUP}
 
 
@@ -33,7 +35,20 @@ async def test_a_new_group_is_greeted_once_and_the_admins_know_what_is_heard() -
         assert "gives nobody any" in texts["-5"]
         assert "say /stop" in texts["-5"]
         assert texts[ADA].startswith("Bo put me into Lab.")
-        assert "/setprivacy" in texts[ADA]
+        assert "Here I hear only commands" in texts[ADA]
+
+
+class _Explaining(MemoryMessenger):
+    def hearing(self, *, everywhere: bool) -> str:
+        return f"Ask the porter, everywhere: {everywhere}."
+
+
+async def test_what_changes_what_is_heard_is_the_messengers_to_say() -> None:
+    async with Place(chat=lambda clock: _Explaining(clock=clock)).open() as place:
+        told = dict(await _pass(place, _passing(ChatEventKind.ADDED, deaf=True)))
+        assert told[ADA] == "Bo put me into Lab. Ask the porter, everywhere: False."
+        told = dict(await _pass(place, _passing(ChatEventKind.DEAF, chat=ACCOUNT)))
+        assert told == {ADA: "Ask the porter, everywhere: True."}
 
 
 async def test_what_a_group_is_called_gives_the_admins_no_command() -> None:
@@ -68,7 +83,7 @@ async def test_that_little_is_heard_in_groups_is_said_to_the_admins_once() -> No
     async with first.open() as place:
         told = await _pass(place, account)
         assert [chat for chat, _ in told] == [ADA]
-        assert "/stop and a reply with stop do arrive" in told[0][1]
+        assert "Here I hear only commands" in told[0][1]
         assert await _pass(place, account) == []
     async with Place(first.store, first.latch, clock=first.clock).open() as place:
         assert await _pass(place, account) == []

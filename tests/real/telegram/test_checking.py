@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.builder import AccountProbe
+from rosic.contracts.console import AccountProbe
 from rosic.errors import ConfigurationError, MessengerFault
 from tests.pace import patience
 from tests.real.telegram.gateway import Gateway

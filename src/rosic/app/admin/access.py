@@ -9,7 +9,8 @@ import msgspec
 from rosic.app.admin.naming import the_one, utc
 from rosic.authoriser import keys_messages, messages
 from rosic.authoriser.invitations import CODE_TTL_S, InvitationRequest, InvitedRights
-from rosic.authoriser.invite_codes import join_text, telegram_link
+from rosic.authoriser.invite_codes import join_text
+from rosic.contracts.messenger import invite_link_of
 from rosic.core.i18n import joined
 from rosic.core.identity import OPERATOR
 from rosic.core.language import clean
@@ -116,7 +117,8 @@ class AccessAdmin:
         return self._shown(offer)
 
     def _shown(self, offer: NewInvitation) -> tuple[str, str]:
-        links = [telegram_link(bot, offer.code) for bot in self._books.bots]
+        found = (invite_link_of(messenger, offer.code) for messenger in self._books.messengers)
+        links = [link for link in found if link]
         text = join_text(offer.code)
         if offer.invitation.first_admin:
             return joined("\n", (offer.sentence, *links)), links[0] if links else text

@@ -41,7 +41,7 @@ class AdminContext(NamedTuple):
         enforce: Takes robots from whoever may not have them any more.
         zone: Of the place; times are told in it.
         assurances: What a conversation on each platform is worth.
-        bots: Names of the accounts on Telegram, as far as they are known.
+        messengers: Those by which an invitation may be handed in; none while no gateway runs.
         notices: Tells people in their chats; None: no gateway runs, so nobody can be told.
         data_context: What is kept in containers; None: the record cannot look into them.
         erasing: Erases somebody; None while no gateway runs.
@@ -57,7 +57,7 @@ class AdminContext(NamedTuple):
     clock: Clock
     zone: Zone
     assurances: Mapping[str, Assurance]
-    bots: Sequence[str] = ()
+    messengers: Sequence[Messenger] = ()
     notices: AccessNotices | None = None
     data_context: ContainerContext | None = None
     erasing: ErasureCommands | None = None
@@ -91,7 +91,6 @@ def books_of(
     gateway: Gateway,
     zone: str,
     messengers: Sequence[Messenger] = (),
-    bots: Sequence[str] = (),
 ) -> AdminContext:
     """Return the books of a gateway that is open."""
     rooms = gateway.rooms
@@ -105,7 +104,7 @@ def books_of(
         profiles=rooms.profiles,
         clock=gateway.access.time,
         zone=zone_or_universal(zone),
-        bots=bots,
+        messengers=messengers,
         notices=gateway.features.notices,
         data_context=gateway.data_feature.data_context,
         erasing=gateway.data_feature.erasing,

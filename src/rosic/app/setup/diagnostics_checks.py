@@ -13,7 +13,8 @@ from pathlib import Path
 from statistics import quantiles
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.app.builder import AccountProbe, messenger_of
+from rosic.app.builder import messenger_of
+from rosic.contracts.console import AccountProbe
 from rosic.errors import ConfigurationError, RosicError
 from rosic.robots.ros2.client.rclpy_import import load_ros
 from rosic.stores import sqlite

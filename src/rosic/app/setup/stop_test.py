@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from math import ceil
-from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app.builder import latch_of
 from rosic.app.robot_startup import stops_of
@@ -12,6 +12,7 @@ from rosic.app.setup.diagnostics_checks import DiagnosticFinding, FindingVerdict
 from rosic.config.plugins import robot_factory
 from rosic.config.profile_rest import enough_s
 from rosic.config.profiles import known_units
+from rosic.contracts.robot import DescribesTelemetry, SilenceTest
 from rosic.core.identity import COMMAND_ID_BYTES, OPERATOR, command_id
 from rosic.core.language import Vocabulary
 from rosic.core.order import Order, OrderEnding, OrderStage, Outcome, Permit, RestReport, Stop
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from rosic.app.config import Config
     from rosic.contracts.clock import Clock, Entropy
-    from rosic.contracts.robot import Robot, Tell
+    from rosic.contracts.robot import Robot
     from rosic.contracts.store import StopLatch, Store
     from rosic.core.robot.profile import Profile
     from rosic.core.robot.skill import Argument, Skill
@@ -49,36 +50,6 @@ STREAM_S = 2.0
 BRAKING_S = 0.5
 # What a profile may say.
 WATCHDOG_AT_MOST_S = 5.0
-
-
-@runtime_checkable
-class SilenceTest(Protocol):
-    """A robot link that can try out the robot's own watchdog."""
-
-    async def fall_silent(self, order: Order, tell: Tell) -> RestReport:
-        """Stream as `execute` does, then cease without a zero, and wait for measured rest.
-
-        Returns:
-            The seconds from the last message to rest, or to giving up.
-        """
-        ...
-
-
-@runtime_checkable
-class DescribesTelemetry(Protocol):
-    """A robot link that can tell how its robot reports."""
-
-    async def rest_every_s(self, within_s: float) -> float | None:
-        """Listen to what shows rest, at most so long; return how many seconds apart it comes.
-
-        Returns:
-            None where it was not heard twice.
-        """
-        ...
-
-    def guessed(self) -> tuple[str, ...]:
-        """Return which values were taken for per cent, as they are no fractions of 1."""
-        ...
 
 
 class _Drive(NamedTuple):

@@ -68,9 +68,8 @@ def clean(text: str) -> str:
 def inert_text(text: str) -> str:
     """Return somebody's words, or a robot's, so that no messenger makes a command of them.
 
-    ``/resume`` in what a robot says would be a link that gives the command, and ``t.me/x?start=``
-    one that brings a code; with another sign for the slash (U+2215) both read the same and do
-    nothing.
+    ``/resume`` in what a robot says would be a link that gives the command, and an address one that
+    may bring a code; with another sign for the slash (U+2215) both read the same and do nothing.
     """
     return _COMMAND.sub("\u2215", clean(text)) if "/" in text else clean(text)
 

@@ -298,7 +298,7 @@ def _beginning(line: str) -> str:
 
 def words_of(line: str, known: Container[str]) -> list[str]:
     """Split a line into words in small letters, each sign a word of its own."""
-    if "@" in line:  # /stop@lab_robots_bot, or a mention of the bot in a group
+    if "@" in line:  # /stop@account, or a mention of our account in a group
         line = _MENTION.sub(lambda m: f" {m[1]}" if m[1].lower() in known else " ", line)
     if is_plain(line):
         return line.lower().translate(_BLANKED).split()

@@ -50,7 +50,7 @@ class RefreshPace(NamedTuple):
 
 PRIVATE: Final = RefreshPace(3.0, 45.0, 60.0)
 GROUP: Final = RefreshPace(15.0, 90.0, 120.0)
-"""Four of the twenty messages and edits that Telegram lets a group have in a minute."""
+"""Four of the twenty messages and edits that a platform may let a group have in a minute."""
 
 
 class DashboardQueries(msgspec.Struct, frozen=True, kw_only=True):

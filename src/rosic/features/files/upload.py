@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import hashlib
 import logging
+from collections.abc import AsyncGenerator
 from contextlib import nullcontext, suppress
 from typing import TYPE_CHECKING, Final, TypeAlias
 
@@ -196,8 +197,8 @@ class _Arrival:
             await asyncio.shield(asyncio.ensure_future(self._drop()))
             raise
         finally:
-            if (close := getattr(pieces, "aclose", None)) is not None:
-                await close()
+            if isinstance(pieces, AsyncGenerator):
+                await pieces.aclose()
 
     async def _keep(
         self, enclosure: IncomingFile, pieces: AsyncIterator[bytes], first: bytes, most: int

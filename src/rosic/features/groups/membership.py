@@ -11,6 +11,7 @@ import msgspec
 
 from rosic.container.archive import Archive
 from rosic.contracts.clock import Clock
+from rosic.contracts.messenger import hearing_of
 from rosic.core.i18n import joined, said
 from rosic.core.identity import PrincipalId
 from rosic.core.language import clean_name
@@ -123,7 +124,10 @@ class GroupMembership:
             first = said(
                 "{who} changed what I hear in {group}.", who=self._who(passing), group=group
             )
-        rest = deaf_there() if passing.deaf else said("I read everything there.")
+        if passing.deaf:
+            rest = heard_in_part(messenger, everywhere=False)
+        else:
+            rest = said("I read everything there.")
         around.reach.tell(around.admins(), joined(" ", (first, rest)))
 
     def _who(self, passing: ChatEvent) -> str:
@@ -144,7 +148,9 @@ class GroupMembership:
         async with self._around.changes.turn() as turn:
             await turn.write((fact,))
         if deaf:
-            self._around.reach.tell(self._around.admins(), deaf_everywhere(messenger.name))
+            self._around.reach.tell(
+                self._around.admins(), heard_in_part(messenger, everywhere=True)
+            )
 
     async def _end_archive(self, chat: Chat) -> None:
         archive = self._around.archive
@@ -228,20 +234,6 @@ def heard(*, deaf: bool) -> str:
     return said("I hear everything here, so stop is enough to stop.")
 
 
-def deaf_there() -> str:
-    """Say to an admin what is not heard in a group, and how to change that."""
-    return said(
-        "There I hear only commands, replies to me and messages that name me; stop without a slash"
-        " does not arrive. To change that, make me an admin of the group; or say /setprivacy to"
-        " BotFather, then take me out of the group and put me in again."
-    )
-
-
-def deaf_everywhere(name: str) -> str:
-    """Say to an admin what is not heard in any group, and how to change that."""
-    return said(
-        "In groups the messenger {name} passes me only commands, replies to me and messages that"
-        " name me. /stop and a reply with stop do arrive there; stop without a slash does not. To"
-        " change that, make me an admin of the group, or say /setprivacy to BotFather.",
-        name=name,
-    )
+def heard_in_part(messenger: Messenger, *, everywhere: bool) -> str:
+    """Say to an admin what is not heard, and how to change that where the messenger knows."""
+    return hearing_of(messenger, everywhere=everywhere) or heard(deaf=True)

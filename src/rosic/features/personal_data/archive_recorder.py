@@ -10,48 +10,18 @@ import msgspec
 
 from rosic.authoriser.invite_codes import without_these
 from rosic.container.archive import NOBODY, MessageAuthor
-from rosic.contracts.messenger import (
-    account_of,
-    account_since,
-    admins_of,
-    alarm_to,
-    bot_name_of,
-    catching_up,
-    is_account,
-    keep_pace_with,
-    know_with,
-    menus_of,
-    pictures_of,
-    reactions_of,
-    retract_of,
-    serve_with,
-    settle_with,
-    turn_of,
-    watch_chats,
-    watch_reactions,
-)
+from rosic.contracts.messenger import AsksToConfirm, account_of
+from rosic.contracts.messenger_proxy import MessengerProxy
 from rosic.core.identity import Address
 from rosic.core.language import without_codes
 from rosic.core.message import ChatKind
 from rosic.errors import StoreFault
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Mapping
-
     from rosic.container.archive import Archive
-    from rosic.contracts.messenger import (
-        Alarm,
-        Keep,
-        Knows,
-        Messenger,
-        Passed,
-        Reacted,
-        Receive,
-        Serves,
-        Settle,
-    )
+    from rosic.contracts.messenger import Messenger, Receive
     from rosic.contracts.store import Store
-    from rosic.core.message import Chat, Inbound, IncomingFile, Outbound
+    from rosic.core.message import Chat, Inbound, Outbound
     from rosic.core.records import Fact
 
 AuthorOf: TypeAlias = Callable[[Address], MessageAuthor]
@@ -61,7 +31,7 @@ NOT_KEPT: Final = "(not kept)"
 _AUTHENTICATOR: Final = "otpauth://"
 
 
-class ArchivingMessenger:
+class ArchivingMessenger(MessengerProxy):
     """Stands before a messenger and passes everything on, whatever becomes of the archive.
 
     What is received is on disk before its receiving ends, so that the platform sends it again if
@@ -84,78 +54,16 @@ class ArchivingMessenger:
         author_of: AuthorOf,
         codes_in: Callable[[str], tuple[str, ...]],
     ) -> None:
-        self.platform = messenger.platform
-        self.name = messenger.name
-        self.assurance = messenger.assurance
-        self.edits = messenger.edits
-        self.turn = turn_of(messenger)
-        self.file_bytes = messenger.file_bytes
-        self.fetch_bytes = messenger.fetch_bytes
-        self.pins = messenger.pins
-        self.react = reactions_of(messenger)
-        self.retract = retract_of(messenger)
-        self.put_picture = pictures_of(messenger)
-        self.set_menus = menus_of(messenger)
-        self.settles = False
-        self.account = account_of(messenger)
-        self.admins = admins_of(messenger)
-        self._alarm: Alarm | None = None
-        self._messenger = messenger
+        super().__init__(messenger)
         self._archive = archive
         self._store = store
         self._author_of = author_of
         self._codes_in = codes_in
 
     @property
-    def bot_name(self) -> str:
-        """Return the bot's name on its platform; empty where there is none."""
-        return bot_name_of(self._messenger)
-
-    @property
-    def on_alarm(self) -> Alarm | None:
-        """Return who is told that somebody else acts in its name; see ``contracts.messenger``."""
-        return self._alarm
-
-    @on_alarm.setter
-    def on_alarm(self, alarm: Alarm) -> None:
-        self._alarm = alarm
-        alarm_to(self._messenger, alarm)
-
-    def is_account(self, account: str) -> bool:
-        """Return whether an account can exist; see ``contracts.messenger``."""
-        return is_account(self._messenger, account)
-
-    def settle_with(self, settle: Settle) -> None:
-        """Have it ask before it confirms; see ``contracts.messenger``."""
-        self.settles = settle_with(self._messenger, settle)
-
-    def account_since(self, since_ns: int, *, several: bool) -> None:
-        """Name its account in what was sent since; see ``contracts.messenger``."""
-        account_since(self._messenger, since_ns, several=several)
-
-    def keep_pace(self, kept: Mapping[str, bytes], keep: Keep) -> None:
-        """Go on with what an earlier run has said; see ``contracts.messenger``."""
-        keep_pace_with(self._messenger, kept, keep)
-
-    def know_with(self, known: Knows) -> None:
-        """Read first what people known here sent; see ``contracts.messenger``."""
-        know_with(self._messenger, known)
-
-    def serve_with(self, serves: Serves) -> None:
-        """Wait for what carries nobody's name in chats of ours; see ``contracts.messenger``."""
-        serve_with(self._messenger, serves)
-
-    def catching_up(self) -> bool:
-        """Return whether backlog may still come; see ``contracts.messenger``."""
-        return catching_up(self._messenger)
-
-    def watch_chats(self, passed: Passed) -> None:
-        """Have somebody told what happens to chats; see ``contracts.messenger``."""
-        watch_chats(self._messenger, passed)
-
-    def watch_reactions(self, reacted: Reacted) -> None:
-        """Have somebody told of reactions; an archive keeps words alone."""
-        watch_reactions(self._messenger, reacted)
+    def settles(self) -> bool:
+        """Whether the messenger confirms only what is on disk: it asks before it does."""
+        return isinstance(self._messenger, AsksToConfirm)
 
     async def run(self, receive: Receive) -> None:
         """Listen; see ``contracts.messenger``."""
@@ -193,25 +101,14 @@ class ArchivingMessenger:
         await self._messenger.edit(message, outbound)
         self._say(message, outbound)
 
-    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
-        """Keep a message in sight, or no longer; see ``contracts.messenger``."""
-        await self._messenger.pin(chat, message, pinned=pinned)
-
-    async def answer_tap(self, inbound: Inbound, text: str) -> None:
-        """Answer a tap; what is shown for a moment only is not kept."""
-        await self._messenger.answer_tap(inbound, text)
-
-    def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
-        """Fetch a file; an archive keeps what was written, not what was enclosed."""
-        return self._messenger.fetch(enclosure)
-
     def _say(self, message: str, outbound: Outbound) -> None:
         if not self._archive.keeps(outbound.chat):
             return
         if _AUTHENTICATOR in outbound.text:
             outbound = msgspec.structs.replace(outbound, text=NOT_KEPT)
         kept = self._without_codes(outbound)
-        facts = self._archive.say(message, kept, self._reader(kept.chat), self.account)
+        by = account_of(self._messenger)
+        facts = self._archive.say(message, kept, self._reader(kept.chat), by)
         if facts:
             self._store.note(*facts)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.authoriser.button_tokens import is_lasting
-from rosic.contracts.messenger import Messenger, bot_name_of
+from rosic.contracts.messenger import Messenger, handle_of
 from rosic.core.deferred import Deferred
 from rosic.core.i18n import said
 from rosic.core.message import Button, Chat, Outbound, SendPriority
@@ -247,8 +247,7 @@ class UndeliverableHandler:
         if where in self._not_begun and not again:
             return
         self._not_begun.add(where)
-        bot = bot_name_of(messenger)
-        us = f"@{bot}" if bot else messenger.name
+        us = handle_of(messenger) or messenger.name
         who = item.principal if isinstance(item, OrderMessage) else item.to
         name = self._name(who) if who else f"{messenger.platform}:{where[1]}"
         log.warning("%s has not written to %s yet: nothing is told there until then", name, us)

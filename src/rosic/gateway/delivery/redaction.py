@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 KIND: Final = "retract"
 KEPT_AT_MOST: Final = 2_000
 LONGEST_NS: Final = 47 * HOUR_NS
-"""Telegram takes nothing away that is two days old (https://core.telegram.org/bots/api#deletemessage)."""
+"""Platforms take nothing away that is two days old."""
 LOOK_EVERY_S: Final = 5.0
 AGAIN_NS: Final = 30 * SECOND_NS
 

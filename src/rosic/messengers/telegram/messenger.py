@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from telegram import ReactionTypeEmoji
 
+from rosic.core.i18n import said
 from rosic.core.identity import Address
 from rosic.errors import MessageGone, MessengerFault
 from rosic.messengers.telegram.bot_client import BotClient
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Keep, Knows, Passed, Reacted, Receive, Serves, Settle
     from rosic.core.message import Chat, Inbound, IncomingFile, Menu, Outbound, SendPriority
+    from rosic.core.secret import Secret
 
 
 # ---- reactions and retracting ----
@@ -109,6 +111,11 @@ class Reactions:
 CHECK_S = 4.0
 
 
+def deep_link(user_name: str, code: Secret) -> str:
+    """Return what opens a private chat with a bot and sends it ``/start`` with a code."""
+    return f"https://t.me/{user_name}?start={code.reveal()}"
+
+
 class TelegramMessenger:
     """Implements `contracts.messenger.Messenger` over the Bot API.
 
@@ -157,14 +164,43 @@ class TelegramMessenger:
         self._fetcher = FileFetcher(self._line, settings)
         self.fetch_bytes = self._fetcher.most
         self._running = False
+        self._checked_name = ""
 
     def __repr__(self) -> str:
         return f"TelegramMessenger({self.name!r})"
 
     @property
-    def bot_name(self) -> str:
-        """The bot's username, for links that open its chat; empty until Telegram has told."""
-        return self._listener.reading.own_name
+    def handle(self) -> str:
+        """The bot's username, with its @; empty until Telegram has told."""
+        return f"@{self._user_name}" if self._user_name else ""
+
+    def invite_link(self, code: Secret) -> str:
+        """Return the deep link that opens the bot's chat and hands a code in.
+
+        Args:
+            code: Within the alphabet of such links and their 64 characters.
+        """
+        return deep_link(self._user_name, code) if self._user_name else ""
+
+    @property
+    def _user_name(self) -> str:
+        return self._listener.reading.own_name or self._checked_name
+
+    def hearing(self, *, everywhere: bool) -> str:
+        """Say what privacy mode keeps from the bot; see ``contracts.messenger.hearing_of``."""
+        if everywhere:
+            return said(
+                "In groups the messenger {name} passes me only commands, replies to me and messages"
+                " that name me. /stop and a reply with stop do arrive there; stop without a slash"
+                " does not. To change that, make me an admin of the group, or say /setprivacy to"
+                " BotFather.",
+                name=self.name,
+            )
+        return said(
+            "There I hear only commands, replies to me and messages that name me; stop without a"
+            " slash does not arrive. To change that, make me an admin of the group; or say"
+            " /setprivacy to BotFather, then take me out of the group and put me in again."
+        )
 
     @property
     def account(self) -> str:
@@ -205,6 +241,7 @@ class TelegramMessenger:
         """
         async with self._line.held():
             account = await self._listener.ask_account(within_s=within_s)
+        self._checked_name = account.user_name
         return f"@{account.user_name} answers"
 
     async def run(self, receive: Receive) -> None:

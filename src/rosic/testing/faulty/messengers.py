@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
+from rosic.contracts.messenger_proxy import MessengerProxy
 from rosic.core.identity import Address
 from rosic.core.time_units import HOUR_S, MINUTE_NS
 from rosic.errors import MessageGone, MessengerFault
@@ -28,42 +29,12 @@ if TYPE_CHECKING:
 # ---- each breaks one rule ----
 
 
-class FaultyMessenger:
+class FaultyMessenger(MessengerProxy):
     """Honest so far: passes everything on. A faulty one changes one thing."""
 
     def __init__(self, honest: Messenger) -> None:
+        super().__init__(honest)
         self.honest = honest
-        self.platform = honest.platform
-        self.name = honest.name
-        self.assurance = honest.assurance
-        self.edits = honest.edits
-        self.file_bytes = honest.file_bytes
-        self.fetch_bytes = honest.fetch_bytes
-        self.pins = honest.pins
-
-    async def run(self, receive: Receive) -> None:
-        """Pass on."""
-        await self.honest.run(receive)
-
-    async def send(self, outbound: Outbound) -> str:
-        """Pass on."""
-        return await self.honest.send(outbound)
-
-    async def edit(self, message: str, outbound: Outbound) -> None:
-        """Pass on."""
-        await self.honest.edit(message, outbound)
-
-    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
-        """Pass on."""
-        await self.honest.pin(chat, message, pinned=pinned)
-
-    async def answer_tap(self, inbound: Inbound, text: str) -> None:
-        """Pass on."""
-        await self.honest.answer_tap(inbound, text)
-
-    def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
-        """Pass on."""
-        return self.honest.fetch(enclosure)
 
 
 class Tampers(FaultyMessenger):
