@@ -82,7 +82,7 @@ SECONDS = {
     "tests/real/ros2/test_topics.py": 30,
     "tests/journeys/test_single_ros2.py": 30,
     "tests/journeys/test_kills_ros2.py": 30,
-    "tests/rosic_sim/machines/test_swarm.py": 30,
+    "tests/rosic_sim/robots/machines/test_swarm.py": 30,
     "tests/cli/test_demo.py": 30,
     "tests/real/ros2/test_robot_conformance.py": 25,
     "tests/real/ros2/test_robot_bindings.py": 25,

@@ -16,7 +16,7 @@ from rosic.organiser.timezones import zone_named
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
-from tests.features.media.booth import Sketcher, booth
+from tests.features.media.media_gateway import Sketcher, booth
 from tests.gateway.place import ADA, BO, STRANGER, VI, Place, line_by_line
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import time
 import pytest
 
 from rosic.core.language.keywords import COMMANDS
-from tests.features.access.house import ADA, VI, House, house
+from tests.features.access.access_gateway import ADA, VI, House, house
 from tests.pace import patience
 
 LONGEST_MESSAGE = 4_096

@@ -6,7 +6,7 @@ from msgspec.structs import replace
 
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
-from tests.features.access.house import ADA, BO, EVE, VI, House
+from tests.features.access.access_gateway import ADA, BO, EVE, VI, House
 
 NOW_NS = 1_795_255_200_000_000_000  # 21 November 2026, 10:00 UTC
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tests.planted.faults import Fault
 
-WATCH = "tests/core/test_alert.py"
+WATCH = "tests/core/alerts/test_state.py"
 ALERTS = "tests/features/alerts/test_alerts.py"
 STORM = "tests/features/alerts/test_alert_storm.py"
 REACTIONS = "tests/features/alerts/test_reactions.py"

@@ -5,9 +5,9 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 AMONG = "tests/features/robot_to_robot"
-SHARING = f"{AMONG}/test_sharing.py"
-HELPING = f"{AMONG}/test_helping.py"
-GUARD = f"{AMONG}/test_guard.py"
+SHARING = f"{AMONG}/test_shared_state.py"
+HELPING = f"{AMONG}/test_help_service.py"
+GUARD = f"{AMONG}/test_loop_guard.py"
 STORM = f"{AMONG}/test_storm.py"
 STRATEGIES = f"{AMONG}/test_strategies.py"
 

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from tests.planted.faults import Fault
 
-STILL = "tests/rosic_sim/test_standing_still.py"
+STILL = "tests/rosic_sim/robots/test_standing_still.py"
 AFTER = "tests/gateway/test_after_a_break.py"
-AWAY = "tests/features/alerts/test_absences.py"
+AWAY = "tests/features/alerts/test_offline_notices.py"
 DEAD_MAN = "tests/core/test_deadman.py"
 
 PURSUED = "tests/linker/test_pursuit.py"
 FROZEN = "tests/real/ros2/test_frozen_goal.py"
 HALVES = "tests/real/ros2/test_halves.py"
 MOVES = "tests/gateway/test_broken_stops.py"
-REBIRTHS = "tests/rosic_sim/test_endpoint_identity.py"
+REBIRTHS = "tests/robots/ros2/test_endpoint_identity.py"
 
 OF_BREAKS = (
     Fault(
@@ -95,7 +95,7 @@ OF_BREAKS = (
         file="robots/ros2/velocity_stream.py",
         guard="            if sent and unsent_s > side.watchdog_s:",
         without="            if False:",
-        caught_by=("tests/rosic_sim/test_velocity_gaps.py",),
+        caught_by=("tests/robots/ros2/test_velocity_gaps.py",),
     ),
     Fault(
         name="I6 whose name came after the drive began is not known again",

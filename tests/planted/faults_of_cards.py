@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tests.planted.faults import Fault
 
-CARDS = "tests/features/dashboard/test_livecards.py"
-OWNED = "tests/features/dashboard/test_livecards_owned.py"
+CARDS = "tests/features/dashboard/test_dashboards.py"
+OWNED = "tests/features/dashboard/test_dashboards_owned.py"
 
 OF_CARDS = (
     Fault(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 HISTORIES = "tests/core/fleet/test_histories.py::test_whatever_fails_no_promise_is_broken"
-FOLLOW = "tests/rosic_sim/machines/test_follow.py"
-TIMES = "tests/features/fleet/test_mission_times.py"
+FOLLOW = "tests/rosic_sim/robots/machines/test_follow.py"
+TIMES = "tests/features/fleet/test_mission_schedule.py"
 REACTING = "core/fleet/transitions.py"
 ASSIGNING = "tests/organiser/test_planning_solver.py"
 
@@ -89,7 +89,7 @@ TASKS = "tests/features/fleet/test_tasks.py"
 EDGES = "tests/features/fleet/test_tasks_at_the_edges.py"
 ROBOTS = "tests/features/fleet/test_fleet.py"
 USAGE = "tests/features/fleet/test_usage.py"
-COMPLETIONS = "tests/features/fleet/test_task_completions.py"
+COMPLETIONS = "tests/features/fleet/test_alternatives.py"
 
 DISABLED = (
     f"{ROBOTS}::test_a_robot_that_is_disabled_in_the_middle_gives_its_task_away_and_stays_stopped"
@@ -101,7 +101,7 @@ OF_TASKS = (
         file="features/fleet/multi_robot.py",
         guard="                life.over = partial(start.ended, order)\n",
         without="                pass\n",
-        caught_by=("tests/features/fleet/test_together.py",),
+        caught_by=("tests/features/fleet/test_multi_robot.py",),
     ),
     Fault(
         name="I8 a task is carried out although whoever gave it may not any more",

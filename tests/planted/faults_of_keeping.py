@@ -232,7 +232,7 @@ OF_KEEPING = (
         guard="chat_sender, reach.messengers)",
         without="chat_sender, parts.messengers)",
         caught_by=(
-            "tests/features/robot_to_robot/test_sharing.py::test_a_digest_is_in_the_archive_of_the_chat_that_reads_it",
+            "tests/features/robot_to_robot/test_shared_state.py::test_a_digest_is_in_the_archive_of_the_chat_that_reads_it",
         ),
     ),
     Fault(

@@ -155,7 +155,7 @@ OF_ORDERS = (
             "                return past_ns / 1e9, self._machine.at_rest()"
         ),
         without="if True:\n                return past_ns / 1e9, True",
-        caught_by=("tests/rosic_sim/test_simulation_loop.py",),
+        caught_by=("tests/rosic_sim/robots/test_simulation_loop.py",),
     ),
     Fault(
         name="I13 fences begin anew after a restart",

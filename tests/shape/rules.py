@@ -12,6 +12,11 @@ if TYPE_CHECKING:
 
 MAX_LINES = 500
 
+# Folders of tests that are about no package: contracts, processes, people, the tests themselves.
+TESTS_OF_THE_WHOLE = frozenset(
+    {"conformance", "journeys", "mutants", "planted", "real", "shape", "shifted"}
+)
+
 VAGUE_NAMES = frozenset({"utils", "util", "helpers", "helper", "common", "manager", "base", "misc"})
 
 # The one sentence in which ROSIC says what its stop is not, and the pages that may say it.
@@ -71,6 +76,19 @@ def vaguely_named(paths: Iterable[str]) -> list[str]:
         for path in paths
         if any(part.removesuffix(".py").strip("_") in VAGUE_NAMES for part in path.split("/"))
     ]
+
+
+def without_source(tests: Iterable[str], sources: Iterable[str]) -> list[str]:
+    """Folders of tests that lie beside no folder of the source; tests of the whole are left out."""
+    ours = {posixpath.dirname(path) for path in sources}
+    ours |= {posixpath.dirname(folder) for folder in ours}
+    theirs = {posixpath.dirname(path).removeprefix("tests/") for path in tests} - {"tests"}
+    return sorted(
+        f"tests/{folder}"
+        for folder in theirs
+        if folder.partition("/")[0] not in TESTS_OF_THE_WHOLE
+        and not {f"src/rosic/{folder}", f"src/{folder}"} & ours
+    )
 
 
 def claims_of_safety(texts: Mapping[str, str]) -> list[str]:

@@ -21,6 +21,18 @@ def test_a_vague_name_is_found_as_module_and_as_package() -> None:
     assert rules.vaguely_named([*vague, "src/rosic/units.py", "src/rosic/database.py"]) == vague
 
 
+def test_tests_of_a_package_that_is_not_there_are_found() -> None:
+    sources = ["src/rosic/features/booking/book.py", "src/rosic_sim/robots/robot.py"]
+    beside = ["tests/features/booking/test_book.py", "tests/features/test_x.py", "tests/bounded.py"]
+    beside += ["tests/rosic_sim/robots/test_robot.py", "tests/journeys/test_stops.py"]
+    astray = ["tests/features/times/test_book.py", "tests/rosic_sim/machines/test_kuka.py"]
+
+    assert rules.without_source([*beside, *astray], sources) == [
+        "tests/features/times",
+        "tests/rosic_sim/machines",
+    ]
+
+
 @pytest.mark.parametrize("between", [" ", "-", "_", "\n", "  "])
 def test_the_two_words_are_found_however_they_are_joined(between: str) -> None:
     said = "# " + between.join(PAIR).upper()

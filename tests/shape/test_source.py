@@ -65,6 +65,10 @@ def test_every_name_says_what_belongs_there() -> None:
     assert rules.vaguely_named(modules("src/", "tests/")) == []
 
 
+def test_tests_lie_where_what_they_test_lies() -> None:
+    assert rules.without_source(modules("tests/"), modules("src/")) == []
+
+
 def test_the_stop_is_never_called_what_it_is_not() -> None:
     assert rules.claims_of_safety(published()) == []
 

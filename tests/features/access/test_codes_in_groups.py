@@ -15,7 +15,7 @@ from rosic.authoriser.invitations import InvitationState
 from rosic.authoriser.invite_codes import ALPHABET, SEARCHED_AT_MOST
 from rosic.core.identity import Address
 from rosic.core.message import Chat, ChatKind, MessageValidity
-from tests.features.access.hall import ADA, BO, CY, DI, BrokenStore, a_hall
+from tests.features.access.access_handlers import ADA, BO, CY, DI, BrokenStore, a_hall
 from tests.gateway.place import Place
 from tests.pace import pace
 

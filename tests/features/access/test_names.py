@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.features.access.hall import ADA, DI, ED, a_hall
+from tests.features.access.access_handlers import ADA, DI, ED, a_hall
 
 LOCKED = "Cy Young is locked: nothing they send is carried out until an admin unlocks them."
 

@@ -19,11 +19,11 @@ from rosic.core.identity import Address, Principal
 from rosic.core.language import clean_name
 from rosic.errors import NotUnderstood
 from rosic.features.access.admin_policy import everybody_called
-from tests.features.access.hall import ADA, BO, CY, DI, ED, a_hall
-from tests.features.access.house import VI, house
+from tests.features.access.access_gateway import VI, house
+from tests.features.access.access_handlers import ADA, BO, CY, DI, ED, a_hall
 
 if TYPE_CHECKING:
-    from tests.features.access.hall import Hall
+    from tests.features.access.access_handlers import Hall
 
 WORDS = (
     "Bo",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from rosic.features.personal_data import operator_view
-from tests.features.personal_data.ward import Ward, a_ward
+from tests.features.personal_data.data_gateway import Ward, a_ward
 from tests.gateway.place import ADA, BO, VI
 
 if TYPE_CHECKING:

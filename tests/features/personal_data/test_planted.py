@@ -23,7 +23,7 @@ from rosic.core.records import Enrolled, KeyIssued, Letter, PersonRecord
 from rosic.features.personal_data import operator_view
 from rosic.stores.record_mark import DATABASE
 from rosic.testing.clock import ManualClock
-from tests.features.personal_data.ward import Ward, a_ward
+from tests.features.personal_data.data_gateway import Ward, a_ward
 from tests.gateway.place import ADA, BO
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from rosic.errors import StoreFault
 from rosic.testing.clock import ManualClock
-from tests.features.personal_data.ward import Ward, a_ward
+from tests.features.personal_data.data_gateway import Ward, a_ward
 
 if TYPE_CHECKING:
     from pathlib import Path
