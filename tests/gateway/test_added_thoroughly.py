@@ -7,6 +7,8 @@ import json
 from msgspec.structs import replace
 
 from rosic.core.rate_limit import RateLimit
+from rosic.core.robot.benchmark import DEVIATION
+from rosic.features.benchmarks import BenchmarkFeature
 from tests.gateway.place import ADA, BO, Place
 from tests.gateway.rover import ROVER, add, draft
 
@@ -70,8 +72,12 @@ async def test_it_is_held_against_its_benchmarks_though_nobody_was() -> None:
         await add(place, draft(**{TIMES: TIMES + benchmark}))
         assert "done" in await place.say("rover wiggle")
         assert "Wiggle" in await place.say("/benchmark rover")
-        assert "wiggle" in place.gateway.features.evaluation.verdicts["rover"]
-        assert place.gateway.alarms.alerting.judged is not None
+        [evaluation] = [
+            f.evaluation for f in place.gateway.features.plugged if isinstance(f, BenchmarkFeature)
+        ]
+        assert "wiggle" in evaluation.verdicts["rover"]
+        seen = place.gateway.features.assessment.presence("rover", place.robot("rover").presence())
+        assert DEVIATION in seen.values
 
 
 async def test_it_takes_part_among_robots() -> None:

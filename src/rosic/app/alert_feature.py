@@ -13,13 +13,12 @@ from rosic.contracts.file_rules import ValidationFinding
 from rosic.contracts.messenger import watch_reactions
 from rosic.core.alerts.rule import read_run, rules_of
 from rosic.features.alerts.actions import AlertActions
-from rosic.features.alerts.active_alerts import ALARM, MUTE, RUN, TOLD, AlertLog
+from rosic.features.alerts.active_alerts import ALARM, MUTE, RUN, TOLD
 from rosic.features.alerts.commands import AlertCommands, AlertReactions
 from rosic.features.alerts.evaluator import AlertEvaluator
 from rosic.features.alerts.offline_notices import OfflineNotices
 from rosic.features.alerts.recipients import Recipients
 from rosic.features.alerts.stop_violations import StopViolations
-from rosic.features.benchmarks.evaluation import follow
 from rosic.features.media.commands import register_commands, view_buttons
 from rosic.features.media.context import MediaContext, MediaQueries
 from rosic.features.media.render_queue import RenderQueue
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
     from rosic.gateway import Pipeline
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.sender import ChatSender
+    from rosic.gateway.feature import RobotAssessment
     from rosic.gateway.order_services import OrderServices
     from rosic.gateway.robot_registry import AddedRobot
 
@@ -61,13 +61,19 @@ class AlertFeature:
     """
 
     def __init__(
-        self, rooms: Components, access: AccessFeature, clock: Clock, hands: OrderServices
+        self,
+        rooms: Components,
+        access: AccessFeature,
+        clock: Clock,
+        hands: OrderServices,
+        assessment: RobotAssessment,
     ) -> None:
         self._rooms = rooms
         self._access = access
-        book = AlertLog()
         circles = Recipients(rooms.authoriser, rooms.organiser)
-        self.alerting = AlertEvaluator(rooms, access.changes, hands.reach, clock, book, circles)
+        self.alerting = AlertEvaluator(
+            rooms, access.changes, hands.reach, clock, circles, assessment.presence
+        )
         hands.reach.again.bind(self.alerting.again)
         self.reacting = AlertReactions(self.alerting, rooms.authoriser.directory, hands.reach)
         self.absences = OfflineNotices(rooms, hands.reach, clock)
@@ -97,7 +103,7 @@ class AlertFeature:
         }
         told = memory.facts.get(TOLD, ())
         self.alerting.write(self.alerting.telling.placed.restore(told, open_now))
-        follow(pipeline.executor, self.absences)
+        pipeline.executor.watch_orders(self.absences)
         AlertCommands(self.alerting, rooms, changes).register(pipeline.hooks.commands)
 
     def robot_added(self, newcomer: AddedRobot) -> None:
@@ -212,4 +218,4 @@ def add_seen(media_feature: MediaContext, pipeline: Pipeline, profile: Profile) 
     """Sample what a robot reports, and follow where it goes if it says so."""
     media_feature.sampler.add_robot(profile)
     if profile.pose is not None:
-        follow(pipeline.executor, media_feature.sampler)
+        pipeline.executor.watch_orders(media_feature.sampler)

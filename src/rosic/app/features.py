@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rosic.app.access import admins_of
 from rosic.app.alert_feature import AlertFeature
-from rosic.app.fleet_feature import BenchmarkContext as Askers
-from rosic.app.fleet_feature import FleetFeature, add_judged, set_up_benchmarks, show_benchmarks
+from rosic.app.fleet_feature import FleetFeature
 from rosic.contracts.messenger import invite_link_of
 from rosic.core.i18n import joined
 from rosic.core.language import clean_name
 from rosic.core.message import Outbound
 from rosic.core.policy.scope import FLEET
+from rosic.features import benchmarks
 from rosic.features.access.access_request import AccessRequestCommands
 from rosic.features.access.access_request_parser import RequestPlaces
 from rosic.features.access.admin_policy import AdminPolicy
@@ -38,13 +38,14 @@ from rosic.features.dashboard.rendering import DashboardQueries as CardSides
 from rosic.features.fleet.by_rule import RuleTasks
 from rosic.gateway.delivery.redaction import SecretRedaction
 from rosic.gateway.delivery.sender import OutgoingMessage
+from rosic.gateway.feature import Kernel, RobotAssessment
 from rosic.gateway.handover import LeaseHandover
 from rosic.gateway.order_services import OrderServices
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_messages import moment
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from rosic.app.access import AccessFeature
     from rosic.app.policy import PolicyEnforcer, PolicyService
@@ -59,8 +60,12 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.delivery.sender import ChatSender
+    from rosic.gateway.feature import Feature
     from rosic.gateway.robot_registry import AddedRobot
     from rosic.gateway.stop import StopLane
+
+# Made in this order, closed in reverse.
+FEATURES: Final[tuple[Callable[[Kernel], Feature], ...]] = (benchmarks.setup,)
 
 
 class FeatureSetup:
@@ -78,7 +83,9 @@ class FeatureSetup:
         live_cards: Shows in chats how robots are.
         fleet: Brings tasks to robots.
         retracting: Takes away what held a secret.
-        evaluation: Follows robots against their benchmarks.
+        naming: Finds the robot that is meant at the beginning of a line.
+        assessment: Says how robots do.
+        plugged: The features that are made from the kernel alone.
     """
 
     def __init__(
@@ -96,6 +103,7 @@ class FeatureSetup:
         self._stop_lane = stop_lane
         self._chat_sender = chat_sender
         self._enforcer = enforcer
+        self.assessment = RobotAssessment()
 
     def set_up(
         self,
@@ -103,6 +111,7 @@ class FeatureSetup:
         clock: Clock,
         entropy: Entropy,
         zone: str,
+        memory: Memory,
     ) -> None:
         """Put everything in its place.
 
@@ -111,6 +120,7 @@ class FeatureSetup:
             clock: Of the gateway.
             entropy: Of the gateway.
             zone: Of the place, in which times are said to whoever has set no other.
+            memory: What earlier runs left.
         """
         rooms, hooks = self._rooms, self._pipeline.hooks
         self.reach, messengers = reach, reach.messengers
@@ -123,6 +133,7 @@ class FeatureSetup:
         self._set_up_times(clock)
         self._set_up_people(self._enforcer.policy, messengers, clock, entropy)
         self._set_up_cards(messengers, clock)
+        self.plugged = self._plug_in(memory, clock)
         hooks.commands.register("take", self.handover.take)
         hooks.commands.register("end", self.handover.give_back)
 
@@ -134,22 +145,30 @@ class FeatureSetup:
         hands = OrderServices(
             executor, self._stop_lane, self.handover, self._chat_sender, self.reach, face, ends
         )
-        alarms = AlertFeature(self._rooms, self._access, clock, hands)
+        alarms = AlertFeature(self._rooms, self._access, clock, hands, self.assessment)
         alarms.set_up(self._pipeline, memory, settings.people)
         self.fleet = FleetFeature(self._rooms, self._access.changes, clock, hands)
         self.fleet.set_up(self._pipeline, memory, settings)
         alarms.running.tasks = RuleTasks(self._rooms, self.fleet.dispatching)
-        self.evaluation = set_up_benchmarks(
-            self._rooms, self._access, self._pipeline, memory, clock
-        )
-        asking = Askers(alarms.alerting, self._snapshots, self._naming)
-        show_benchmarks(self.evaluation, self._rooms, self._pipeline, asking)
         self.fleet.show_on_cards(self.live_cards, self._card_sides, self._pipeline, memory)
         return alarms
 
+    def _plug_in(self, memory: Memory, clock: Clock) -> tuple[Feature, ...]:
+        kernel = Kernel(
+            rooms=self._rooms,
+            pipeline=self._pipeline,
+            changes=self._access.changes,
+            clock=clock,
+            memory=memory,
+            naming=self.naming,
+            assessment=self.assessment,
+        )
+        return tuple(setup(kernel) for setup in FEATURES)
+
     def robot_added(self, newcomer: AddedRobot) -> None:
-        """Hold one more robot against its benchmarks."""
-        add_judged(self.evaluation, self._pipeline, newcomer.profile)
+        """Tell every feature of one more robot."""
+        for feature in self.plugged:
+            feature.robot_added(newcomer)
 
     async def close(self) -> None:
         """Follow nothing any more; wait for robots that come to rest, briefly."""
@@ -157,7 +176,8 @@ class FeatureSetup:
         await self.live_cards.close()
         await self.fleet.close()
         await self.retracting.close()
-        await self.evaluation.settings.written()
+        for feature in reversed(self.plugged):
+            await feature.close()
 
     # ---- people ----
 
@@ -213,7 +233,7 @@ class FeatureSetup:
         )
         places = RequestPlaces(
             vocabularies=self._rooms.vocabularies,
-            naming=lambda asked, text: self._naming.robot_or_group(asked, "/ask", text),
+            naming=lambda asked, text: self.naming.robot_or_group(asked, "/ask", text),
             shown=lambda name: profiles[name].shown if name in profiles else name,
             zone_of=self._rooms.organiser.calendar.zone,
         )
@@ -307,7 +327,7 @@ class FeatureSetup:
             sides=sides,
             lease_idle_s=organiser.lease_idle_s,
         )
-        self._naming = RobotArgument(times)
+        self.naming = RobotArgument(times)
         self.scheduler = BookingScheduler(times)
         access.changes.after(self.scheduler.look)
         access.changes.after(self._watch_ends)
@@ -340,7 +360,7 @@ class FeatureSetup:
 
     def _set_up_cards(self, messengers: Sequence[Messenger], clock: Clock) -> None:
         rooms, pipeline = self._rooms, self._pipeline
-        self._snapshots = snapshots = RobotSnapshots(rooms, pipeline.executor, pipeline.face)
+        snapshots = RobotSnapshots(rooms, pipeline.executor, pipeline.face, self.assessment.line)
         sides = self._card_sides = CardSides(
             sees=self._sees,
             name_of=rooms.organiser.name_of,

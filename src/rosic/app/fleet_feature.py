@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from rosic.contracts.messenger import catching_up
 from rosic.core.fleet import events as e
 from rosic.core.fleet.state import STANDING, TASK
 from rosic.core.order import OrderEnding
 from rosic.core.records import Refused, Told
-from rosic.core.robot.skill import SkillClass
 from rosic.errors import Repeated, StoreFault
-from rosic.features.benchmarks.commands import BenchmarkCommands
-from rosic.features.benchmarks.evaluation import (
-    SETTING,
-    BenchmarkEvaluation,
-    BenchmarkSettings,
-    follow,
-)
 from rosic.features.dashboard.commands import DashboardCommands
 from rosic.features.dashboard.fleet_dashboard import FLEET_CARD, FleetDashboards
 from rosic.features.fleet.attempt import TaskAttempts, TaskRecall, attempt_id
@@ -40,22 +32,17 @@ from rosic.features.robot_to_robot.help_requests import HelpRequests
 from rosic.organiser.timezones import zone_named
 
 if TYPE_CHECKING:
-    from rosic.app.access import AccessFeature
     from rosic.app.settings import GatewaySettings
     from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
     from rosic.core.fleet.task import Task
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Fact, Memory
-    from rosic.core.robot.profile import Profile
-    from rosic.features.alerts.evaluator import AlertEvaluator
-    from rosic.features.dashboard.dashboard import RobotSnapshots
     from rosic.features.dashboard.dashboards import Dashboards
     from rosic.features.dashboard.rendering import DashboardQueries as CardSides
     from rosic.gateway import Pipeline
     from rosic.gateway.components import Components
     from rosic.gateway.order_services import OrderServices
-    from rosic.gateway.robot_argument import RobotArgument
     from rosic.gateway.transactions import Transactions
 
 
@@ -118,7 +105,7 @@ class FleetFeature:
         for kind, scheduler in kept:
             scheduler.restore(memory.facts.get(kind, ()))
             self._changes.keep(kind, scheduler.apply)
-        follow(pipeline.executor, self._usage)
+        pipeline.executor.watch_orders(self._usage)
         commands, rooms, dispatching = pipeline.hooks.commands, self._rooms, self.dispatching
         tasks = TaskCommands(rooms, dispatching, self.telling)
         tasks.register(commands)
@@ -228,46 +215,3 @@ class FleetFeature:
             self._planning.cancel()
             await asyncio.gather(self._planning, return_exceptions=True)
         await self.dispatching.close()
-
-
-class BenchmarkContext(NamedTuple):
-    """Who asks how robots do."""
-
-    alerting: AlertEvaluator
-    snapshots: RobotSnapshots
-    naming: RobotArgument
-
-
-def set_up_benchmarks(
-    rooms: Components, access: AccessFeature, pipeline: Pipeline, memory: Memory, clock: Clock
-) -> BenchmarkEvaluation:
-    """Follow robots that have benchmarks or can be set; else nothing is followed."""
-    settings = BenchmarkSettings(access.changes, clock.wall_ns)
-    settings.restore(memory.facts.get(SETTING, ()))
-    access.changes.keep(SETTING, settings.apply)
-    evaluation = BenchmarkEvaluation(rooms.linker, rooms.profiles, clock, settings)
-    for profile in rooms.profiles.values():
-        add_judged(evaluation, pipeline, profile)
-    return evaluation
-
-
-def add_judged(evaluation: BenchmarkEvaluation, pipeline: Pipeline, profile: Profile) -> None:
-    """Follow a robot if it has benchmarks or can be set."""
-    evaluation.add_robot(profile)
-    skills = profile.skills.values()
-    if any(s.benchmark is not None or s.kind is SkillClass.CONFIG for s in skills):
-        follow(pipeline.executor, evaluation)
-
-
-def show_benchmarks(
-    evaluation: BenchmarkEvaluation, rooms: Components, pipeline: Pipeline, sides: BenchmarkContext
-) -> None:
-    """Let rules, cards and people ask how robots do."""
-
-    def show() -> None:
-        sides.alerting.judged = evaluation.seen
-        sides.snapshots.benchmark = evaluation.line
-
-    evaluation.show_with(show)
-    handler = BenchmarkCommands(evaluation, rooms, sides.naming, pipeline.face)
-    pipeline.hooks.commands.register("benchmark", handler.benchmark)

@@ -235,7 +235,7 @@ class Gateway(RunningGateway):
         self.features = FeatureSetup(
             self.rooms, self.pipeline, self.access, self.stop_lane, chat_sender, self.enforcer
         )
-        self.features.set_up(reach, time, parts.entropy, self._settings.zone)
+        self.features.set_up(reach, time, parts.entropy, self._settings.zone, memory)
         self.media_feature = set_up_media(
             self.rooms, self.pipeline, chat_sender, parts.renderer, parts.clock
         )
@@ -338,6 +338,7 @@ class Gateway(RunningGateway):
             asyncio.create_task(self.alarms.run()),
             asyncio.create_task(self.among.run()),
             asyncio.create_task(self.record_watch.run()),
+            *(asyncio.create_task(feature.run()) for feature in self.features.plugged),
             asyncio.create_task(save_now_and_then(rates, parts.store, parts.clock)),
         ]
         self.features.fleet.run()

@@ -126,7 +126,6 @@ class OrderExecutor:
 
     Attributes:
         after: Called with the robot when an order has ended.
-        watch: Hears when a robot begins an order and when it has ended.
     """
 
     def __init__(
@@ -138,7 +137,7 @@ class OrderExecutor:
         clock: Clock,
     ) -> None:
         self.after: Callable[[RobotId], None] | None = None
-        self.watch: OrderWatcher | None = None
+        self._watchers: tuple[OrderWatcher, ...] = ()
         self.chat_sender = chat_sender
         self.wall_ns = clock.wall_ns
         self._organiser = organiser
@@ -203,8 +202,8 @@ class OrderExecutor:
             if self._newest is not None:
                 self._newest[robot] = running
             worker.relaying = True
-            if self.watch is not None:
-                self.watch.began(running.order)
+            for watcher in self._watchers:
+                watcher.began(running.order)
             outcome = await self._relay(worker, running)
             worker.relaying = False
             if worker.rested is not None:
@@ -256,13 +255,19 @@ class OrderExecutor:
             except PolicyMoved:
                 continue
 
+    def watch_orders(self, watcher: OrderWatcher) -> None:
+        """Let somebody hear when a robot begins an order and when it has ended, each time once."""
+        if watcher not in self._watchers:
+            self._watchers = (*self._watchers, watcher)
+
     def ended(self, running: RunningOrder, outcome: Outcome) -> None:
         """Write down how an order ended; once that is on disk it is told."""
         self._organiser.settle(running.order.permit)
         if self.after is not None:
             self.after(running.order.robot)
-        if self.watch is not None and running.begun:
-            self.watch.ended(running.order, outcome)
+        if running.begun:
+            for watcher in self._watchers:
+                watcher.ended(running.order, outcome)
         if outcome.ending is OrderEnding.CANCELLED:
             who = self._organiser.why_stopped.by_another(running.order)
             note = joined("; ", filter(None, (outcome.note, who)))

@@ -15,7 +15,7 @@ from rosic.core.time_units import SECOND_NS
 from rosic.errors import Refusal, RosicError
 from rosic.features.alerts import grouped_messages
 from rosic.features.alerts import messages as words
-from rosic.features.alerts.active_alerts import ActiveAlert, AlertOccurrence, unpacked
+from rosic.features.alerts.active_alerts import ActiveAlert, AlertLog, AlertOccurrence, unpacked
 from rosic.features.alerts.notifications import AlertNotifications
 from rosic.features.alerts.recipients import AlertNews, NewsKind
 from rosic.gateway.scheduling import go_round
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from rosic.core.records import Record
     from rosic.core.robot.profile import Presence, RobotId
     from rosic.features.alerts.actions import AlertActions
-    from rosic.features.alerts.active_alerts import AlertLog
     from rosic.features.alerts.recipients import Recipients
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notification, Notifier
@@ -92,8 +91,10 @@ class AlertEvaluator:
         book: What the record keeps.
         circles: Who is around a robot.
         following: The rules, by robot.
-        judged: Adds to what a robot reports how it does against its benchmarks.
         telling: Says it.
+
+    Args:
+        assess: Adds to what a robot reports how it does against its benchmarks.
     """
 
     def __init__(
@@ -102,15 +103,15 @@ class AlertEvaluator:
         changes: Transactions,
         reach: Notifier,
         clock: Clock,
-        book: AlertLog,
         circles: Recipients,
+        assess: Callable[[RobotId, Presence], Presence],
     ) -> None:
-        self.book = book
+        self.book = AlertLog()
         self.circles = circles
         self.following: dict[RobotId, list[ActiveRule]] = {}
         self.telling = AlertNotifications(rooms, reach, clock, circles, self.write)
         self._by_key: dict[str, ActiveRule] = {}
-        self.judged: Callable[[RobotId, Presence], Presence] | None = None
+        self._assess = assess
         self._lines: dict[str, Do | None] = {}
         self._running: AlertActions | None = None
         self._rooms = rooms
@@ -164,9 +165,7 @@ class AlertEvaluator:
         self.telling.look()
         for robot in robots:
             try:
-                presence = self._rooms.linker.presence(robot)
-                if self.judged is not None:
-                    presence = self.judged(robot, presence)
+                presence = self._assess(robot, self._rooms.linker.presence(robot))
                 for following in self.following[robot]:
                     self._feed(following, presence)
             except Exception:

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.order import Outcome
     from rosic.core.robot.profile import Presence, Profile, RobotId
-    from rosic.gateway.order_execution import OrderExecutor, OrderWatcher
     from rosic.gateway.transactions import Transactions
     from rosic.linker.linker import Linker
 
@@ -71,19 +70,16 @@ class BenchmarkEvaluation:
         self._attempts: dict[RobotId, BenchmarkedAttempt] = {}
         self._last: dict[RobotId, BenchmarkVerdict] = {}
         self._benched: set[RobotId] = set()
-        self._show: Callable[[], None] = _nowhere
 
-    def add_robot(self, profile: Profile) -> None:
-        """Hold a robot against its benchmarks, if it has any."""
+    def add_robot(self, profile: Profile) -> bool:
+        """Know one more robot. Return whether its orders are to be followed.
+
+        They are if it has benchmarks or can be set.
+        """
         if profile.benchmarked:
             self._benched.add(profile.id)
-            self._show()
-
-    def show_with(self, show: Callable[[], None]) -> None:
-        """Say what lets verdicts be seen, as soon as there can be any; it may be called again."""
-        self._show = show
-        if self._benched:
-            show()
+        skills = profile.skills.values()
+        return any(s.benchmark is not None or s.kind is SkillClass.CONFIG for s in skills)
 
     # ---- what Lives tells ----
 
@@ -177,35 +173,6 @@ class BenchmarkEvaluation:
         except Exception:
             log.exception("%s could not be measured", robot)
             return None
-
-
-class WatcherPair:
-    """Lets two follow what robots do."""
-
-    def __init__(self, one: OrderWatcher, other: OrderWatcher) -> None:
-        self.both = (one, other)
-
-    def began(self, order: Order) -> None:
-        """Tell both."""
-        for watcher in self.both:
-            watcher.began(order)
-
-    def ended(self, order: Order, outcome: Outcome) -> None:
-        """Tell both."""
-        for watcher in self.both:
-            watcher.ended(order, outcome)
-
-
-def _nowhere() -> None:
-    return None
-
-
-def follow(executor: OrderExecutor, watcher: OrderWatcher) -> None:
-    """Let somebody follow what robots do; whoever does so already is not told twice."""
-    there = executor.watch
-    if there is watcher or (isinstance(there, WatcherPair) and watcher in there.both):
-        return
-    executor.watch = watcher if there is None else WatcherPair(there, watcher)
 
 
 def _number(presence: Presence, name: str) -> float | None:

@@ -238,15 +238,21 @@ class RobotSnapshots:
     A number beside it grows whenever there is something new to see: a card compares numbers. While
     nobody looks, orders are not followed.
 
-    Attributes:
-        benchmark: Returns what is to be said of a robot against its benchmarks; None: nobody knows.
+    Args:
+        benchmark: Returns what is to be said of a robot against its benchmarks; empty for nothing.
     """
 
-    def __init__(self, rooms: Components, executor: OrderExecutor, face: Face) -> None:
+    def __init__(
+        self,
+        rooms: Components,
+        executor: OrderExecutor,
+        face: Face,
+        benchmark: Callable[[RobotId], str],
+    ) -> None:
         self._rooms = rooms
         self._executor = executor
         self._face = face
-        self.benchmark: Callable[[RobotId], str] | None = None
+        self._benchmark = benchmark
         self._seen: dict[RobotId, tuple[int, str]] = {}
         self._followed: dict[RobotId, RunningOrder] = {}
 
@@ -292,8 +298,7 @@ class RobotSnapshots:
         if life is not None:
             what = _what(life)
             yield from (words.step(step, what) for step in life.shown.steps)
-        measured = self.benchmark(robot) if self.benchmark is not None else ""
-        if measured:
+        if measured := self._benchmark(robot):
             yield words.benchmark(measured)
         done = life.shown.now(briefly=not named) if life is not None else ""
         if done:
