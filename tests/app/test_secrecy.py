@@ -29,7 +29,7 @@ os.abort()
 """
 LOOKS = """
 import sys
-import rosic.app.runtime, rosic.cli.run as command
+import rosic.app.runtime, rosic.cli.gateway as command
 def run(coroutine):
     coroutine.close()
     import ctypes, resource

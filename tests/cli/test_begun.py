@@ -7,10 +7,10 @@ import subprocess
 import sys
 import time
 
-from rosic.cli.begun import begun_ns
+from rosic.cli.client import begun_ns
 from tests.cli.running import environment
 
-AGE = "import time; from rosic.cli.begun import begun_ns; print(time.monotonic_ns() - begun_ns())"
+AGE = "import time; from rosic.cli.client import begun_ns; print(time.monotonic_ns() - begun_ns())"
 # As the ROS wheels do: another program, the same process.
 ANEW = f"""
 import os, sys, time

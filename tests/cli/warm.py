@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 WARM = (
-    *sorted({command.module for command in COMMANDS.values()}),
+    *sorted({command.function.partition(":")[0] for command in COMMANDS.values()}),
     "alembic.command",
     "alembic.context",
     "alembic.ddl.sqlite",

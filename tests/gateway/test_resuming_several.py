@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.admin.dispatch import ALL, AdminDispatcher
+from rosic.app.admin.api import ALL
+from rosic.app.admin.dispatch import AdminDispatcher
 from rosic.core.deferred import Deferred
 from rosic.core.records import Decided, Resumed
 from rosic.errors import Refusal, RobotStopped, RobotUnreachable

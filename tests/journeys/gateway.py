@@ -29,7 +29,7 @@ ENTRY_POINT = """[rosic.robots]
 counting = tests.journeys.counting:CountingRobot
 """
 WARM = (
-    "rosic.cli.run",
+    "rosic.cli.gateway",
     "rosic.messengers.telegram",
     "rosic.robots.memory",
     "rosic_sim.robots.robot",

@@ -16,7 +16,7 @@ HOURS_S = 8 * 3600
 ASLEEP = ("unshare", "--user", "--map-root-user", "--time", "--boottime", str(HOURS_S), "--fork")
 READINGS = """
 import time
-from rosic.cli.begun import begun_ns
+from rosic.cli.client import begun_ns
 from rosic.system import SystemClock
 print(SystemClock().monotonic_ns() - time.monotonic_ns(), SystemClock().monotonic_ns() - begun_ns())
 """

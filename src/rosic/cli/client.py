@@ -1,23 +1,30 @@
-"""What commands to a running gateway share: where its data is, and how its answers are shown."""
+"""What commands share that ask a running gateway, or its data when none runs."""
 
 from __future__ import annotations
 
 import asyncio
+import os
+import re
 import sys
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.admin.control_client import ask_gateway
-from rosic.app.admin.offline import OfflineAdmin, OfflineSeeding
-from rosic.app.config import load_config
+import msgspec
+
+from rosic.app.admin.control_client import NotRunning, ask_gateway
 from rosic.config.toml_source import read_toml
-from rosic.errors import ConfigurationError, Refusal
+from rosic.core.language.time_tokens import TimeTokens, UnclearTime
+from rosic.errors import ConfigurationError, OutOfBounds, Refusal
 from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Iterable, Sequence
 
     from rosic.app.admin.api import AdminRequest
+    from rosic.app.admin.offline import OfflineAdmin, OfflineSeeding
+
 
 CONFIG = "rosic.toml"
 DATA = "rosic-data"
@@ -87,13 +94,10 @@ def _warn(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-# ---- when no gateway runs ----
-
-LOOKS = OfflineSeeding.IMAGINED
-CHANGES = OfflineSeeding.WRITTEN
+# ---- when no gateway runs: its data is opened, for which a database is imported only then ----
 
 
-def people(options: argparse.Namespace, *, json: bool) -> tuple[str, ...]:
+def people_offline(options: argparse.Namespace, *, json: bool) -> tuple[str, ...]:
     """Return a line for everybody; or one list, for programs.
 
     Raises:
@@ -128,5 +132,136 @@ def do(
 
 
 def _alone(options: argparse.Namespace) -> OfflineAdmin:
+    from rosic.app.admin.offline import OfflineAdmin  # noqa: PLC0415 - imports a database
+    from rosic.app.config import load_config  # noqa: PLC0415 - and what a configuration may hold
+
     config = None if options.data is not None else load_config(options.config)
     return OfflineAdmin(data_of(options), config, SystemClock(), SystemEntropy())
+
+
+def looked_up(
+    options: argparse.Namespace, ask: AdminRequest, *, robots: bool = False
+) -> tuple[str, ...]:
+    """Return the answers to what changes nothing.
+
+    Args:
+        options: Where the gateway or its data is.
+        ask: What.
+        robots: It cannot be answered without the robots of the configuration.
+
+    Raises:
+        RosicError: Why not.
+    """
+    return _answered(options, ask, changes=False, robots=robots)
+
+
+def changed(
+    options: argparse.Namespace, ask: AdminRequest, *, robots: bool = False
+) -> tuple[str, ...]:
+    """Return the answers to what changes something.
+
+    Args:
+        options: Where the gateway or its data is.
+        ask: What.
+        robots: It cannot be done without the robots of the configuration.
+
+    Raises:
+        RosicError: Why not; nothing was changed.
+    """
+    return _answered(options, ask, changes=True, robots=robots)
+
+
+def printed(answers: Sequence[str], *, json: bool) -> str:
+    """Return answers as they are shown: lines, or one list of what each of them lists."""
+    if not json:
+        return "\n".join(answers)
+    raw = [one for text in answers for one in msgspec.json.decode(text, type=list[msgspec.Raw])]
+    return msgspec.json.encode(raw).decode()
+
+
+def _answered(
+    options: argparse.Namespace, ask: AdminRequest, *, changes: bool, robots: bool
+) -> tuple[str, ...]:
+    try:
+        return answers(data_of(options), ask)
+    except NotRunning:
+        from rosic.app.admin.offline import OfflineSeeding  # noqa: PLC0415 - imports a database
+
+        seeding = OfflineSeeding.WRITTEN if changes else OfflineSeeding.IMAGINED
+        return do(options, ask, seeding, robots=robots)
+
+
+# ---- lengths of time, as people write them after an option: ``2h``, ``90 min``, ``3 days`` ----
+
+_NEGATIVE = re.compile(r"-\.?\d")
+
+
+def seconds(option: str, text: str, *, zero: bool = False) -> float:
+    """Return how many seconds a text says.
+
+    Args:
+        option: For the sentence.
+        text: As typed.
+        zero: Whether no time at all is a length here.
+
+    Raises:
+        OutOfBounds: It is no length of time, or none at all, or less.
+    """
+    if _NEGATIVE.match(text.strip()):
+        raise OutOfBounds(f"{option} {text} is less than no time. Nothing was done.")
+    try:
+        said = TimeTokens(text)
+    except UnclearTime:
+        said = None
+    length_s = None if said is None or not _is_length(said) else said.length_s
+    if length_s is None:
+        raise OutOfBounds(
+            f"I cannot read {option} {text!r} as a length of time. Write {option} 2h, "
+            f"{option} 30min or {option} 3d."
+        )
+    if length_s <= 0 and not zero:
+        raise OutOfBounds(f"{option} {text} is no time at all. Nothing was done.")
+    return length_s
+
+
+def _is_length(said: TimeTokens) -> bool:
+    """Whether a length is all that was said."""
+    other = (said.start, said.end, said.day, said.date, said.delay_s, said.count, said.until)
+    return not said.weekdays and all(part is None for part in other)
+
+
+def joined(arguments: Iterable[str], options: Iterable[str]) -> list[str]:
+    """Return arguments in which a negative length belongs to its option.
+
+    Otherwise ``--for -1h`` reads as two options, and the sentence would be about that.
+    """
+    spans, found = set(options), list[str]()
+    for word in arguments:
+        if found and found[-1] in spans and _NEGATIVE.match(word):
+            found[-1] = f"{found[-1]}={word}"
+        else:
+            found.append(word)
+    return found
+
+
+# ---- when this process began: what a person waits for includes importing Python ----
+
+_STARTED_FIELD = 19  # of /proc/self/stat, counted behind the name
+
+
+def begun_ns() -> int:
+    """Return the monotonic clock at the start of this process; now, where it cannot be known.
+
+    The kernel's word, within 10 ms: starting the interpreter counts, and so does starting it anew
+    in the same process, which the ROS wheels do.
+    """
+    now_ns = SystemClock.monotonic_ns()
+    try:
+        fields = Path("/proc/self/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+        ticks = int(fields[_STARTED_FIELD])
+        age_ns = time.clock_gettime_ns(time.CLOCK_BOOTTIME) - ticks * 10**9 // os.sysconf(
+            "SC_CLK_TCK"
+        )
+    except (OSError, ValueError, IndexError, AttributeError):
+        return now_ns
+    return now_ns - max(0, age_ns)

@@ -6,7 +6,6 @@ import argparse
 import io
 import re
 from contextlib import redirect_stderr, redirect_stdout, suppress
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 from rosic.cli.main import COMMANDS
@@ -65,5 +64,5 @@ def _options(name: str) -> list[str]:
     """Return the options of a command, as its own help has them."""
     said = io.StringIO()
     with redirect_stdout(said), redirect_stderr(said), suppress(SystemExit):
-        import_module(COMMANDS[name].module).run(["--help"])
+        COMMANDS[name].run(["--help"])
     return sorted({*_OPTION.findall(said.getvalue()), "--help"})

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from rosic.app.demo import demonstrate
 from rosic.app.logging import log_to_standard_error
 from rosic.app.runtime import face_of
-from rosic.cli.begun import begun_ns
+from rosic.cli.client import begun_ns
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock, SystemEntropy
 from rosic_sim.scenarios.registry import NAMES, play_named

@@ -1,103 +1,79 @@
-"""``rosic schedule plan``: who could have which robot when, from a list of wishes."""
+"""``rosic run``: the gateway itself."""
 
 from __future__ import annotations
 
 import argparse
+import logging
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-import msgspec
+from msgspec.structs import replace
 
-from rosic.app.admin.api import AdminRequest, AdminVerb
-from rosic.app.admin.schedule import (
-    BookParameters,
-    KnownNames,
-    ScheduleWindow,
-    SlotBooking,
-    TakenSlot,
-    merged_who,
-    not_over,
-    openings_of,
-    problem_of,
-    read_wishes,
-)
-from rosic.cli.client import add_where
-from rosic.cli.desk import changed, looked_up
-from rosic.errors import ConfigurationError
-from rosic.organiser.planning.metrics import plan_text
-from rosic.organiser.planning.solver import LIMIT_S, propose
-from rosic.organiser.timezones import zone_named
-from rosic.system import SystemClock
+from rosic.app import runtime
+from rosic.app.builder import secrets_of
+from rosic.app.config import Config, load_config
+from rosic.app.logging import log_to_standard_error
+from rosic.app.private_memory import keep_memory_private
+from rosic.app.runtime import face_of
+from rosic.app.service import GatewayService
+from rosic.cli.client import CONFIG, begun_ns
+from rosic.cli.people import show
+from rosic.config.file_permissions import open_to_others
+from rosic.config.translations import of_locale
+from rosic.core.i18n import in_language
+from rosic.errors import RosicError
+from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from rosic.organiser.planning.problem import PlanningProblem, Proposal, Span, Wish
+RUN_ABOUT = """Start the gateway of a configuration file, and keep it running until SIGTERM or
+Ctrl-C. Then robots are brought to rest, what is untold is told, and it ends within 5 seconds."""
 
-ABOUT = """Propose who gets which robot when, from wishes in a table (CSV) or a list (JSON) with
-person, robots, length, earliest, latest and priority. Nothing is booked without --book. Works with
-and without a running gateway."""
+BEGIN_ANEW = """take the data folder as it is, though its record was lost, emptied or put back
+from an older copy: what was decided meanwhile is forgotten, whoever was revoked or locked since may
+come in again, and without a record everybody whom the configuration names is let in anew"""
+
+log = logging.getLogger("rosic.gateway")
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Plan, print, and book if asked to. Return 2 when a line of the file is wrong.
+    """Run the gateway. Return 0 after a signal, 1 when it could not start or go on.
 
     Raises:
-        RosicError: Why not; nothing was booked.
+        ConfigurationError: The configuration is wrong; nothing was started.
     """
-    parser = argparse.ArgumentParser(prog="rosic schedule plan", description=ABOUT)
-    parser.add_argument("file", metavar="FILE", help="ends in .csv or .json")
-    parser.add_argument("--book", action="store_true", help="book it: all of it, or nothing")
-    parser.add_argument("--open", metavar="08:00-18:00", help="plan within these hours alone")
-    add_where(parser)
+    keep_memory_private()  # before there is a secret in it
+    parser = argparse.ArgumentParser(prog="rosic run", description=RUN_ABOUT)
+    parser.add_argument("-c", "--config", metavar="FILE", default=CONFIG)
+    parser.add_argument("--begin-anew", action="store_true", help=BEGIN_ANEW)
     options = parser.parse_args(arguments)
-    who = _who(options)
-    wishes, complaints = read_wishes(Path(options.file), who)
-    wishes, late = not_over(wishes, SystemClock().wall_ns())
-    for complaint in (*complaints, *late):
-        print(complaint, file=sys.stderr)
-    if complaints or late:
-        count = len(complaints) + len(late)
-        said = "line is" if count == 1 else "lines are"
-        print(f"{count} {said} wrong. Nothing was planned.", file=sys.stderr)
-        return 2
-    proposal = propose(_problem(options, who, wishes), limit_s=LIMIT_S)
-    print(plan_text(proposal, zone=zone_named(who.zone), name_of=lambda p: who.names.get(p, p)))
-    if options.book:
-        print(_book(options, proposal))
+    config = replace(load_config(options.config), begin_anew=options.begin_anew)
+    others = tuple(open_to_others((*config.files, config.data)))
+    for found in others:
+        if found.everybody:
+            raise found.error
+    log_to_standard_error(config.log_level.value, face_of(), secrets_of(config))
+    for found in others:
+        log.warning("%s", found.error)
+    try:
+        runtime.run(_serve(config))
+    except RosicError as error:
+        print(f"rosic: {error}", file=sys.stderr)
+        return 1
     return 0
 
 
-def _who(options: argparse.Namespace) -> KnownNames:
-    # What is booked is booked for people of the record: the file's are taken over first.
-    known = changed if options.book else looked_up
-    answered = known(options, AdminRequest(AdminVerb.WHO), robots=True)
-    who = merged_who(msgspec.json.decode(text, type=KnownNames) for text in answered)
-    if not who.robots:
-        raise ConfigurationError("There is no robot to plan for.")
-    return who
+async def _serve(config: Config) -> None:
+    # A code for the first admin is for whoever sits here: not for a file, not for the journal.
+    at_terminal = _show if sys.stdout.isatty() else None
+    await GatewayService(
+        config, SystemClock(), SystemEntropy(), begun_ns=begun_ns(), show=at_terminal
+    ).run()
 
 
-def _problem(
-    options: argparse.Namespace, who: KnownNames, wishes: tuple[Wish, ...]
-) -> PlanningProblem:
-    openings: tuple[Span, ...] = ()
-    if options.open is not None:
-        openings = openings_of(options.open, wishes, zone_named(who.zone))
-    if not wishes:
-        return problem_of(wishes, who, ())
-    window = ScheduleWindow(min(w.earliest_ns for w in wishes), max(w.latest_ns for w in wishes))
-    ask = AdminRequest(AdminVerb.TAKEN, body=msgspec.Raw(msgspec.json.encode(window)))
-    answered = looked_up(options, ask, robots=True)
-    taken = [msgspec.json.decode(text, type=TakenSlot) for text in answered]
-    return problem_of(wishes, who, taken, openings)
+def _show(sentence: str, payload: str) -> None:
+    """Print a sentence in the language of this terminal, and what a camera reads."""
+    from rosic.messengers.terminal.messenger import own_locale  # noqa: PLC0415 - not for a start
 
-
-def _book(options: argparse.Namespace, proposal: Proposal) -> str:
-    slots = tuple(
-        SlotBooking(a.wish.principal, a.robot, a.start_ns, a.wish.length_s)
-        for a in proposal.allocations
-    )
-    body = msgspec.Raw(msgspec.json.encode(BookParameters(slots)))
-    return "\n".join(changed(options, AdminRequest(AdminVerb.BOOK, body=body), robots=True))
+    show(in_language(sentence, of_locale(own_locale())), payload)

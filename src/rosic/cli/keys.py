@@ -1,4 +1,4 @@
-"""``rosic key rotate``: a new key in place of somebody's old one."""
+"""``rosic key list``, ``rotate`` and ``revoke``: who holds which key."""
 
 from __future__ import annotations
 
@@ -7,25 +7,50 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.admin.api import AdminRequest, AdminVerb
-from rosic.cli.client import add_where
-from rosic.cli.desk import changed
-from rosic.cli.spans import joined, seconds
+from rosic.app.admin.api import AS_JSON, NOTHING, AdminRequest, AdminVerb
+from rosic.cli.client import add_where, changed, joined, looked_up, printed, seconds
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-ABOUT = """Give somebody a new authorisation key in place of the old one, with the same bounds. They
-notice nothing. Works with and without a running gateway."""
+
+# ---- ``rosic key list`` ----
+
+LIST_ABOUT = (
+    "Every authorisation key, or those of one person: whose it is, and how long it is good."
+)
 
 
-def run(arguments: Sequence[str]) -> int:
+def list_keys(arguments: Sequence[str]) -> int:
+    """Ask the gateway, or read its data when none runs.
+
+    Raises:
+        RosicError: Why not.
+    """
+    parser = argparse.ArgumentParser(prog="rosic key list", description=LIST_ABOUT)
+    parser.add_argument("name", metavar="NAME", nargs="?", help="one person's only")
+    parser.add_argument("--json", action="store_true", help="one list, for programs")
+    add_where(parser)
+    options = parser.parse_args(arguments)
+    names = () if options.name is None else (options.name,)
+    body = AS_JSON if options.json else NOTHING
+    print(printed(looked_up(options, AdminRequest(AdminVerb.KEYS, names, body)), json=options.json))
+    return 0
+
+
+# ---- ``rosic key rotate`` ----
+
+ROTATE_ABOUT = """Give somebody a new authorisation key in place of the old one, with the same
+bounds. They notice nothing. Works with and without a running gateway."""
+
+
+def rotate(arguments: Sequence[str]) -> int:
     """Ask the gateway, or write it into its data when none runs.
 
     Raises:
         RosicError: Why not; nothing was changed.
     """
-    parser = argparse.ArgumentParser(prog="rosic key rotate", description=ABOUT)
+    parser = argparse.ArgumentParser(prog="rosic key rotate", description=ROTATE_ABOUT)
     parser.add_argument("name", metavar="NAME", help="as rosic people shows it, or the id")
     parser.add_argument("--grace", metavar="TIME", default="0s", help="the old one stays good")
     add_where(parser)
@@ -33,4 +58,24 @@ def run(arguments: Sequence[str]) -> int:
     grace_s = seconds("--grace", options.grace, zero=True)
     body = msgspec.Raw(msgspec.json.encode({"grace_s": grace_s}))
     print("\n".join(changed(options, AdminRequest(AdminVerb.ROTATE, (options.name,), body))))
+    return 0
+
+
+# ---- ``rosic key revoke`` ----
+
+REVOKE_ABOUT = """Take back one key by its id, or every key of a person; at once and for ever. Works
+with and without a running gateway."""
+
+
+def revoke(arguments: Sequence[str]) -> int:
+    """Ask the gateway, or write it into its data when none runs.
+
+    Raises:
+        RosicError: Why not; nothing was changed.
+    """
+    parser = argparse.ArgumentParser(prog="rosic key revoke", description=REVOKE_ABOUT)
+    parser.add_argument("name", metavar="NAME", help="a person, or the id of a key")
+    add_where(parser)
+    options = parser.parse_args(arguments)
+    print("\n".join(changed(options, AdminRequest(AdminVerb.TAKE_KEY, (options.name,)))))
     return 0

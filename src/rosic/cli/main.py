@@ -24,49 +24,74 @@ class Command(NamedTuple):
     """A sub-command.
 
     Attributes:
-        module: Has ``run(arguments) -> exit status``.
+        function: ``module:name`` of what takes the arguments and returns the exit status.
         summary: One line for the overview.
     """
 
-    module: str
+    function: str
     summary: str
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Import it, with what it needs, and run it."""
+        module, _, name = self.function.partition(":")
+        return int(getattr(import_module(module), name)(arguments))
 
 
 COMMANDS: dict[str, Command] = {
-    "init": Command("rosic.cli.init", "a few questions, then a configuration that works"),
-    "demo": Command("rosic.cli.demo", "simulated robots in this terminal, or a play: demo fleet"),
-    "run": Command("rosic.cli.run", "start the gateway of a configuration file"),
-    "check": Command("rosic.cli.check", "say everything that is wrong with a configuration file"),
-    "robot check": Command("rosic.cli.robot_check", "say everything that is wrong with a profile"),
-    "robot add": Command("rosic.cli.robot_add", "add a robot to the running gateway"),
-    "robot discover": Command("rosic.cli.robots", "draft a profile from the ROS 2 graph"),
-    "status": Command("rosic.cli.status", "how the robots of the running gateway are"),
-    "stop": Command("rosic.cli.stop", "stop robots of the running gateway; all, if none is named"),
-    "resume": Command("rosic.cli.resume", "let stopped robots of the running gateway go on"),
-    "people": Command("rosic.cli.people", "who is known, with which roles"),
-    "invite": Command("rosic.cli.invite", "a code that lets one person in, once"),
-    "lock": Command("rosic.cli.lock", "keep somebody out for now; what they move stops"),
-    "unlock": Command("rosic.cli.unlock", "give a locked person their access back"),
-    "revoke": Command("rosic.cli.revoke", "take somebody's access back, for ever"),
-    "key list": Command("rosic.cli.key_list", "every authorisation key, and how long it is good"),
-    "key rotate": Command("rosic.cli.keys", "a new key in place of somebody's old one"),
-    "key revoke": Command("rosic.cli.key_revoke", "take one key back, or all of a person's"),
-    "explain": Command("rosic.cli.explain", "what somebody may, and every rule that made it so"),
-    "history": Command("rosic.cli.history", "who asked for what, when, and what came of it"),
-    "security report": Command(
-        "rosic.cli.security_report", "who was turned away, who is locked, what ends soon"
+    "init": Command("rosic.cli.init:run", "a few questions, then a configuration that works"),
+    "demo": Command(
+        "rosic.cli.demo:run", "simulated robots in this terminal, or a play: demo fleet"
     ),
-    "container list": Command("rosic.cli.container_list", "every container of what is kept"),
-    "container show": Command("rosic.cli.container_show", "how much of what one container holds"),
-    "container export": Command("rosic.cli.containers", "what a container holds, as a file"),
-    "container limit": Command("rosic.cli.container_limit", "what one container may keep"),
-    "container erase": Command("rosic.cli.container_erase", "erase a container, for good"),
-    "schedule plan": Command("rosic.cli.gateway", "who could have which robot when"),
-    "clock": Command("rosic.cli.clock", "whether the clock was set back, and that it is right"),
-    "doctor": Command("rosic.cli.doctor", "measure this machine; with --try, a robot"),
-    "sim": Command("rosic.cli.sim", "the simulated robots as ROS 2 nodes"),
-    "bench": Command("rosic.cli.bench", "measure how fast ROSIC is here"),
-    "completion": Command("rosic.cli.completion", "what makes a shell complete these commands"),
+    "run": Command("rosic.cli.gateway:run", "start the gateway of a configuration file"),
+    "check": Command(
+        "rosic.cli.diagnostics:check", "say everything that is wrong with a configuration file"
+    ),
+    "robot check": Command("rosic.cli.robots:check", "say everything that is wrong with a profile"),
+    "robot add": Command("rosic.cli.robots:add", "add a robot to the running gateway"),
+    "robot discover": Command(
+        "rosic.cli.robots:discover_robots", "draft a profile from the ROS 2 graph"
+    ),
+    "status": Command("rosic.cli.control:status", "how the robots of the running gateway are"),
+    "stop": Command(
+        "rosic.cli.control:stop", "stop robots of the running gateway; all, if none is named"
+    ),
+    "resume": Command(
+        "rosic.cli.control:resume", "let stopped robots of the running gateway go on"
+    ),
+    "people": Command("rosic.cli.people:people", "who is known, with which roles"),
+    "invite": Command("rosic.cli.people:invite", "a code that lets one person in, once"),
+    "lock": Command("rosic.cli.people:lock", "keep somebody out for now; what they move stops"),
+    "unlock": Command("rosic.cli.people:unlock", "give a locked person their access back"),
+    "revoke": Command("rosic.cli.people:revoke", "take somebody's access back, for ever"),
+    "key list": Command(
+        "rosic.cli.keys:list_keys", "every authorisation key, and how long it is good"
+    ),
+    "key rotate": Command("rosic.cli.keys:rotate", "a new key in place of somebody's old one"),
+    "key revoke": Command("rosic.cli.keys:revoke", "take one key back, or all of a person's"),
+    "explain": Command(
+        "rosic.cli.audit:explain", "what somebody may, and every rule that made it so"
+    ),
+    "history": Command("rosic.cli.audit:history", "who asked for what, when, and what came of it"),
+    "security report": Command(
+        "rosic.cli.audit:security_report", "who was turned away, who is locked, what ends soon"
+    ),
+    "container list": Command(
+        "rosic.cli.containers:list_containers", "every container of what is kept"
+    ),
+    "container show": Command("rosic.cli.containers:show", "how much of what one container holds"),
+    "container export": Command(
+        "rosic.cli.containers:export_container", "what a container holds, as a file"
+    ),
+    "container limit": Command("rosic.cli.containers:limit", "what one container may keep"),
+    "container erase": Command("rosic.cli.containers:erase", "erase a container, for good"),
+    "schedule plan": Command("rosic.cli.schedule:plan", "who could have which robot when"),
+    "clock": Command(
+        "rosic.cli.control:clock", "whether the clock was set back, and that it is right"
+    ),
+    "doctor": Command("rosic.cli.diagnostics:doctor", "measure this machine; with --try, a robot"),
+    "sim": Command("rosic.cli.sim:run", "the simulated robots as ROS 2 nodes"),
+    "bench": Command("rosic.bench:main", "measure how fast ROSIC is here"),
+    "completion": Command("rosic.cli.completion:run", "what makes a shell complete these commands"),
 }
 
 USAGE = """usage: rosic COMMAND ...
@@ -107,8 +132,7 @@ def _run(words: list[str]) -> int:
     for count in (2, 1):
         name = " ".join(words[:count])
         if len(words) >= count and name in COMMANDS:
-            run = import_module(COMMANDS[name].module).run
-            return int(run(words[count:]))
+            return COMMANDS[name].run(words[count:])
     return _overview(words)
 
 

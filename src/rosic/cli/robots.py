@@ -1,4 +1,4 @@
-"""``rosic robot discover``: a draft profile for every robot on the ROS 2 graph."""
+"""``rosic robot check``, ``add`` and ``discover``: profiles of robots."""
 
 from __future__ import annotations
 
@@ -8,27 +8,125 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import msgspec
+
+from rosic.app.added_robots import AddRobotRequest, ProfileDraft
+from rosic.app.admin.api import AdminRequest, AdminVerb
+from rosic.app.admin.control_client import NotRunning
 from rosic.app.setup.discovery import LOOK_S, discover
 from rosic.app.setup.neighbours import MIXED
 from rosic.app.setup.profile_draft import NO_REST
-from rosic.config.profiles import check_profile
+from rosic.cli.client import add_where, ask, data_of
+from rosic.config.plugins import check_robot, check_robot_kind, robot_factory
+from rosic.config.profiles import check_profile, find_profile, known_units, read_profile
+from rosic.config.source_map import read_text
+from rosic.config.yaml_source import read_yaml
+from rosic.errors import ConfigurationError, Fault
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-ABOUT = """Look at the live ROS 2 graph and write a draft profile for every robot seen there: its
-stop, how rest is measured, telemetry, and its actions, services and velocity topic as skills with
-careful bounds. Existing files are left alone."""
+    from rosic.core.robot.profile import Profile
 
 
-def run(arguments: Sequence[str]) -> int:
+# ---- ``rosic robot check`` ----
+
+CHECK_ABOUT = "Say everything that is wrong with robots' profiles, with file, line and a hint."
+
+
+def check(arguments: Sequence[str]) -> int:
+    """Check. Return 0 if all are good, else 2."""
+    parser = argparse.ArgumentParser(prog="rosic robot check", description=CHECK_ABOUT)
+    parser.add_argument("files", metavar="FILE", nargs="+")
+    options = parser.parse_args(arguments)
+    units = known_units()
+    wrong = 0
+    for file in options.files:
+        read = read_profile(file, units)
+        errors = read.errors or _refused(file, read.profile)
+        wrong += len(errors)
+        for advice in read.advice:
+            print(advice)
+        for error in errors:
+            print(error, file=sys.stderr)
+        if read.profile is not None and not errors:
+            skills = len(read.profile.skills)
+            count = "1 skill" if skills == 1 else f"{skills} skills"
+            print(f"{file} is good: {read.profile.shown}, {count}.")
+    return 2 if wrong else 0
+
+
+def _refused(file: str, profile: Profile | None) -> list[ConfigurationError]:
+    """Say what a start would refuse of a profile that is good by itself."""
+    if profile is None:
+        return []
+    where = read_yaml(Path(file)).where
+    try:
+        check_robot_kind(profile.link.kind)
+    except ConfigurationError as wrong:
+        return [ConfigurationError(str(wrong), where=where(("link", "kind")))]
+    try:
+        factory = robot_factory(profile.link.kind)
+    except ConfigurationError:
+        return []  # what it needs is not on this machine, and need not be
+    return [
+        ConfigurationError(fault.sentence, where=where(fault.place), hint=fault.hint)
+        for fault in check_robot(profile, factory, SystemClock())
+    ]
+
+
+# ---- ``rosic robot add`` ----
+
+ADD_ABOUT = """Add a robot to the running gateway, by its profile or by the name of a profile that
+ships. It is there at once, for everybody whose rights reach it, and after every restart; nothing
+that runs is disturbed. A profile with something wrong changes nothing."""
+
+
+def add(arguments: Sequence[str]) -> int:
+    """Add. Return 0 if the robot is there, 1 if the gateway refused, 2 if its profile is wrong.
+
+    Raises:
+        ConfigurationError: There is no such profile.
+        Fault: No gateway runs; nothing was changed.
+    """
+    parser = argparse.ArgumentParser(prog="rosic robot add", description=ADD_ABOUT)
+    parser.add_argument("profile", metavar="PROFILE")
+    parser.add_argument("--link", metavar="KIND", default="", help="reach it by this instead")
+    parser.add_argument(
+        "--role", default="", help="let it speak with the other robots, with the rights of a role"
+    )
+    add_where(parser)
+    options = parser.parse_args(arguments)
+    data, path = data_of(options), find_profile(options.profile, Path())
+    errors = read_profile(path, known_units(), link=options.link).errors
+    if errors:
+        for error in errors:
+            print(error, file=sys.stderr)
+        return 2
+    draft = ProfileDraft(text=read_text(path), name=path.name, link=options.link)
+    body = msgspec.Raw(msgspec.json.encode(AddRobotRequest(draft, options.role)))
+    try:
+        return ask(data, AdminRequest(AdminVerb.ADD_ROBOT, body=body))
+    except NotRunning as alone:
+        sentence = f"{alone} Without one, name the robot in the configuration: [[robot]]"
+        raise Fault(f'{sentence} profile = "{options.profile}".') from alone
+
+
+# ---- ``rosic robot discover`` ----
+
+DISCOVER_ABOUT = """Look at the live ROS 2 graph and write a draft profile for every robot seen
+there: its stop, how rest is measured, telemetry, and its actions, services and velocity topic as
+skills with careful bounds. Existing files are left alone."""
+
+
+def discover_robots(arguments: Sequence[str]) -> int:
     """Discover. Return 1 if a file was in the way.
 
     Raises:
         ConfigurationError: ROS 2 is not here, or nobody is on the graph.
     """
-    parser = argparse.ArgumentParser(prog="rosic robot discover", description=ABOUT)
+    parser = argparse.ArgumentParser(prog="rosic robot discover", description=DISCOVER_ABOUT)
     parser.add_argument("-o", "--output", metavar="FOLDER", help="write files instead of printing")
     parser.add_argument(
         "--seconds", type=float, default=LOOK_S, help=f"how long to look ({LOOK_S:g})"

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from rosic.app.setup.discovery import LOOK_S, discover
-from rosic.cli.robots import run
+from rosic.cli.robots import discover_robots
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ async def test_where_nothing_shows_rest_it_is_said_and_not_drafted(
 ) -> None:
     base.say("twist=zero by_hand=0.3 joints=empty")
     await asyncio.to_thread(base.expect, "ok")
-    assert await asyncio.to_thread(run, ["-o", str(tmp_path)]) == 0
+    assert await asyncio.to_thread(discover_robots, ["-o", str(tmp_path)]) == 0
     lines = (tmp_path / "base.yaml").read_text().splitlines()
     assert {ODOM, JOINTS} <= set(lines)
     assert "at_rest:" not in lines

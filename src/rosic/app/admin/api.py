@@ -166,6 +166,8 @@ class AnswerFormat(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     json: bool = False
 
 
+ALL = "--all"
+"""Every robot that is stopped, in place of names."""
 AS_JSON = msgspec.Raw(msgspec.json.encode(AnswerFormat(json=True)))
 """The body of a request whose answers are for programs."""
 

@@ -13,7 +13,7 @@ import msgspec
 
 from rosic.app.added_robots import AddRobotRequest
 from rosic.app.admin.access import AccessAdmin, InviteParameters, RotateParameters
-from rosic.app.admin.api import AdminVerb
+from rosic.app.admin.api import ALL, AdminVerb
 from rosic.app.admin.containers import ContainersAdmin, LimitParameters
 from rosic.app.admin.explain import Explainer
 from rosic.app.admin.history import HistoryParameters, history_of
@@ -181,7 +181,6 @@ def body_of(ask: AdminRequest, kind: type[T]) -> T:
 
 # ---- everything the operator may ask ----
 
-ALL = "--all"
 NOT_KEPT = said("This could not be written down: after a restart, look before you move anything.")
 
 

@@ -1,14 +1,16 @@
-"""``rosic doctor``: what this machine and its robots are really like."""
+"""``rosic check`` and ``doctor``: what is wrong, without starting anything."""
 
 from __future__ import annotations
 
 import argparse
 import asyncio
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rosic.app.config import Config, load_config
 from rosic.app.setup import DiagnosticFinding, FindingVerdict, examine
+from rosic.app.setup.check import check_all
 from rosic.cli.client import CONFIG
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock, SystemEntropy
@@ -16,21 +18,47 @@ from rosic.system import SystemClock, SystemEntropy
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-ABOUT = """Measure this machine: its disk, record and clocks; look for ROS 2; check the accounts of
-the messengers. With --try, one robot moves slowly for a moment, and its stop and its watchdog are
-measured: have free space around it."""
+
+# ---- ``rosic check`` ----
+
+CHECK_ABOUT = "Say everything that is wrong with a configuration file and the profiles it names."
+
+
+def check(arguments: Sequence[str]) -> int:
+    """Check. Return 0 if a gateway could be started with it, else 2."""
+    parser = argparse.ArgumentParser(prog="rosic check", description=CHECK_ABOUT)
+    parser.add_argument("-c", "--config", metavar="FILE", default=CONFIG)
+    options = parser.parse_args(arguments)
+    found = check_all(options.config, SystemClock())
+    for advice in found.advice:
+        print(f"{advice}")
+    for error in found.errors:
+        print(f"{error}", file=sys.stderr)
+    if found.errors:
+        count = len(found.errors)
+        print(f"{count} {'thing is' if count == 1 else 'things are'} wrong.", file=sys.stderr)
+        return 2
+    print(f"{options.config} is good: {found.summary}.")
+    return 0
+
+
+# ---- ``rosic doctor`` ----
+
+DOCTOR_ABOUT = """Measure this machine: its disk, record and clocks; look for ROS 2; check the
+accounts of the messengers. With --try, one robot moves slowly for a moment, and its stop and its
+watchdog are measured: have free space around it."""
 
 LEFT = """Broken off. Whatever was under way was ended. Where {robot} had been stopped, it stays
 stopped, also after a start: see rosic status, and say: resume {robot}"""
 
 
-def run(arguments: Sequence[str]) -> int:
+def doctor(arguments: Sequence[str]) -> int:
     """Examine. Return 0 if all is good, 1 if something should be looked at.
 
     Raises:
         ConfigurationError: The configuration is wrong.
     """
-    parser = argparse.ArgumentParser(prog="rosic doctor", description=ABOUT)
+    parser = argparse.ArgumentParser(prog="rosic doctor", description=DOCTOR_ABOUT)
     parser.add_argument(
         "-c",
         "--config",
