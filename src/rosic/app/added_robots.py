@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from rosic.core.language import UnitTable
     from rosic.core.message import Button
     from rosic.core.robot.profile import Profile
-    from rosic.features.files.upload import Offer
     from rosic.gateway.commands import CommandContext
     from rosic.gateway.container_context import ContainerContext
     from rosic.organiser.organiser import Organiser
@@ -222,15 +221,10 @@ class AddRobotFromChat:
         self._data_context = data_context
         self._organiser = organiser
 
-    def offering(self, others: Offer) -> Offer:
-        """Return what may be done with a file that was sent, besides what others offer."""
-
-        def offer(principal: PrincipalId, filed: StoredFile) -> list[Button]:
-            mine = filed.name.casefold().endswith(words.SUFFIXES) and self._may(principal)
-            added = [words.add_button(filed.name)] if mine else []
-            return [*others(principal, filed), *added]
-
-        return offer
+    def offer(self, principal: PrincipalId, filed: StoredFile) -> list[Button]:
+        """Return the button that adds a robot from a file that was sent, if it may be that."""
+        mine = filed.name.casefold().endswith(words.SUFFIXES) and self._may(principal)
+        return [words.add_button(filed.name)] if mine else []
 
     async def add(self, asked: CommandContext, said: str) -> Reply:
         """Show what a profile would add, or add what was shown.
@@ -297,7 +291,7 @@ def newcomers_of(gateway: RunningGateway, robot_adder: RobotAdder) -> None:
             robot_adder, data_feature.data_context, gateway.rooms.organiser
         )
         gateway.features.fleet.robots.newcomer = newcomers.add
-        data_feature.receiving.offer = newcomers.offering(data_feature.receiving.offer)
+        data_feature.receiving.offer_too(newcomers.offer)
 
 
 def _check_folders(profile: Profile) -> None:

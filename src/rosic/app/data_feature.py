@@ -159,7 +159,7 @@ class DataFeature:
         handing = handing_of(rooms, data_context, pipeline, self._aside, self._folders)
         filing.take_time(self._aside, pipeline.plain)
         filing.hand_over(handing)
-        self.receiving.offer = handing.offer
+        self.receiving.offer_too(handing.offer)
         await self.receiving.finish()
         await erasing.finish()
 

@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from rosic.core.order_status import Face
     from rosic.core.records import Memory
     from rosic.core.robot.profile import RobotId
+    from rosic.features.dashboard.camera_preview import CameraPreview
     from rosic.gateway import Pipeline
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
@@ -112,6 +113,7 @@ class FeatureSetup:
         entropy: Entropy,
         zone: str,
         memory: Memory,
+        camera: CameraPreview | None,
     ) -> None:
         """Put everything in its place.
 
@@ -121,6 +123,7 @@ class FeatureSetup:
             entropy: Of the gateway.
             zone: Of the place, in which times are said to whoever has set no other.
             memory: What earlier runs left.
+            camera: Looks for the pictures of dashboards.
         """
         rooms, hooks = self._rooms, self._pipeline.hooks
         self.reach, messengers = reach, reach.messengers
@@ -132,7 +135,7 @@ class FeatureSetup:
         self._pipeline.cancels.also(self.confirmation.withdraw)
         self._set_up_times(clock)
         self._set_up_people(self._enforcer.policy, messengers, clock, entropy)
-        self._set_up_cards(messengers, clock)
+        self._set_up_cards(messengers, clock, camera)
         self.plugged = self._plug_in(memory, clock)
         hooks.commands.register("take", self.handover.take)
         hooks.commands.register("end", self.handover.give_back)
@@ -340,8 +343,8 @@ class FeatureSetup:
 
     def _watch_ends(self) -> None:
         """Hear of orders that end, but only while somebody waits for a robot."""
-        waited_for = bool(self._access.waiting.wanted())
-        self._pipeline.executor.after = self._order_ended if waited_for else None
+        wanted = bool(self._access.waiting.wanted())
+        self._pipeline.executor.hear_ends(self._order_ended, wanted=wanted)
 
     def _order_ended(self, robot: RobotId) -> None:
         if self._access.waiting.queue(robot):
@@ -358,7 +361,9 @@ class FeatureSetup:
 
     # ---- live cards ----
 
-    def _set_up_cards(self, messengers: Sequence[Messenger], clock: Clock) -> None:
+    def _set_up_cards(
+        self, messengers: Sequence[Messenger], clock: Clock, camera: CameraPreview | None
+    ) -> None:
         rooms, pipeline = self._rooms, self._pipeline
         snapshots = RobotSnapshots(rooms, pipeline.executor, pipeline.face, self.assessment.line)
         sides = self._card_sides = CardSides(
@@ -372,7 +377,9 @@ class FeatureSetup:
             catalogue=self._chat_sender.languages.of,
             issue=rooms.authoriser.buttons.issue,
         )
-        self.live_cards = Dashboards(snapshots, self._access.changes, messengers, clock, sides)
+        self.live_cards = Dashboards(
+            snapshots, self._access.changes, messengers, clock, sides, camera
+        )
         self.live_cards.restore(self._access.cards)
         handler = DashboardCommands(self.live_cards, snapshots, rooms.vocabularies, sides)
         pipeline.hooks.commands.register("card", handler.card)

@@ -235,13 +235,13 @@ class Gateway(RunningGateway):
         self.features = FeatureSetup(
             self.rooms, self.pipeline, self.access, self.stop_lane, chat_sender, self.enforcer
         )
-        self.features.set_up(reach, time, parts.entropy, self._settings.zone, memory)
         self.media_feature = set_up_media(
             self.rooms, self.pipeline, chat_sender, parts.renderer, parts.clock
         )
         self._closes.append(self.media_feature.render_queue.close)
         self._ends.append(self._end_sampling)
-        self.features.live_cards.drawing.picturing.camera = DashboardCamera(self.media_feature)
+        camera = DashboardCamera(self.media_feature)
+        self.features.set_up(reach, time, parts.entropy, self._settings.zone, memory, camera)
         self.alarms = self.features.alarms(memory, self._settings, time, parts.face)
         self.alarms.watch(self._messengers)
         groups_feature = groups_of(self, chat_sender, parts.clock, self._settings.place)

@@ -163,14 +163,13 @@ def messaging_of(
         around,
         board,
         guard,
-        HelpService(book, around),
+        HelpService(book, around, AssistCommands(rooms, fleet.dispatching, fleet.watching)),
         Strategies(around),
         ConversationDigests(post, rights, rooms.authoriser, chat_sender, reach.messengers),
     )
     messaging = RobotMessaging(circle)
     messaging.restore(memory.facts)
     RobotToRobotCommands(messaging, rooms).register(gateway.pipeline.hooks.commands)
-    circle.helping.tasks = AssistCommands(rooms, fleet.dispatching, fleet.watching)
     gateway.data_feature.also_ends.append(post.end_all)
     gateway.data_feature.also_ended.append(fleet.dispatching.ended)
     for robot, adapter in gateway.robots.items():

@@ -122,11 +122,7 @@ class RobotWorker:
 
 
 class OrderExecutor:
-    """Every order under way. Each robot has its own task: a long motion blocks nobody else.
-
-    Attributes:
-        after: Called with the robot when an order has ended.
-    """
+    """Every order under way. Each robot has its own task: a long motion blocks nobody else."""
 
     def __init__(
         self,
@@ -136,7 +132,7 @@ class OrderExecutor:
         chat_sender: ChatSender,
         clock: Clock,
     ) -> None:
-        self.after: Callable[[RobotId], None] | None = None
+        self._hear_ends: tuple[Callable[[RobotId], None], ...] = ()
         self._watchers: tuple[OrderWatcher, ...] = ()
         self.chat_sender = chat_sender
         self.wall_ns = clock.wall_ns
@@ -260,11 +256,16 @@ class OrderExecutor:
         if watcher not in self._watchers:
             self._watchers = (*self._watchers, watcher)
 
+    def hear_ends(self, hear: Callable[[RobotId], None], *, wanted: bool) -> None:
+        """Call somebody with the robot whenever an order has ended; not wanted: no more."""
+        others = tuple(other for other in self._hear_ends if other != hear)
+        self._hear_ends = (*others, hear) if wanted else others
+
     def ended(self, running: RunningOrder, outcome: Outcome) -> None:
         """Write down how an order ended; once that is on disk it is told."""
         self._organiser.settle(running.order.permit)
-        if self.after is not None:
-            self.after(running.order.robot)
+        for hear in self._hear_ends:
+            hear(running.order.robot)
         if running.begun:
             for watcher in self._watchers:
                 watcher.ended(running.order, outcome)

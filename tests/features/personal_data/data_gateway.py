@@ -154,7 +154,7 @@ class Ward(Place):
             rooms, self.data_context, gateway.pipeline, self.aside, folders_of(rooms)
         )
         filing.hand_over(handing)
-        self.receiving.offer = handing.offer
+        self.receiving.offer_too(handing.offer)
         take_over(self.kept.memory.facts, self.data_context, self.erasing)
         chosen = rooms.container.selected
         rooms.container.selected = lambda principal, chat: (  # type: ignore[method-assign]

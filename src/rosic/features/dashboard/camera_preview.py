@@ -76,12 +76,14 @@ class PreviewedDashboards(Protocol):
 class CameraPreviews:
     """Puts the buttons under cards, and pictures on them.
 
-    Attributes:
-        camera: Looks; None until there is one: then no card offers a picture.
+    Args:
+        camera: Looks; None: no card offers a picture.
     """
 
-    def __init__(self, issue: Issue, now_ns: Callable[[], int]) -> None:
-        self.camera: CameraPreview | None = None
+    def __init__(
+        self, issue: Issue, now_ns: Callable[[], int], camera: CameraPreview | None
+    ) -> None:
+        self._camera = camera
         self._issue = issue
         self._now_ns = now_ns
 
@@ -105,7 +107,7 @@ class CameraPreviews:
         return card.buttons
 
     def _offered(self, card: Dashboard, robots: tuple[RobotId, ...]) -> tuple[RobotId, ...]:
-        camera, shows = self.camera, pictures_of(card.messenger)
+        camera, shows = self._camera, pictures_of(card.messenger)
         if camera is None or shows is None or card.chat.kind is ChatKind.CHANNEL:
             return ()
         return tuple(robot for robot in robots if camera.offers(robot))[:BUTTONS_AT_MOST]
@@ -119,26 +121,26 @@ class CameraPreviews:
         card = live.of(asked.messenger, asked.inbound.chat)
         if card is None:
             raise NothingToSee(words.NO_SUCH_CARD)
-        if self.camera is None or robot not in self._offered(card, (robot,)):
+        if self._camera is None or robot not in self._offered(card, (robot,)):
             raise NothingToSee(words.NO_PICTURE)
         card.offered = ()  # the one that was tapped is used up
 
         async def deliver(at_ns: int, outbound: Outbound) -> None:
             live.show_picture(card, PreviewedCamera(robot, at_ns, outbound.attachment))
 
-        self.camera.look(asked, robot, deliver)
+        self._camera.look(asked, robot, deliver)
         card.watched = PreviewViewer(asked, robot, self._now_ns())
 
     def renew(self, card: Dashboard) -> None:
         """Look once more for whoever looks at a card, if it is time. Returns at once."""
         watched, now_ns = card.watched, self._now_ns()
-        if watched is None or self.camera is None:
+        if watched is None or self._camera is None:
             return
         if now_ns >= watched.until_ns:
             card.watched = None
         elif now_ns >= watched.next_ns and card.picture is not None and not card.pictured_anew:
             watched.wait(now_ns)
-            self._look_again(card, watched, self.camera)
+            self._look_again(card, watched, self._camera)
 
     def _look_again(self, card: Dashboard, watched: PreviewViewer, camera: CameraPreview) -> None:
         async def deliver(at_ns: int, outbound: Outbound) -> None:

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat, Outbound
     from rosic.core.records import Fact
     from rosic.core.robot.profile import RobotId
+    from rosic.features.dashboard.camera_preview import CameraPreview
     from rosic.features.dashboard.dashboard import RobotSnapshots
     from rosic.features.dashboard.rendering import DashboardQueries
     from rosic.gateway.chat_dashboards import ChatDashboard
@@ -61,6 +62,7 @@ class Dashboards:
         messengers: Through which chats are reached.
         clock: Of the gateway.
         sides: What the rooms know.
+        camera: Looks for pictures; None: no card offers any.
 
     Attributes:
         kind: Of the facts of these cards.
@@ -77,8 +79,9 @@ class Dashboards:
         messengers: Iterable[Messenger],
         clock: Clock,
         sides: DashboardQueries,
+        camera: CameraPreview | None,
     ) -> None:
-        self.drawing = DashboardRendering(snapshots, sides, clock)
+        self.drawing = DashboardRendering(snapshots, sides, clock, camera)
         self._snapshots = snapshots
         self._changes = changes
         self._messengers = {messenger.name: messenger for messenger in messengers}

@@ -73,7 +73,7 @@ class FleetRendering(DashboardRendering):
         clock: Clock,
         overview: FleetStatus,
     ) -> None:
-        super().__init__(snapshots, sides, clock)
+        super().__init__(snapshots, sides, clock, None)  # nobody looks through a fleet
         self._overview = overview
 
     def text(
@@ -107,5 +107,5 @@ class FleetDashboards(Dashboards):
         sides: DashboardQueries,
     ) -> None:
         self.snapshots = FleetSnapshots(overview)
-        super().__init__(self.snapshots, changes, messengers, clock, sides)
+        super().__init__(self.snapshots, changes, messengers, clock, sides, None)
         self.drawing = FleetRendering(self.snapshots, sides, clock, overview)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rosic.contracts.clock import Clock
+    from rosic.features.dashboard.camera_preview import CameraPreview
     from rosic.features.dashboard.dashboard import Dashboard, RobotSnapshots
 
 ROBOTS_AT_MOST: Final = 12
@@ -78,11 +79,17 @@ class DashboardQueries(msgspec.Struct, frozen=True, kw_only=True):
 class DashboardRendering:
     """Makes the newest look at robots into a message."""
 
-    def __init__(self, snapshots: RobotSnapshots, sides: DashboardQueries, clock: Clock) -> None:
+    def __init__(
+        self,
+        snapshots: RobotSnapshots,
+        sides: DashboardQueries,
+        clock: Clock,
+        camera: CameraPreview | None,
+    ) -> None:
         self._snapshots = snapshots
         self._sides = sides
         self._clock = clock
-        self.picturing = CameraPreviews(sides.issue, clock.monotonic_ns)
+        self.picturing = CameraPreviews(sides.issue, clock.monotonic_ns, camera)
 
     def shows(self, robots: Sequence[RobotId]) -> dict[RobotId, int]:
         """Return which look at which robots a card would show now."""

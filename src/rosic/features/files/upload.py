@@ -58,25 +58,20 @@ SLOWEST_BYTES_S: Final = 500_000
 log = logging.getLogger("rosic.files")
 
 
-def nothing_to_offer(_principal: PrincipalId, _file: StoredFile) -> list[Button]:
-    """Return no further buttons: no robot takes files."""
-    return []
-
-
 class FileUpload:
-    """Takes in what people send.
-
-    Attributes:
-        offer: Returns what may be done with a file that is here.
-    """
+    """Takes in what people send."""
 
     def __init__(self, data_context: ContainerContext, tell: Tell, plain: Plain) -> None:
         self._data_context = data_context
         self._plain = plain
         self._tell = tell
-        self.offer: Offer = nothing_to_offer
+        self._offers: list[Offer] = []
         self._coming: dict[str, tuple[PrincipalId, asyncio.Task[None]]] = {}
         self._few = asyncio.Semaphore(AT_ONCE)
+
+    def offer_too(self, offer: Offer) -> None:
+        """Offer more that may be done with a file that is here, after what is offered so far."""
+        self._offers.append(offer)
 
     def take(self, messenger: Messenger, inbound: Inbound, caller: Caller) -> None:
         """Begin to take in the file of a message; the same message again begins nothing.
@@ -125,7 +120,7 @@ class FileUpload:
     def _here(self, principal: PrincipalId, filed: StoredFile) -> Reply:
         text = words.kept(filed.name, filed.sort, filed.size, filed.digest)
         buttons = [
-            *self.offer(principal, filed),
+            *(button for offer in self._offers for button in offer(principal, filed)),
             Button(words.DELETE, f"/files delete {filed.name}"),
         ]
         return Reply(text, rows(buttons))

@@ -42,9 +42,11 @@ class HelpService:
         tasks: Adjusts the tasks of both robots; None: nobody keeps tasks here.
     """
 
-    def __init__(self, book: HelpRequests, around: RobotToRobotContext) -> None:
+    def __init__(
+        self, book: HelpRequests, around: RobotToRobotContext, tasks: RobotTasks | None
+    ) -> None:
         self.book = book
-        self.tasks: RobotTasks | None = None
+        self.tasks = tasks
         self._rights = around.rights
         self._rooms = around.rooms
         self._changes = around.changes
