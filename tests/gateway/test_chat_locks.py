@@ -8,7 +8,7 @@ import pytest
 
 from rosic.core.message import Chat
 from rosic.errors import TooManyRequests
-from rosic.gateway.pipeline import WAITING_AT_MOST, ChatLocks
+from rosic.gateway.chat_locks import WAITING_AT_MOST, ChatLocks
 from rosic.testing.clock import settle
 from tests.pace import pace
 

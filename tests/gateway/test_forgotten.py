@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.i18n import in_language, joined, said
-from rosic.gateway.pipeline import FAULT
+from rosic.gateway.chat_handler import FAULT
 from tests.gateway.place import ADA, BO, VI, BrokenStore, Place
 from tests.gateway.tongue import Bracketed, forgotten, forgotten_in
 

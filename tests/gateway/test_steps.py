@@ -137,13 +137,13 @@ def test_a_stop_is_found_before_anything_that_came_with_it_is_followed() -> None
 
     async def act(place: Receiving) -> None:
         pipeline, heard = place.gateway.pipeline, []
-        follow = pipeline._take
+        follow = pipeline._carry
 
         async def take(messenger: Any, inbound: Any, arrived_ns: int) -> None:  # noqa: ANN401
             heard.append(place.gateway.rooms.board["omni"].latched)
             await follow(messenger, inbound, arrived_ns)
 
-        pipeline._take = take  # type: ignore[method-assign]
+        pipeline._carry = take  # type: ignore[method-assign]
         strangers = [
             place.message(STRANGER + n, filled("", LIGATURE + "\n", "\nstop")) for n in range(89)
         ]
@@ -245,7 +245,7 @@ def test_a_stop_of_nobody_is_found_before_anything_that_came_with_it_is_followed
 
     async def act(place: Receiving) -> None:
         pipeline, heard = place.gateway.pipeline, []
-        follow = pipeline._take
+        follow = pipeline._carry
         group = {"id": GROUP, "type": "supergroup", "title": "Lab"}
         await place.longest(place.message(ADA, "status", chat=group))
 
@@ -253,7 +253,7 @@ def test_a_stop_of_nobody_is_found_before_anything_that_came_with_it_is_followed
             heard.append(place.gateway.rooms.board["omni"].latched)
             await follow(messenger, inbound, arrived_ns)
 
-        pipeline._take = take  # type: ignore[method-assign]
+        pipeline._carry = take  # type: ignore[method-assign]
         unnamed = place.message(1087968824, "stop", chat=group, sender_chat=group)
         posts = [place.post(CHANNEL - n, NAMED[:LONGEST]) for n in range(20)]
         await place.longest(*(place.message(BO, "help") for _ in range(5)), *posts, unnamed)

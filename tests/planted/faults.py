@@ -296,8 +296,8 @@ FAULTS = (
     ),
     Fault(
         name="I8 a lock keeps nobody out",
-        file="gateway/pipeline.py",
-        guard="            self._rooms.organiser.check_unlocked(caller)\n",
+        file="gateway/chat_handler.py",
+        guard="        self._rooms.organiser.check_unlocked(caller)\n",
         without="",
         caught_by=(RIGHTS,),
     ),

@@ -10,7 +10,7 @@ OF_BUSY = (
     Fault(
         name="an order for a busy robot is claimed and accepted before it is refused",
         file="gateway/pipeline.py",
-        guard="            self._busy.check(requests, caller.principal, line.text)\n",
+        guard="        self._busy.check(requests, caller.principal, line.text)\n",
         without="",
         caught_by=(f"{BUSY}::test_it_is_said_once_and_nothing_is_claimed",),
     ),

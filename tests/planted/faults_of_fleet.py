@@ -99,7 +99,7 @@ OF_TASKS = (
     Fault(
         name="of those that begin together some go on without the one that does not",
         file="features/fleet/multi_robot.py",
-        guard="                life.over = partial(start.ended, order)\n",
+        guard="                status.over = partial(start.ended, order)\n",
         without="                pass\n",
         caught_by=("tests/features/fleet/test_multi_robot.py",),
     ),

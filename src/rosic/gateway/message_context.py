@@ -39,6 +39,7 @@ class MessageContext:
         second: Who else has agreed to it.
         shown_ns: When the button was shown that said it, wall clock; 0: it was typed.
         note: What is said beside its orders: that a default was lowered; mostly empty.
+        text: What is read: as it was typed, or what the button says.
         proven: It was asked whether they have shown a second factor lately, and they have.
     """
 
@@ -55,6 +56,7 @@ class MessageContext:
         "second",
         "shown_ns",
         "stepped_up",
+        "text",
     )
 
     def __init__(
@@ -67,6 +69,7 @@ class MessageContext:
     ) -> None:
         self.act = b""
         self.note = ""
+        self.text = inbound.text
         self.confirmed = self.proven = False
         self.second: PrincipalId | None = None
         self.shown_ns = 0
@@ -76,6 +79,14 @@ class MessageContext:
         self.caller = caller
         self.arrived_ns = arrived_ns
         self.asked: tuple[RobotId, ...] = ()
+
+    def tapped(self, command: str, act: bytes, shown_ns: int) -> None:
+        """Take in what a button says, what it agrees to, and when it was shown (wall clock)."""
+        self.text, self.act, self.shown_ns = command, act, shown_ns
+
+    def confirmed_as(self, command: str, second: PrincipalId | None) -> None:
+        """Take in what was confirmed, and who else has agreed to it."""
+        self.confirmed, self.text, self.second = True, command, second
 
     def auth_context(self) -> AuthContext:
         """Return what counts besides who they are; asked only where it matters."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import msgspec
 
@@ -16,10 +16,11 @@ from rosic.errors import OrderVoid, Refusal, RobotUnreachable
 from rosic.linker.linker import Linker, PolicyMoved
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Collection, Coroutine
 
     from rosic.container.container import Containers
     from rosic.contracts.clock import Clock
+    from rosic.contracts.robot import Tell
     from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.order_status import OrderStatus
     from rosic.core.robot.profile import RobotId
@@ -42,6 +43,10 @@ CANCELLED_BEFORE = said("You cancelled this before it could begin. Nothing was d
 log = logging.getLogger("rosic.pipeline")
 
 
+Dispatch: TypeAlias = "Callable[[Order, Tell], Coroutine[Any, Any, Outcome]]"
+"""RELAYCOMMAND: relays an order whose turn it is; see `Linker.dispatch`."""
+
+
 class OrderWatcher(Protocol):
     """Whoever follows what robots do. Neither method raises anything."""
 
@@ -58,11 +63,12 @@ class RunningOrder:
     Attributes:
         said: Who is behind it: mostly a message.
         shown: How it reads on its card.
+        dispatch: Relays it.
         begun: It has been relayed.
         words: How it ended, once it has.
     """
 
-    __slots__ = ("_executor", "begun", "card", "order", "said", "shown", "words")
+    __slots__ = ("_executor", "begun", "card", "dispatch", "order", "said", "shown", "words")
 
     def __init__(
         self,
@@ -70,9 +76,11 @@ class RunningOrder:
         said: Requester,
         card: OrderMessage,
         shown: OrderStatus,
+        dispatch: Dispatch,
         executor: OrderExecutor,
     ) -> None:
         self.order = order
+        self.dispatch = dispatch
         self.said = said
         self.card = card
         self.begun = False
@@ -149,12 +157,29 @@ class OrderExecutor:
     def __len__(self) -> int:
         return self._under_way
 
-    def begin(self, order: Order, said: Requester, card: OrderMessage, shown: OrderStatus) -> None:
-        """Let a claimed order live. It will end, and its end will be told."""
+    def begin(
+        self,
+        order: Order,
+        said: Requester,
+        card: OrderMessage,
+        shown: OrderStatus,
+        dispatch: Dispatch,
+    ) -> None:
+        """Let a claimed order be relayed as soon as its robot has its turn.
+
+        It will end, and its end will be told.
+
+        Args:
+            order: As the container has claimed it.
+            said: Who is behind it.
+            card: Shows it.
+            shown: How it reads there.
+            dispatch: Relays it: the linker's.
+        """
         self._under_way += 1
         whose = order.permit.principal
         self._whose[whose] = self._whose.get(whose, 0) + 1
-        running = RunningOrder(order, said, card, shown, self)
+        running = RunningOrder(order, said, card, shown, dispatch, self)
         if self._under_way > AT_MOST:
             self.ended(running, FULL)
         elif self._closing:
@@ -175,7 +200,8 @@ class OrderExecutor:
         self._under_way += 1
         whose = order.permit.principal
         self._whose[whose] = self._whose.get(whose, 0) + 1
-        RunningOrder(order, said, card, shown, self).void(why)
+        dispatch = self._linker.dispatch
+        RunningOrder(order, said, card, shown, dispatch, self).void(why)
 
     def _serve_now(self, running: RunningOrder) -> None:
         worker = self._workers.get(running.order.robot)
@@ -223,7 +249,7 @@ class OrderExecutor:
         order = running.order
         try:
             try:
-                outcome = await self._linker.dispatch(order, running.tell)
+                outcome = await running.dispatch(order, running.tell)
             except PolicyMoved:
                 outcome = await self._relay_anew(running)
             return inert(outcome) if outcome.note else outcome
@@ -247,7 +273,7 @@ class OrderExecutor:
             permit = self._organiser.readmit(said.caller, running.order, said.auth_context())
             try:
                 renewed = msgspec.structs.replace(running.order, permit=permit)
-                return await self._linker.dispatch(renewed, running.tell)
+                return await running.dispatch(renewed, running.tell)
             except PolicyMoved:
                 continue
 

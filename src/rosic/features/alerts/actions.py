@@ -211,7 +211,7 @@ class AlertActions:
     async def _begin(
         self, rule: AlertRule, caller: Caller, permits: tuple[Permit, ...], request: Request
     ) -> None:
-        """PROCESSCOMMAND; RELAYCOMMAND goes on in a life of its own, shown to the author."""
+        """PROCESSCOMMAND; RELAYCOMMAND goes on by itself, shown to the author."""
         hands, shown = self._hands, self._rooms.profiles[rule.robot].shown
         places = self._reach.chats(caller.principal)
         if not places:
@@ -226,6 +226,8 @@ class AlertActions:
         catalogue = hands.chat_sender.languages.of(caller.principal)
         card.after = hands.ends[rule.robot, request.text, catalogue]
         titled = str(words.order_title(f"{shown}: {order.words}", rule))
-        life = card.add(order.cid, shown, titled, self._clock.wall_ns())
-        hands.executor.begin(order, AutomatedRequester(caller), card, life)
+        status = card.add(order.cid, shown, titled, self._clock.wall_ns())
+        hands.executor.begin(
+            order, AutomatedRequester(caller), card, status, self._rooms.linker.dispatch
+        )
         hands.chat_sender.show(card)

@@ -222,7 +222,7 @@ class TaskAttempts:
         task: Task,
         asker: TaskRequester,
     ) -> bool:
-        """RELAYCOMMAND goes on in a life of its own, unless nobody wants it any more.
+        """RELAYCOMMAND goes on by itself, unless nobody wants it any more.
 
         Between the look and the beginning nothing else happens: whoever takes the task from its
         robot from here on finds the order there, and ends it.
@@ -231,15 +231,17 @@ class TaskAttempts:
         catalogue = card.words.catalogue
         what = in_language(asked, catalogue)
         title = in_language(words.order_title(f"{shown}: {what}", task), catalogue)
-        life = AwaitedOrder(shown, title, hands.face, self._clock.wall_ns(), card.words)
-        card.show(order.cid, life)
+        status = AwaitedOrder(shown, title, hands.face, self._clock.wall_ns(), card.words)
+        card.show(order.cid, status)
         wanted = asker.wanted()
         if wanted:
-            life.over = partial(asker.over, order)
-            hands.executor.begin(order, AutomatedRequester(caller), card, life)
+            status.over = partial(asker.over, order)
+            hands.executor.begin(
+                order, AutomatedRequester(caller), card, status, self._rooms.linker.dispatch
+            )
         else:
             hands.executor.forgo(
-                order, AutomatedRequester(caller), card, life, OrderVoid(words.NOT_WANTED)
+                order, AutomatedRequester(caller), card, status, OrderVoid(words.NOT_WANTED)
             )
         hands.chat_sender.show(card)
         return wanted

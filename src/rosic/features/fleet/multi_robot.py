@@ -349,11 +349,11 @@ class MultiRobotCommands:
             shown = self._shown(order.robot)
             what = in_language(order.words, catalogue)
             at_ns = self._clock.wall_ns()
-            life = AwaitedOrder(shown, f"{shown}: {what}", hands.face, at_ns, wording)
-            card.show(order.cid, life)
+            status = AwaitedOrder(shown, f"{shown}: {what}", hands.face, at_ns, wording)
+            card.show(order.cid, status)
             if start is not None:
-                life.over = partial(start.ended, order)
-            hands.executor.begin(order, said, card, life)
+                status.over = partial(start.ended, order)
+            hands.executor.begin(order, said, card, status, self._rooms.linker.dispatch)
         hands.chat_sender.show(card)
 
     def _names(self, robots: Sequence[RobotId]) -> str:

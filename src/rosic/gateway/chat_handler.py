@@ -1,0 +1,319 @@
+"""What a message says, typed or tapped, and answers to those of its lines that order nothing."""
+
+from __future__ import annotations
+
+import logging
+from collections import OrderedDict
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.core.i18n import said
+from rosic.core.language import CommandLine, Do, Halt, Misunderstood, Resume, Use, kept_of
+from rosic.core.message import ChatKind
+from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, Repeated, Unrecognised
+from rosic.gateway.builtin_commands import BuiltinCommands
+from rosic.gateway.commands import CommandContext
+from rosic.gateway.go_to_location import GoToLocation
+from rosic.gateway.message_context import MessageContext
+from rosic.gateway.replies import ASK_FIRST, BEHIND, CONFIRMED, LEAVE
+from rosic.gateway.reply_context import meant
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import Caller, CommandId, PrincipalId
+    from rosic.core.language import LanguageReader, Line
+    from rosic.core.message import Inbound
+    from rosic.gateway.agreement import Agreements
+    from rosic.gateway.busy import BusyRobots
+    from rosic.gateway.cancel import CancelLane
+    from rosic.gateway.command_builder import CommandBuilder
+    from rosic.gateway.commands import Reply
+    from rosic.gateway.components import Components
+    from rosic.gateway.confirmation import Confirmation
+    from rosic.gateway.delivery.sender import ChatSender
+    from rosic.gateway.hooks import PipelineHooks
+    from rosic.gateway.replies import Replies
+    from rosic.gateway.reply_context import RobotFollowers
+    from rosic.gateway.resume import ResumeHandler
+    from rosic.gateway.urgent_lane import UrgentLane
+
+FOLLOWED_KEPT = 10_000
+FAULT = said("Something went wrong here. It is not known what was done; please look.")
+NOTHING_DONE = said("Nothing was done.")
+
+log = logging.getLogger("rosic.pipeline")
+
+
+class ChatParts(NamedTuple):
+    """What a chat handler hands lines to.
+
+    Attributes:
+        reader: What a text says.
+        builder: Asks for what a command lacks.
+        confirmation: Asks whether something is meant.
+        busy: Lets an order follow another by a tap.
+        followers: Who hears what robots say of their own accord.
+        resuming: Undoes stops.
+        cancels: Ends what people have under way.
+        urgent: Stops.
+    """
+
+    reader: LanguageReader
+    builder: CommandBuilder
+    confirmation: Confirmation
+    busy: BusyRobots
+    followers: RobotFollowers
+    resuming: ResumeHandler
+    cancels: CancelLane
+    urgent: UrgentLane
+
+
+class ChatHandler:
+    """Reads messages of people who are known, and answers what orders nothing.
+
+    Args:
+        rooms: The four of them.
+        chat_sender: Knows which robot a message speaks of, and who reads which language.
+        replies: Answers.
+        hooks: Who receives what is no order.
+        agreements: Binds what a tap agrees to.
+        parts: Whom lines are handed to.
+    """
+
+    def __init__(
+        self,
+        rooms: Components,
+        chat_sender: ChatSender,
+        replies: Replies,
+        hooks: PipelineHooks,
+        agreements: Agreements,
+        parts: ChatParts,
+    ) -> None:
+        self._rooms = rooms
+        self._reply_targets = chat_sender.reply_targets
+        self._languages = chat_sender.languages
+        self._replies = replies
+        self._hooks = hooks
+        self._agreements = agreements
+        self._parts = parts
+        self._reader = parts.reader
+        self._builtin = BuiltinCommands(rooms, parts.builder, hooks, parts.resuming)
+        self._going = GoToLocation(rooms, chat_sender.reply_targets)
+        self._followed: OrderedDict[CommandId, None] = OrderedDict()
+
+    # ---- from a message to its lines ----
+
+    def met(
+        self, messenger: Messenger, inbound: Inbound, caller: Caller, arrived_ns: int
+    ) -> MessageContext:
+        """Return a message of somebody known, and take in what came with it.
+
+        Raises:
+            Refusal: They are locked out, or what came is not taken; nothing of it is followed.
+        """
+        if inbound.locale:
+            self._languages.hear(caller.principal, inbound.locale)
+        message = MessageContext(messenger, inbound, caller, arrived_ns, self._hooks.stepped_up)
+        self._rooms.organiser.check_unlocked(caller)
+        if inbound.brings:
+            self._take_in(message)
+        return message
+
+    def _take_in(self, message: MessageContext) -> None:
+        """Take in what came that is no words: a file or a place.
+
+        Only in private: in a group, nobody meant it for ROSIC.
+
+        Raises:
+            Refusal: It is not taken; what was written beneath is not followed either.
+        """
+        messenger, inbound, caller = message.messenger, message.inbound, message.caller
+        if inbound.chat.kind is not ChatKind.PRIVATE:
+            return
+        self._rooms.organiser.charge(caller)
+        if inbound.enclosed is not None:
+            self._hooks.enclosed(messenger, inbound, caller)
+        if inbound.place is not None:
+            reply = self._going.ask(messenger, inbound, caller)
+            self._replies.hand_over(messenger, inbound, caller, reply)
+
+    async def lines(self, message: MessageContext) -> Sequence[Line]:
+        """Return what a message says, typed or tapped; nothing where a tap is answered already.
+
+        Raises:
+            Refusal: The tap is good for nothing; nothing of it is followed.
+        """
+        if message.inbound.nonce is None:
+            return self._read(message)
+        if not await self._tapped(message):
+            return ()
+        lines = self._read(message)
+        self._agreements.check(message.caller, lines, message.act)
+        return lines
+
+    def _read(self, message: MessageContext) -> Sequence[Line]:
+        caller, inbound = message.caller, message.inbound
+        visible = self._rooms.organiser.visible(caller.principal)
+        container = self._rooms.container
+        selected = (
+            meant(message, self._reply_targets, container, visible, self._builtin.members)
+            if inbound.answers
+            else container.selected(caller.principal, inbound.chat)
+        )
+        return self._reader.lines(message.text, selected, visible)
+
+    async def _tapped(self, message: MessageContext) -> bool:
+        """Take in what a tap says; whether it says a command that is not answered yet."""
+        messenger, inbound, caller = message.messenger, message.inbound, message.caller
+        try:
+            message.tapped(*await self._replies.redeem(messenger, inbound, caller))
+        except Repeated as void:
+            self._outdated(message, void)
+            raise
+        command = message.text
+        if command == LEAVE:
+            self._replies.say(messenger, inbound, NOTHING_DONE)
+            return False
+        if command.startswith(ASK_FIRST):
+            visible = self._rooms.organiser.visible(caller.principal)
+            reply = self._parts.builder.ask(caller, command[1:], visible)
+            self._replies.offer(messenger, inbound, caller, reply.text, reply.buttons)
+            return False
+        if command.startswith(CONFIRMED):
+            confirmation = self._parts.confirmation
+            message.confirmed_as(*confirmation.redeem(command[1:], caller, message.act))
+        elif command.startswith(BEHIND):
+            visible = self._rooms.organiser.visible(caller.principal)
+            lines = self._reader.lines(command[1:], "", visible)
+            message.text = self._parts.busy.follow(message, command, lines)
+        return True
+
+    def _outdated(self, message: MessageContext, void: Repeated) -> None:
+        """Show again what still waits for an answer, if that may have been the question."""
+        private = message.inbound.chat.kind is ChatKind.PRIVATE
+        if isinstance(void.__cause__, Expired) and private:
+            self._rooms.organiser.charge(message.caller)
+            self._hooks.outdated.emit(message.caller.principal)
+
+    # ---- lines that order nothing ----
+
+    async def answer(self, message: MessageContext, line: Line, cid: CommandId) -> None:
+        """Follow one line that gives no order.
+
+        Raises:
+            Refusal: Why not; no robot has moved because of this line.
+        """
+        messenger, inbound = message.messenger, message.inbound
+        if isinstance(line, Halt):
+            # Obeyed before anything was understood; what only the grammar takes for a stop is one.
+            if self._reader.urgent(inbound.text) is None:
+                await self._parts.urgent.take(messenger, inbound, line)
+            return
+        if isinstance(line, Misunderstood) and await self._said_to_others(messenger, inbound):
+            return
+        # Before anything may refuse it: what was refused once is not done when it comes again.
+        repeated = self._repeated(cid)
+        self._rooms.organiser.charge(message.caller)
+        if isinstance(line, Misunderstood):
+            raise NotUnderstood(line.sentence, offers=line.offers)
+        if not repeated:
+            await self._do(message, line, cid)
+
+    async def _do(self, message: MessageContext, line: Line, cid: CommandId) -> None:
+        messenger, inbound = message.messenger, message.inbound
+        if isinstance(line, Resume):
+            text = await self._parts.resuming.resume(message, line, cid)
+            self._replies.say(messenger, inbound, text)
+        elif isinstance(line, CommandLine):
+            self._parts.cancels.check(message.caller, inbound)
+            asked = CommandContext(messenger, inbound, message.caller, line.rest, cid, message.act)
+            reply = await self._hooks.commands.do(line, asked)
+            self._replies.hand_over(messenger, inbound, message.caller, reply)
+        else:
+            self._question(message, line)
+
+    async def _said_to_others(self, messenger: Messenger, inbound: Inbound) -> bool:
+        """Whether words that make no sense were a code, or not meant for ROSIC: no answer then.
+
+        People talk to each other in groups, and write beneath files what they show.
+        """
+        return await self.brought_a_code(messenger, inbound) or not self.addressed(inbound)
+
+    def menu(self, principal: PrincipalId) -> Reply:
+        """Return what somebody who has just come in may begin with."""
+        return self._builtin.menu(principal)
+
+    def _question(self, message: MessageContext, line: Line) -> None:
+        messenger, inbound, caller = message.messenger, message.inbound, message.caller
+        if isinstance(line, Use):
+            for robot in self._builtin.members(line.name):
+                self._parts.followers.note(robot, messenger, inbound.chat, caller.principal)
+        reply = self._builtin.answer(caller, inbound.chat, line)
+        self._replies.hand_over(messenger, inbound, caller, reply)
+
+    def _repeated(self, cid: CommandId) -> bool:
+        """Whether this line, which moves nothing, was followed before."""
+        if cid in self._followed:
+            return True
+        self._followed[cid] = None
+        if len(self._followed) > FOLLOWED_KEPT:
+            self._followed.popitem(last=False)
+        return False
+
+    # ---- what is not done ----
+
+    async def not_done(
+        self, message: MessageContext, line: Line, cid: CommandId, why: BaseException
+    ) -> None:
+        """Say why a line is not done, or what has to come before it.
+
+        Raises:
+            BaseException: What is no fault of the line, as it came.
+        """
+        messenger, inbound, caller = message.messenger, message.inbound, message.caller
+        if isinstance(why, FirstNeeded):
+            if isinstance(line, Do):
+                reply = self._parts.confirmation.ask(caller, line, why)
+                self._replies.offer(messenger, inbound, caller, reply.text, reply.buttons)
+            else:
+                self._replies.say(messenger, inbound, why.sentence)
+        elif isinstance(why, Refusal):
+            self._agreements.name_in(why, line)
+            await self._replies.refuse(message, cid, why, kept_of(line, message.text))
+            self._hooks.refused(caller, why)
+        elif not isinstance(why, Exception):
+            raise why
+        else:
+            log.error("a line could not be followed", exc_info=why)
+            self._replies.say(messenger, inbound, FAULT)
+
+    async def not_followed(self, messenger: Messenger, inbound: Inbound, why: Exception) -> None:
+        """Say why nothing of a message is followed; whoever is unknown may have brought a code."""
+        if isinstance(why, Unrecognised):
+            if not await self.brought_a_code(messenger, inbound):
+                self._replies.turn_away(messenger, inbound, why.sentence)
+        elif isinstance(why, Refusal):
+            if not why.silent:
+                self._replies.say(messenger, inbound, why.sentence)
+        else:
+            log.error("a message could not be handled", exc_info=why)
+            self._replies.say(messenger, inbound, FAULT)
+
+    async def brought_a_code(self, messenger: Messenger, inbound: Inbound) -> bool:
+        """Whether somebody brought an invitation, or showed one in a group; then it is answered."""
+        reply = await self._hooks.newcomer(messenger, inbound, inbound.text)
+        if reply is None:
+            return False
+        self._replies.say_with(messenger, inbound, reply)
+        return True
+
+    def addressed(self, inbound: Inbound) -> bool:
+        """Whether words that make no sense were meant for ROSIC at all."""
+        first = inbound.text[:64].split(maxsplit=1)[:1]
+        return (
+            (inbound.chat.kind is ChatKind.PRIVATE and not inbound.brings)
+            or inbound.addressed
+            or inbound.text.startswith("/")
+            or (bool(first) and first[0].lower() in self._rooms.vocabulary.callees)
+        )
