@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.app.commands import command_table
 from rosic.app.config import check_config
 from rosic.config.json_schema import robot_schema
 from rosic.config.profiles import check_profile, known_units, load_profile
@@ -51,7 +52,7 @@ def test_a_good_rule_is_read(tmp_path: Path) -> None:
     rule = compile_rule(profile, low, known_units())
     assert (rule.key, rule.run_every_ns) == ("rover/battery_low", 3600 * 10**9)
     assert (rule.pace.lasting_ns, rule.pace.escalate_ns) == (10 * 10**9, 120 * 10**9)
-    line = read_run(rule, Vocabulary.build([profile], known_units()))
+    line = read_run(rule, Vocabulary.build([profile], known_units(), command_table()))
     assert line is not None
     assert line.skills[0].id == "move"
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from rosic.app.commands import command_table
 from rosic.cli.init import KINDS
 from rosic.config.profiles import (
     find_profile,
@@ -37,7 +38,7 @@ def fleet() -> dict[str, Profile]:
 
 @pytest.fixture(scope="module")
 def vocabulary(fleet: dict[str, Profile]) -> Vocabulary:
-    return Vocabulary.build(fleet.values(), known_units())
+    return Vocabulary.build(fleet.values(), known_units(), command_table())
 
 
 def actions(fleet: dict[str, Profile]) -> list[ActionBinding]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from rosic.app.commands import command_table
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import ConfiguredPerson
 from rosic.bench.bot_api_process import TOKEN
@@ -18,7 +19,6 @@ from rosic.bench.receiving import ScriptedBotClient
 from rosic.bench.steps import LoopStep, MeteredLoop
 from rosic.bench.strangers import NAMED
 from rosic.core.identity import Address
-from rosic.core.language.keywords import COMMANDS
 from rosic.core.rate_limit import RateLimit
 from rosic.messengers.telegram.messenger import TelegramMessenger
 from rosic.messengers.telegram.settings import read_settings
@@ -128,7 +128,7 @@ HEADS = (
     "@abot ",
     "/stop@abot ",
     "/robot add ",
-    *(f"/{verb} " for verb in sorted(COMMANDS)),
+    *(f"/{verb} " for verb in sorted(command_table().words)),
 )
 TAILS = ("", "b", " b", "\nstop", " as x", " confirmed", " priority x")
 

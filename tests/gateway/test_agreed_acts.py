@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from rosic.app.commands import command_table
 from rosic.config.profiles import known_units
 from rosic.core.language import Vocabulary
 from rosic.core.policy.roles import Grant, Role, SkillPrecondition
@@ -163,7 +164,9 @@ async def is_other(place: Place, how: str) -> None:
     place.gateway.profiles.update(profiles)
     rooms = place.gateway.rooms
     rooms.container.add_robot("omni", 10)
-    rooms.vocabularies.replace(Vocabulary.build(tuple(profiles.values()), known_units()))
+    rooms.vocabularies.replace(
+        Vocabulary.build(tuple(profiles.values()), known_units(), command_table())
+    )
     place.gateway.pipeline.ends.clear()
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.language.keywords import COMMANDS
+from rosic.app.commands import command_table
 from tests.gateway.place import BO, Place
 from tests.gateway.test_rights import who
 
@@ -46,7 +46,7 @@ async def test_without_a_good_key_nothing_is_done_and_nothing_is_told(end: End) 
         await end(place)
         counters = place.gateway.access.counters
         before = counters["key-revoked"] + counters["key-expired"]
-        lines = (*READS, *WRITES, *(f"/{verb} omni" for verb in sorted(COMMANDS)))
+        lines = (*READS, *WRITES, *(f"/{verb} omni" for verb in sorted(command_table().words)))
         for line in lines:
             await place.clock.advance(30.0)  # whoever has no access is answered seldom
             assert await place.say(line, account=BO, chat=BO) == ENDED, line

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.app.commands import command_table
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
 from rosic.config.translations import catalogue
 from rosic.core.i18n import ImperialCatalogue, in_language
@@ -20,15 +21,14 @@ from rosic.core.language import (
     understand,
 )
 from rosic.core.language.cancel_detection import hears_cancel
-from rosic.core.language.keywords import ALIASES, COMMANDS, HELP_PAGES, PAGE_ALIASES, VERBS
-from rosic.core.language.line_parser import EXPLAINED, PAGE_OF
+from rosic.core.language.command import VERBS
+from rosic.core.language.keywords import HELP_PAGES, PAGE_ALIASES
 from rosic.core.messages import button_label
 from rosic.core.policy.roles import DEFAULT_ROLES
 from rosic.core.role_names import TYPED as TYPED_ROLES
 from rosic.core.role_names import role_shown, role_typed
 from rosic.core.units import in_units_of
 from rosic.features.booking.cancel import BOOKINGS
-from rosic.gateway.command_words import TYPED
 from rosic.gateway.order_label import label_of
 from tests.gateway.place import FLEET, VI, Place
 from tests.texts import read
@@ -37,8 +37,21 @@ if TYPE_CHECKING:
     from rosic.core.i18n import Catalogue
 
 GERMAN = catalogue("de")
-VOCABULARY = Vocabulary.build(FLEET, known_units())
-SHIPPED = Vocabulary.build([load_profile(shipped_profiles()["omni"])], known_units())
+TABLE = command_table()
+ALIASES, COMMANDS = TABLE.aliases, TABLE.words
+TYPED = {command.name: command.typed for command in TABLE if command.typed}
+EXPLAINED = {command.name for command in TABLE if command.explained}
+PAGE_OF = {
+    command.name: page
+    for command in TABLE
+    if (page := command.page or (command.help and command.help.page))
+    and not command.explained
+    and command.name not in {"stop", "use", "cancel booking"}
+}
+VOCABULARY = Vocabulary.build(FLEET, known_units(), command_table())
+SHIPPED = Vocabulary.build(
+    [load_profile(shipped_profiles()["omni"])], known_units(), command_table()
+)
 
 
 def meant(line: str) -> object:
@@ -121,7 +134,7 @@ async def test_a_german_name_of_a_role_invites_and_is_a_part_of_another() -> Non
 def test_every_skill_that_ships_has_a_german_title_that_may_be_typed() -> None:
     for path in shipped_profiles().values():
         profile = load_profile(path)
-        vocabulary = Vocabulary.build((profile,), known_units())
+        vocabulary = Vocabulary.build((profile,), known_units(), command_table())
         for skill in profile.skills.values():
             german = skill.titles["de"]
             assert german in in_language(button_label(skill), GERMAN)
@@ -273,7 +286,9 @@ async def test_what_german_says_of_a_command_does_what_english_does(
 
 def test_a_german_word_of_ours_is_understood_where_a_skill_has_the_english_one() -> None:
     everybody = Vocabulary.build(
-        [load_profile(shipped_profiles()[name]) for name in ("omni", "yumi")], known_units()
+        [load_profile(shipped_profiles()[name]) for name in ("omni", "yumi")],
+        known_units(),
+        command_table(),
     )
     assert "handover" in everybody.longest_skill
     everything = LineContext("", frozenset(everybody.profiles))

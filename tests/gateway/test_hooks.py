@@ -8,6 +8,7 @@ from typing import NoReturn
 import pytest
 
 from rosic.core.identity import Address, Caller
+from rosic.core.language.command import NO_COMMANDS
 from rosic.core.message import Chat, Inbound
 from rosic.gateway import Pipeline
 from rosic.gateway.hooks import PipelineHooks
@@ -33,7 +34,7 @@ def never(*_: object) -> NoReturn:
 def test_it_is_not_made_without_what_decides(left_out: str) -> None:
     given = {name: never for name in DECIDING if name != left_out}
     with pytest.raises(TypeError, match=left_out):
-        PipelineHooks(**given)
+        PipelineHooks(commands=NO_COMMANDS, **given)
 
 
 def test_a_pipeline_is_not_made_without_it() -> None:
@@ -42,7 +43,13 @@ def test_a_pipeline_is_not_made_without_it() -> None:
 
 
 async def test_until_it_is_known_who_is_let_in_nobody_is_and_nothing_is_taken() -> None:
-    hooks = PipelineHooks(confirmation_of=never, stepped_up=never, proof_used=never, refused=never)
+    hooks = PipelineHooks(
+        confirmation_of=never,
+        stepped_up=never,
+        proof_used=never,
+        refused=never,
+        commands=NO_COMMANDS,
+    )
     messenger = edited(ManualClock())
     assert await hooks.newcomer(messenger, INBOUND, "7-code") is None
     caller = Caller("p-1", "Ada", INBOUND.sender, "k", "s")

@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from rosic.core.language.keywords import COMMANDS
+from rosic.app.commands import command_table
 from tests.features.access.access_gateway import ADA, VI, House, house
 from tests.pace import patience
 
@@ -56,7 +56,7 @@ async def test_no_line_however_long_takes_time_that_a_stop_would_wait() -> None:
     async with house() as place:
         place.gateway.rooms.organiser.charge = lambda _caller: None  # type: ignore[method-assign, assignment]
         slow = {}
-        for verb in sorted(COMMANDS):
+        for verb in sorted(command_table().words):
             for piece in PIECES:
                 took_s = await _takes_s(place, verb, piece)
                 if took_s > ABOUT_S * patience():

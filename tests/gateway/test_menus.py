@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from rosic.app.commands import command_table
 from rosic.config.translations import catalogue
+from rosic.core.language.command import MenuAudience
 from rosic.core.message import Menu, MenuScope
-from rosic.gateway.command_menus import ADMINS, EVERYBODY, CommandMenus
+from rosic.gateway.command_menus import CommandMenus
 from tests.gateway.place import ADA, BO, VI, Place
 from tests.gateway.test_rights import who
 
 GERMAN = catalogue("de")
+COMMANDS = command_table()
+EVERYBODY = COMMANDS.in_menu(MenuAudience.EVERYBODY)
+ADMINS = COMMANDS.in_menu(MenuAudience.ADMINS)
 
 
 def menus_of(place: Place) -> CommandMenus:
@@ -16,7 +21,12 @@ def menus_of(place: Place) -> CommandMenus:
     directory = place.gateway.rooms.authoriser.directory
     ada = who(place, "Ada")
     return CommandMenus(
-        directory, lambda: [ada], {"de": GERMAN}, place.gateway.languages.chosen, place.clock
+        directory,
+        lambda: [ada],
+        {"de": GERMAN},
+        place.gateway.languages.chosen,
+        place.clock,
+        COMMANDS,
     )
 
 
@@ -45,7 +55,7 @@ async def test_an_admin_has_all_of_theirs_and_a_choice_taken_back_is_taken_back(
         menus = menus_of(place)
         await place.say("/language en", account=ADA, chat=ADA)
         english = own(menus.of("memory"), ADA)
-        assert english["de"] == english[""] == dict((*EVERYBODY, *ADMINS))
+        assert english["de"] == english[""] == {c.name: c.summary for c in (*EVERYBODY, *ADMINS)}
         await place.say("/language de", account=BO, chat=BO)
         assert own(menus.of("memory"), BO)
         place.gateway.languages.choose(who(place, "Bo"), "")

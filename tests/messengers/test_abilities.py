@@ -11,6 +11,7 @@ from rosic.contracts import console
 from rosic.contracts import messenger as contract
 from rosic.contracts.messenger import Messenger, RaisesAlarms
 from rosic.contracts.messenger_proxy import ABILITIES, MessengerProxy, members_of
+from rosic.core.language.command import NO_COMMANDS
 from rosic.core.secret import Secret
 from rosic.errors import MessengerFault
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
@@ -52,7 +53,7 @@ def memory() -> Messenger:
 def kept(messenger: Messenger) -> ArchivingMessenger:
     clock = ManualClock()
     return ArchivingMessenger(
-        messenger, Archive(clock), MemoryStore(), lambda _: NOBODY, lambda _: ()
+        messenger, Archive(clock), MemoryStore(), lambda _: NOBODY, lambda _: (), NO_COMMANDS
     )
 
 

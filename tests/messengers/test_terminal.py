@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Self
 
 import pytest
 
+from rosic.app.commands import command_table
 from rosic.core.identity import Address
 from rosic.core.message import Button, Chat, Inbound, Outbound
 from rosic.core.robot.profile import Link, Profile
@@ -403,11 +404,11 @@ def test_what_could_come_next(typed: str, offered: set[str] | None) -> None:
     if offered is None:
         assert Completer().complete("omni ") == ()
         return
-    assert {found.text for found in Completer(FLEET).complete(typed)} == offered
+    assert {found.text for found in Completer(FLEET, command_table()).complete(typed)} == offered
 
 
 def test_a_completion_replaces_what_was_begun() -> None:
-    [found] = Completer(FLEET).complete("kuka1 move j")
+    [found] = Completer(FLEET, command_table()).complete("kuka1 move j")
 
     assert (found.text, found.replaces) == ("move joint", len("move j"))
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from zoneinfo import ZoneInfo
 
 from rosic.app.alert_feature import renderer
+from rosic.app.commands import command_table
 from rosic.app.runtime import face_of
 from rosic.app.settings import GatewayParts, GatewaySettings
 from rosic.config.plugins import demand_good, messenger_factory, robot_factory, shared_spaces
@@ -46,7 +47,7 @@ def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -
         for wrong in nobodies(config, messenger):
             raise wrong
         if isinstance(messenger, SupportsCompletion):
-            messenger.know(config.robots)
+            messenger.know(config.robots, command_table())
     for profile in config.robots:
         demand_good(profile, robot_factory(profile.link.kind), clock, str(config.path))
     for text in shared_spaces(config.robots):

@@ -117,8 +117,10 @@ class DataFeature:
         self.archive = Archive(self._clock)
         author_of = partial(_author_of, self._rooms.authoriser)
         codes_in = self._access.enrolment.invitations.shown_in
+        commands = self._rooms.vocabulary.commands
         return tuple(
-            ArchivingMessenger(m, self.archive, store, author_of, codes_in) for m in messengers
+            ArchivingMessenger(m, self.archive, store, author_of, codes_in, commands)
+            for m in messengers
         )
 
     async def set_up(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rosic.app.admin.dispatch import AdminDispatcher
 from rosic.app.alert_feature import renderer
 from rosic.app.closing import close_in_time, on_signals
+from rosic.app.commands import command_table
 from rosic.app.console import console_of, mind_console, read_at
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.app.people import ConfiguredPerson
@@ -89,7 +90,7 @@ async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: 
     """
     profiles = fleet()
     messenger = TerminalMessenger(clock=clock, plain=plain, locale=own_locale())
-    messenger.know(profiles)
+    messenger.know(profiles, command_table())
     gateway = gateway_of(profiles, messenger, clock, entropy)
     await gateway.open()
     script = None if is_terminal(sys.stdin) else DemoScript(gateway, messenger, clock)

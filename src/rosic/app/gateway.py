@@ -11,6 +11,7 @@ from rosic.app.access import AbuseResponse, AccessFeature, admins_of, authoriser
 from rosic.app.added_robots import KIND as ADDED
 from rosic.app.added_robots import newcomers_of, settings_with_added
 from rosic.app.alert_feature import robot_seen, set_up_media
+from rosic.app.commands import command_table
 from rosic.app.data_feature import DataFeature, OwnDataQueries, preferences_of
 from rosic.app.features import FeatureSetup
 from rosic.app.gateway_parts import RunningGateway
@@ -148,11 +149,11 @@ class Gateway(RunningGateway):
             rates.add_robot(newcomer.profile.id, self._settings.robot_limit)
         for messenger in self._parts.messengers:
             if isinstance(messenger, SupportsCompletion):
-                messenger.know(self.profiles.values())
+                messenger.know(self.profiles.values(), self.rooms.vocabulary.commands)
 
     def _vocabulary(self) -> Vocabulary:
         try:
-            return Vocabulary.build(self._settings.profiles, self._parts.units)
+            return Vocabulary.build(self._settings.profiles, self._parts.units, command_table())
         except ValueError as wrong:
             raise ConfigurationError(str(wrong)) from wrong
 
@@ -279,6 +280,7 @@ class Gateway(RunningGateway):
             stepped_up=access.two_factor.fresh,
             proof_used=misuse.proof_used,
             refused=misuse.refused,
+            commands=self.rooms.vocabulary.commands,
         )
         return Pipeline(self.rooms, self.stop_lane, chat_sender, parts.clock, parts.face, hooks)
 

@@ -213,7 +213,9 @@ class RobotProvisioning:
         parts = self._parts
         robots = (*self._gateway.profiles.values(), profile)
         try:
-            vocabulary = await asyncio.to_thread(Vocabulary.build, robots, parts.units)
+            vocabulary = await asyncio.to_thread(
+                Vocabulary.build, robots, parts.units, self._gateway.rooms.vocabulary.commands
+            )
         except ValueError as why:
             sentence = capital(f"{str(why).rstrip('.')}.")
             raise NotUnderstood(words.unspeakable(sentence)) from why

@@ -81,7 +81,12 @@ class GroupsFeature:
         admins = partial(_admins, authority, around.clock)
         self.windows: ChannelDisplays | None = None
         self.menus = CommandMenus(
-            directory, admins, others, around.chat_sender.languages.chosen, around.clock
+            directory,
+            admins,
+            others,
+            around.chat_sender.languages.chosen,
+            around.clock,
+            rooms.vocabulary.commands,
         )
         changes.after(self.menus.look)
 

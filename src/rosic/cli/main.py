@@ -20,7 +20,7 @@ UNREAD = 141
 """What a shell says of whatever died of a closed pipe: 128 + SIGPIPE."""
 
 
-class Command(NamedTuple):
+class Subcommand(NamedTuple):
     """A sub-command.
 
     Attributes:
@@ -37,61 +37,71 @@ class Command(NamedTuple):
         return int(getattr(import_module(module), name)(arguments))
 
 
-COMMANDS: dict[str, Command] = {
-    "init": Command("rosic.cli.init:run", "a few questions, then a configuration that works"),
-    "demo": Command(
+COMMANDS: dict[str, Subcommand] = {
+    "init": Subcommand("rosic.cli.init:run", "a few questions, then a configuration that works"),
+    "demo": Subcommand(
         "rosic.cli.demo:run", "simulated robots in this terminal, or a play: demo fleet"
     ),
-    "run": Command("rosic.cli.gateway:run", "start the gateway of a configuration file"),
-    "check": Command(
+    "run": Subcommand("rosic.cli.gateway:run", "start the gateway of a configuration file"),
+    "check": Subcommand(
         "rosic.cli.diagnostics:check", "say everything that is wrong with a configuration file"
     ),
-    "robot check": Command("rosic.cli.robots:check", "say everything that is wrong with a profile"),
-    "robot add": Command("rosic.cli.robots:add", "add a robot to the running gateway"),
-    "robot discover": Command(
+    "robot check": Subcommand(
+        "rosic.cli.robots:check", "say everything that is wrong with a profile"
+    ),
+    "robot add": Subcommand("rosic.cli.robots:add", "add a robot to the running gateway"),
+    "robot discover": Subcommand(
         "rosic.cli.robots:discover_robots", "draft a profile from the ROS 2 graph"
     ),
-    "status": Command("rosic.cli.control:status", "how the robots of the running gateway are"),
-    "stop": Command(
+    "status": Subcommand("rosic.cli.control:status", "how the robots of the running gateway are"),
+    "stop": Subcommand(
         "rosic.cli.control:stop", "stop robots of the running gateway; all, if none is named"
     ),
-    "resume": Command(
+    "resume": Subcommand(
         "rosic.cli.control:resume", "let stopped robots of the running gateway go on"
     ),
-    "people": Command("rosic.cli.people:people", "who is known, with which roles"),
-    "invite": Command("rosic.cli.people:invite", "a code that lets one person in, once"),
-    "lock": Command("rosic.cli.people:lock", "keep somebody out for now; what they move stops"),
-    "unlock": Command("rosic.cli.people:unlock", "give a locked person their access back"),
-    "revoke": Command("rosic.cli.people:revoke", "take somebody's access back, for ever"),
-    "key list": Command(
+    "people": Subcommand("rosic.cli.people:people", "who is known, with which roles"),
+    "invite": Subcommand("rosic.cli.people:invite", "a code that lets one person in, once"),
+    "lock": Subcommand("rosic.cli.people:lock", "keep somebody out for now; what they move stops"),
+    "unlock": Subcommand("rosic.cli.people:unlock", "give a locked person their access back"),
+    "revoke": Subcommand("rosic.cli.people:revoke", "take somebody's access back, for ever"),
+    "key list": Subcommand(
         "rosic.cli.keys:list_keys", "every authorisation key, and how long it is good"
     ),
-    "key rotate": Command("rosic.cli.keys:rotate", "a new key in place of somebody's old one"),
-    "key revoke": Command("rosic.cli.keys:revoke", "take one key back, or all of a person's"),
-    "explain": Command(
+    "key rotate": Subcommand("rosic.cli.keys:rotate", "a new key in place of somebody's old one"),
+    "key revoke": Subcommand("rosic.cli.keys:revoke", "take one key back, or all of a person's"),
+    "explain": Subcommand(
         "rosic.cli.audit:explain", "what somebody may, and every rule that made it so"
     ),
-    "history": Command("rosic.cli.audit:history", "who asked for what, when, and what came of it"),
-    "security report": Command(
+    "history": Subcommand(
+        "rosic.cli.audit:history", "who asked for what, when, and what came of it"
+    ),
+    "security report": Subcommand(
         "rosic.cli.audit:security_report", "who was turned away, who is locked, what ends soon"
     ),
-    "container list": Command(
+    "container list": Subcommand(
         "rosic.cli.containers:list_containers", "every container of what is kept"
     ),
-    "container show": Command("rosic.cli.containers:show", "how much of what one container holds"),
-    "container export": Command(
+    "container show": Subcommand(
+        "rosic.cli.containers:show", "how much of what one container holds"
+    ),
+    "container export": Subcommand(
         "rosic.cli.containers:export_container", "what a container holds, as a file"
     ),
-    "container limit": Command("rosic.cli.containers:limit", "what one container may keep"),
-    "container erase": Command("rosic.cli.containers:erase", "erase a container, for good"),
-    "schedule plan": Command("rosic.cli.schedule:plan", "who could have which robot when"),
-    "clock": Command(
+    "container limit": Subcommand("rosic.cli.containers:limit", "what one container may keep"),
+    "container erase": Subcommand("rosic.cli.containers:erase", "erase a container, for good"),
+    "schedule plan": Subcommand("rosic.cli.schedule:plan", "who could have which robot when"),
+    "clock": Subcommand(
         "rosic.cli.control:clock", "whether the clock was set back, and that it is right"
     ),
-    "doctor": Command("rosic.cli.diagnostics:doctor", "measure this machine; with --try, a robot"),
-    "sim": Command("rosic.cli.sim:run", "the simulated robots as ROS 2 nodes"),
-    "bench": Command("rosic.bench:main", "measure how fast ROSIC is here"),
-    "completion": Command("rosic.cli.completion:run", "what makes a shell complete these commands"),
+    "doctor": Subcommand(
+        "rosic.cli.diagnostics:doctor", "measure this machine; with --try, a robot"
+    ),
+    "sim": Subcommand("rosic.cli.sim:run", "the simulated robots as ROS 2 nodes"),
+    "bench": Subcommand("rosic.bench:main", "measure how fast ROSIC is here"),
+    "completion": Subcommand(
+        "rosic.cli.completion:run", "what makes a shell complete these commands"
+    ),
 }
 
 USAGE = """usage: rosic COMMAND ...

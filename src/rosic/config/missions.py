@@ -15,6 +15,7 @@ from rosic.contracts.file_rules import Field, FieldForm, NumberBounds, Rules, Va
 from rosic.core.fleet.mission import InvalidMission, Mission, MissionPart, lay_out
 from rosic.core.fleet.task import PRIORITIES
 from rosic.core.language import Vocabulary, skills_of
+from rosic.core.language.command import NO_COMMANDS
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
 from rosic.core.policy.scope import Fleet
 from rosic.errors import ConfigurationError
@@ -54,7 +55,7 @@ class Missions:
     def __init__(self, robots: Sequence[Profile], units: UnitTable) -> None:
         self.errors: list[ConfigurationError] = []
         self._units = units
-        self._vocabulary = Vocabulary.build(robots, units)
+        self._vocabulary = Vocabulary.build(robots, units, NO_COMMANDS)
         self._read: list[tuple[SourceMap, Mission]] = []
 
     def read(self, path: Path) -> None:

@@ -14,6 +14,7 @@ from rosic.config.profile_types import fitting_booleans, of_one_type, said_stop,
 from rosic.contracts.file_rules import Place, Rules, ValidationFinding, nearest
 from rosic.core.alerts.rule import InvalidAlertRule, compile_rule, read_run, rules_of
 from rosic.core.language import UnitTable, Vocabulary
+from rosic.core.language.command import NO_COMMANDS
 from rosic.core.policy.scope import AMONG, FILES, READ, RESUME
 from rosic.core.robot.file_transfer import CONTENT_BYTES
 from rosic.core.robot.profile import Deliver, Files, Profile, Telemetry
@@ -87,7 +88,7 @@ def profile_rules(units: UnitTable) -> Rules:
 def clash(profiles: Sequence[Profile], units: UnitTable) -> str:
     """Say why people could not speak to these robots; empty when they could."""
     try:
-        Vocabulary.build(profiles, units)
+        Vocabulary.build(profiles, units, NO_COMMANDS)
     except ValueError as fault:
         sentence = str(fault).rstrip(".")
         return f"{sentence[:1].upper()}{sentence[1:]}."
@@ -362,7 +363,7 @@ def _alerts(profile: Profile, units: UnitTable) -> Iterator[ValidationFinding]:
     yield from _low(profile, units)
     if not profile.alerts:
         return
-    vocabulary = Vocabulary.build([profile], units)
+    vocabulary = Vocabulary.build([profile], units, NO_COMMANDS)
     names: set[str] = set()
     for index, alert in enumerate(profile.alerts):
         if alert.name in names:

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from rosic.core.identity import Address
+    from rosic.core.language.command import Command
     from rosic.core.robot.profile import Profile
 
 
@@ -30,8 +31,8 @@ class AccountProbe(Protocol):
 class SupportsCompletion(Protocol):
     """A messenger that helps people type, and wants to know the fleet for it."""
 
-    def know(self, profiles: Iterable[Profile]) -> None:
-        """Take the robots over."""
+    def know(self, profiles: Iterable[Profile], commands: Iterable[Command]) -> None:
+        """Take them over."""
         ...
 
 

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from rosic.core import messages
 from rosic.core.i18n import joined, said
 from rosic.core.language import Help, Line, Start, Status, Use
+from rosic.core.language.command import Command, HelpEntry, HelpNeed, HelpPage, MenuEntry
 from rosic.core.message import Button, Chat
 from rosic.errors import RobotTaken
 from rosic.gateway.button_rows import rows
@@ -27,6 +28,44 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
     from rosic.gateway.hooks import PipelineHooks
     from rosic.gateway.resume import ResumeHandler
+
+COMMANDS: Final = (
+    Command(
+        name="undo",
+        aliases=(
+            "zurücknehmen",
+            "rückgängig",
+        ),
+        typed=said("/undo"),
+        summary=said("Take back the last choice of a robot"),
+        help=HelpEntry(HelpPage.MOVE, 30, HelpNeed.MOTION),
+        menu=MenuEntry(40),
+    ),
+    Command(
+        name="again",
+        aliases=("nochmal",),
+        pairs=(("noch", "einmal"),),
+        typed=said("/again"),
+        summary=said("Do the last thing once more"),
+        help=HelpEntry(HelpPage.MOVE, 10, HelpNeed.MOTION),
+        menu=MenuEntry(80),
+    ),
+    Command(name="information", pairs=(("request", "information"),)),
+    Command(
+        name="cancel",
+        aliases=("abbrechen",),
+        typed=said("/cancel"),
+        summary=said("End what you have under way"),
+        help=HelpEntry(HelpPage.MOVE, 50, HelpNeed.MOTION),
+        menu=MenuEntry(60, groups=True),
+        hint="end what you have under way",
+        of_robots=True,
+    ),
+    Command(name="abort"),
+    Command(name="take"),
+    Command(name="take over", phrase=lambda what: said("Take over {what}", what=what)),
+    Command(name="end"),
+)
 
 
 # ---- earlier choices ----

@@ -53,15 +53,6 @@ OTHERS_SHOWN = 3
 
 BOOKING: Final = "booking"
 """The verb of what ``/cancel booking`` asks for; nobody types it alone."""
-TASKS: Final = {
-    "task": "task",
-    "tasks": "task",
-    "mission": "mission",
-    "missions": "mission",
-    "aufgabe": "task",
-    "aufgaben": "task",
-    "missionen": "mission",
-}
 
 Also: TypeAlias = Callable[[PrincipalId, Collection[RobotId]], Awaitable[str]]
 """Ends what else somebody has under way, with some robots or with all if none is named. Returns
@@ -279,11 +270,12 @@ class CancelLane:
         if names is not None:  # behind much else, where it was not looked for
             await self.cancel(asked.messenger, asked.inbound, names)
             return Reply("")
-        verb = TASKS.get(first.casefold())
-        if verb is None:
+        named = self._rooms.vocabulary.commands.find(first.casefold())
+        if named is None or not named.cancelled_by:
             return await self._commands.do(CommandLine(BOOKING, asked.rest), asked)
         rest = f"cancel {rest.strip()}"
-        return await self._commands.do(CommandLine(verb, rest), replace(asked, rest=rest))
+        line = CommandLine(named.cancelled_by, rest)
+        return await self._commands.do(line, replace(asked, rest=rest))
 
     async def _answer(
         self,

@@ -280,7 +280,9 @@ class ChatHandler:
                 self._replies.say(messenger, inbound, why.sentence)
         elif isinstance(why, Refusal):
             self._agreements.name_in(why, line)
-            await self._replies.refuse(message, cid, why, kept_of(line, message.text))
+            await self._replies.refuse(
+                message, cid, why, kept_of(line, message.text, self._rooms.vocabulary.commands)
+            )
             self._hooks.refused(caller, why)
         elif not isinstance(why, Exception):
             raise why

@@ -6,7 +6,8 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from rosic.core.i18n import in_language, said
+from rosic.core.i18n import in_language
+from rosic.core.language.command import MenuAudience
 from rosic.core.message import Menu, MenuScope
 from rosic.gateway.command_words import menu_name
 
@@ -18,44 +19,15 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import SetMenus
     from rosic.core.i18n import Catalogue
     from rosic.core.identity import PrincipalId
+    from rosic.core.language.command import Command, CommandTable
 
-    _Entries: TypeAlias = Sequence[tuple[str, str]]
+    _Entries: TypeAlias = Sequence[Command]
 
 ADMINS_AT_MOST: Final = 40
 CHOSEN_AT_MOST: Final = 40
 """Each is some calls; further ones find everything in /help."""
 SETTLE_S: Final = 2.0
 ENGLISH: Final = "en"
-
-EVERYBODY: Final = (
-    ("robots", said("The robots you may see")),
-    ("status", said("What every robot is doing")),
-    ("use", said("Choose a robot, so that its name may be left out")),
-    ("undo", said("Take back the last choice of a robot")),
-    ("stop", said("Stop every robot you may see")),
-    ("cancel", said("End what you have under way")),
-    ("resume", said("Let a stopped robot move again")),
-    ("again", said("Do the last thing once more")),
-    ("task", said("Let whichever robot can do something")),
-    ("fleet", said("See all robots and tasks at a glance")),
-    ("book", said("Have a robot for a time of your own")),
-    ("wish", said("Say when you would like a robot")),
-    ("ask", said("Ask for a right that you lack")),
-    ("me", said("What you may do, and until when")),
-    ("help", said("What you can say")),
-)
-IN_GROUPS: Final = ("robots", "status", "use", "stop", "cancel", "resume", "help")
-TOPIC: Final = ("topic", said("Say which robot this topic is about"))
-ADMINS: Final = (
-    ("people", said("Who is known here")),
-    ("invite", said("Let somebody in")),
-    ("role", said("What the roles here give")),
-    ("grant", said("Give somebody a right for a while")),
-    ("revoke", said("Take somebody's key back")),
-    ("lock", said("Shut somebody out at once")),
-    ("plan", said("Weigh all wishes and book a plan")),
-    ("security", said("What was turned away")),
-)
 
 log = logging.getLogger("rosic.menus")
 
@@ -70,6 +42,7 @@ class CommandMenus:
         chosen: Returns which language people chose here, by its code: their own chat's menu is in
             that one, whatever their messenger is set to.
         clock: Waits until a row of changes is over.
+        commands: What can be asked for.
     """
 
     def __init__(
@@ -79,7 +52,12 @@ class CommandMenus:
         catalogues: dict[str, Catalogue],
         chosen: Callable[[], Mapping[PrincipalId, str]],
         clock: Clock,
+        commands: CommandTable,
     ) -> None:
+        self._everybody = commands.in_menu(MenuAudience.EVERYBODY)
+        self._of_admins = commands.in_menu(MenuAudience.ADMINS)
+        of_groups = [c for c in self._everybody if c.menu is not None and c.menu.groups]
+        self._groups = (*of_groups, *commands.in_menu(MenuAudience.TOPICS))
         self._directory = directory
         self._admins = admins
         self._languages: dict[str, Catalogue | None] = {"": None, **catalogues}
@@ -115,18 +93,17 @@ class CommandMenus:
 
     def of(self, platform: str) -> list[Menu]:
         """Return every menu of a platform; an empty one for a chat that has none of its own now."""
-        whole = (*EVERYBODY, *ADMINS)
+        whole = (*self._everybody, *self._of_admins)
         admins = list(self._admins())[:ADMINS_AT_MOST]
         entries: dict[str, _Entries] = {account: whole for _, account in self._at(platform, admins)}
         chosen = self._reading(platform)
         for account in chosen:
-            entries.setdefault(account, EVERYBODY)
+            entries.setdefault(account, self._everybody)
         before = self._with_own.setdefault(platform, set())
         menus: list[Menu] = []
         for locale, catalogue in self._languages.items():
-            groups = tuple(entry for entry in EVERYBODY if entry[0] in IN_GROUPS)
-            menus.append(Menu(MenuScope.PRIVATE, _said(EVERYBODY, catalogue), locale))
-            menus.append(Menu(MenuScope.GROUPS, _said((*groups, TOPIC), catalogue), locale))
+            menus.append(Menu(MenuScope.PRIVATE, _said(self._everybody, catalogue), locale))
+            menus.append(Menu(MenuScope.GROUPS, _said(self._groups, catalogue), locale))
             menus += [
                 Menu(
                     MenuScope.CHAT,
@@ -168,5 +145,6 @@ class CommandMenus:
 
 def _said(entries: _Entries, catalogue: Catalogue | None) -> tuple[tuple[str, str], ...]:
     return tuple(
-        (menu_name(name, catalogue), in_language(text, catalogue)) for name, text in entries
+        (menu_name(command, catalogue), in_language(command.summary, catalogue))
+        for command in entries
     )

@@ -15,6 +15,7 @@ from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 
 if TYPE_CHECKING:
     from rosic.core.language import CommandLine
+    from rosic.core.language.command import CommandTable
 
 ONLY_IN_PRIVATE = said("Ask me that in a private chat with me, please.")
 
@@ -63,14 +64,30 @@ CommandHandler: TypeAlias = Callable[[CommandContext], Awaitable[Reply]]
 
 
 class CommandRegistry:
-    """Brings a command to whoever does it."""
+    """Brings a command to whoever does it.
 
-    def __init__(self) -> None:
+    Args:
+        declared: What can be asked of ROSIC.
+    """
+
+    def __init__(self, declared: CommandTable) -> None:
+        self._declared = declared
         self._handlers: dict[str, CommandHandler] = {}
 
-    def register(self, verb: str, handler: CommandHandler) -> None:
-        """Say who does commands of a verb."""
-        self._handlers[verb] = handler
+    def register(self, name: str, handler: CommandHandler) -> None:
+        """Say who does a command.
+
+        Raises:
+            ValueError: It is not declared.
+        """
+        if self._declared.find(name) is None:
+            raise ValueError(f"the command {name} is not declared")
+        self._handlers[name] = handler
+
+    @property
+    def undone(self) -> frozenset[str]:
+        """Commands that are declared, and that nobody does here."""
+        return self._declared.words - self._handlers.keys()
 
     async def do(self, command: CommandLine, asked: CommandContext) -> Reply:
         """Do a command, and return what to say.

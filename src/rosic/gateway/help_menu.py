@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import TYPE_CHECKING, Final
 
 from rosic.core import messages
 from rosic.core.i18n import figure, joined, said
+from rosic.core.language.command import HelpNeed, HelpPage
 from rosic.core.language.common_names import shown_command, shown_name
 from rosic.core.language.formatting import beginning
 from rosic.core.message import Button
@@ -13,19 +14,16 @@ from rosic.core.policy.scope import FLEET, GRANT, RESUME
 from rosic.core.robot.profile import Slots
 from rosic.core.robot.view import ViewKind
 from rosic.core.units import measured
-from rosic.gateway.command_menus import ADMINS, EVERYBODY
-from rosic.gateway.command_words import TYPED
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from rosic.core.identity import PrincipalId
+    from rosic.core.language.command import Command
     from rosic.core.language.compiled import CompiledParameter, CompiledSkill
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.gateway.components import Components
 
-    Lines: TypeAlias = Iterable[str]
-    Section: TypeAlias = Callable[[PrincipalId, frozenset[RobotId]], Lines]
 
 EXAMPLES: Final = 3
 SEVERAL: Final = 2
@@ -34,41 +32,23 @@ SEE: Final = said("See")
 SHARE: Final = said("Share")
 FLEET_TITLE: Final = said("Fleet")
 ALARMS: Final = said("Alarms")
-TITLES: Final = {"move": MOVE, "see": SEE, "share": SHARE, "fleet": FLEET_TITLE, "alarms": ALARMS}
+TITLES: Final = {
+    HelpPage.MOVE: MOVE,
+    HelpPage.SEE: SEE,
+    HelpPage.SHARE: SHARE,
+    HelpPage.FLEET: FLEET_TITLE,
+    HelpPage.ALARMS: ALARMS,
+}
 
 MORE: Final = said(
     "More of each, by its button or by: help move, help see, help share, help fleet, help alarms."
 )
 
-_SAID: Final = {
-    **dict(EVERYBODY),
-    **dict(ADMINS),
-    "picture": said("What its camera shows now"),
-    "map": said("Where it is on its map"),
-    "chart": said("A value over time"),
-    "trajectory": said("The way it has gone"),
-    "card": said("A message that always shows how robots are"),
-    "history": said("What you asked for, and what came of it"),
-    "slots": said("Which times are whose"),
-    "wait": said("Get a robot when it is free"),
-    "cancel booking": said("Give a time back"),
-    "handover": said("Pass a robot on to somebody"),
-    "mission": said("Several tasks, one after another, also every week"),
-    "tasks": said("What is being worked on, and what waits"),
-    "together": said("Let several robots begin at the same moment"),
-    "alerts": said("What is wrong now, and what was"),
-    "mute": said("Hear nothing of an alarm for a while"),
-    "settings": said("Your language, units, and how you hear of things"),
-    "files": said("Files for robots and of robots"),
-    "mydata": said("What is kept of you"),
-}
-
-
-# By the right about the place that each needs.
-_ABOUT_PEOPLE: Final = {
-    "invite": ("invite",),
-    "people": ("people", "revoke", "security"),
-    "lock": ("lock",),
+_LOOKS: Final[Mapping[HelpNeed, Callable[[Profile], bool]]] = {
+    HelpNeed.PICTURE: lambda profile: profile.offers(ViewKind.PICTURE),
+    HelpNeed.MAP: lambda profile: profile.offers(ViewKind.MAP),
+    HelpNeed.POSE: lambda profile: profile.pose is not None,
+    HelpNeed.TELEMETRY: lambda profile: bool(profile.telemetry),
 }
 
 
@@ -83,13 +63,7 @@ class HelpMenu:
         self._organiser = rooms.organiser
         self._profiles = rooms.profiles
         self._vocabularies = rooms.vocabularies
-        self._sections: dict[str, Section] = {
-            "move": self._move,
-            "see": self._see,
-            "share": self._share,
-            "fleet": self._fleet,
-            "alarms": self._alarms,
-        }
+        self._pages = {page: rooms.vocabulary.commands.on_page(page) for page in HelpPage}
 
     def overview(
         self, principal: PrincipalId, visible: frozenset[RobotId]
@@ -101,75 +75,81 @@ class HelpMenu:
             messages.HELP_STOP,
         ]
         buttons = [
-            Button(TITLES[name], f"help {name}")
-            for name, section in self._sections.items()
-            if any(True for _ in section(principal, visible))
+            Button(TITLES[page], f"help {page}")
+            for page in HelpPage
+            if any(True for _ in self._lines(page, principal, visible))
         ]
         if buttons:
             lines.append(MORE)
         return joined("\n", lines), buttons
 
     def section(self, name: str, principal: PrincipalId, visible: frozenset[RobotId]) -> str:
-        """Return one section; empty if there is none of that name."""
-        section = self._sections.get(name)
-        if section is None:
+        """Return one page; empty if there is none of that name."""
+        if name not in TITLES:
             return ""
-        lines = list(section(principal, visible)) or [said("There is nothing of that for you yet.")]
-        return joined("\n", (joined("", (TITLES[name], ":")), *lines))
+        page = HelpPage(name)
+        lines = list(self._lines(page, principal, visible))
+        lines = lines or [said("There is nothing of that for you yet.")]
+        return joined("\n", (joined("", (TITLES[page], ":")), *lines))
 
-    # ---- sections ----
-
-    def _move(self, principal: PrincipalId, visible: frozenset[RobotId]) -> Lines:
-        examples = self.examples(principal, visible)
-        yield from (joined("", ("  ", example)) for example in examples)
-        if examples:
-            yield from _commands("again", "use", "undo")
-        yield _line("stop")
-        if examples:
-            yield _line("cancel")
-        if any(self._organiser.allows(principal, robot, RESUME) for robot in visible):
-            yield _line("resume")
-
-    def _see(self, _: PrincipalId, visible: frozenset[RobotId]) -> Lines:
-        yield from _commands("robots", "status", "card", "history")
-        shown = [self._profiles[robot] for robot in sorted(visible)]
-        for verb, offered in (
-            ("picture", lambda p: p.offers(ViewKind.PICTURE)),
-            ("map", lambda p: p.offers(ViewKind.MAP)),
-            ("trajectory", lambda p: p.pose is not None),
-            ("chart", lambda p: bool(p.telemetry)),
-        ):
-            robot = next((profile for profile in shown if offered(profile)), None)
-            if robot is not None:
-                yield _line(verb, robot.id)
-
-    def _share(self, principal: PrincipalId, visible: frozenset[RobotId]) -> Lines:
-        organiser = self._organiser
-        booked = (r for r in visible if self._profiles[r].slots is not Slots.NONE)
-        if any(organiser.why_not_move(principal, robot) is None for robot in booked):
-            yield from _commands("slots", "book", "wish", "wait", "cancel booking", "handover")
-        yield from _commands("me", "ask", "settings", "files", "mydata")
-        if any(organiser.allows(principal, robot, GRANT) for robot in (FLEET, *visible)):
-            yield from _commands("role", "grant")
-        for verb, names in _ABOUT_PEOPLE.items():
-            if organiser.allows(principal, FLEET, verb):
-                yield from _commands(*names)
-        if organiser.allows(principal, FLEET, "slots"):
-            yield from _commands("plan")
-
-    def _fleet(self, principal: PrincipalId, visible: frozenset[RobotId]) -> Lines:
-        if len(visible) < SEVERAL:
+    def _lines(
+        self, page: HelpPage, principal: PrincipalId, visible: frozenset[RobotId]
+    ) -> Iterator[str]:
+        """Yield a page: examples, and every command that this person can use."""
+        if page is HelpPage.FLEET and len(visible) < SEVERAL:
             return
-        yield from _commands("fleet")
-        example = self._together(principal, visible)
-        if example:
-            yield joined("", ("  ", example))
-            yield from _commands("together")
-        if self._organiser.allows(principal, FLEET, "assign"):
-            yield from _commands("task", "tasks", "mission")
+        examples = self.examples(principal, visible) if page is HelpPage.MOVE else []
+        yield from (joined("", ("  ", example)) for example in examples)
+        for command in self._pages[page]:
+            assert command.help is not None  # noqa: S101 - it stands on a page
+            yield from self._line(command, command.help.needs, principal, visible, examples)
 
-    def _alarms(self, _: PrincipalId, __: frozenset[RobotId]) -> Lines:
-        yield from _commands("alerts", "mute")
+    def _line(
+        self,
+        command: Command,
+        needs: HelpNeed | str,
+        principal: PrincipalId,
+        visible: frozenset[RobotId],
+        examples: Sequence[str],
+    ) -> Iterator[str]:
+        """Yield the line of a command if this person can use it, and what is shown before it."""
+        robot = ""
+        if needs in _LOOKS:
+            looks = _LOOKS[HelpNeed(needs)]
+            robot = next((name for name in sorted(visible) if looks(self._profiles[name])), "")
+            if not robot:
+                return
+        elif needs is HelpNeed.TOGETHER:
+            example = self._together(principal, visible)
+            if not example:
+                return
+            yield joined("", ("  ", example))
+        elif not self._can(needs, principal, visible, examples):
+            return
+        typed = joined(" ", filter(None, (command.typed, robot)))
+        yield joined("", ("  ", typed, " · ", command.summary))
+
+    def _can(
+        self,
+        needs: HelpNeed | str,
+        principal: PrincipalId,
+        visible: frozenset[RobotId],
+        examples: Sequence[str],
+    ) -> bool:
+        organiser = self._organiser
+        match needs:
+            case HelpNeed.NOTHING:
+                return True
+            case HelpNeed.MOTION:
+                return bool(examples)
+            case HelpNeed.RESUME:
+                return any(organiser.allows(principal, robot, RESUME) for robot in visible)
+            case HelpNeed.BOOKING:
+                booked = (r for r in visible if self._profiles[r].slots is not Slots.NONE)
+                return any(organiser.why_not_move(principal, robot) is None for robot in booked)
+            case HelpNeed.GRANT:
+                return any(organiser.allows(principal, robot, GRANT) for robot in (FLEET, *visible))
+        return organiser.allows(principal, FLEET, needs)
 
     # ---- examples ----
 
@@ -233,12 +213,3 @@ def _value(parameter: CompiledParameter, *, named: bool) -> str | None:
     if named:
         return joined("=", (parameter.shown, figure(text)))
     return measured(f"{text} {symbol}".rstrip(), number, symbol)
-
-
-def _commands(*names: str) -> Iterator[str]:
-    return map(_line, names)
-
-
-def _line(name: str, robot: str = "") -> str:
-    typed = joined(" ", filter(None, (TYPED[name], robot)))
-    return joined("", ("  ", typed, " · ", _SAID[name]))

@@ -18,6 +18,7 @@ from rosic.gateway.commands import CommandRegistry
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
+    from rosic.core.language.command import CommandTable
     from rosic.core.message import Inbound
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.commands import Reply
@@ -49,6 +50,7 @@ class PipelineHooks:
         stepped_up: Whether somebody has shown a second factor lately, in a chat.
         proof_used: Has what this has let pass count for its idle time.
         refused: Follows the rules about misuse; told of every refusal.
+        commands: What can be asked of ROSIC, besides orders.
     """
 
     def __init__(
@@ -58,8 +60,9 @@ class PipelineHooks:
         stepped_up: SteppedUp,
         proof_used: ProofUsed,
         refused: Refused,
+        commands: CommandTable,
     ) -> None:
-        self.commands = CommandRegistry()
+        self.commands = CommandRegistry(commands)
         self.confirmation_of = confirmation_of
         self.stepped_up = stepped_up
         self.proof_used = proof_used

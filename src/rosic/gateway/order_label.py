@@ -24,11 +24,11 @@ TASK: Final = "/task "
 def label_of(offer: str, vocabulary: Vocabulary) -> str:
     """Return how a button reads that says a command; what it says stays what it is."""
     if offer.startswith(TASK):
-        task = offered(TASK.strip(), partial(_named, vocabulary))
+        task = offered(TASK.strip(), partial(_named, vocabulary), vocabulary.commands)
         return joined(" ", (task, label_of(offer[len(TASK) :], vocabulary)))
     lines = understand(offer, vocabulary, LineContext("", frozenset(vocabulary.profiles)))
     if offer.startswith("/") or len(lines) != 1 or not isinstance(lines[0], Do):
-        return offered(offer, partial(_named, vocabulary))
+        return offered(offer, partial(_named, vocabulary), vocabulary.commands)
     label = joined(" ", _words(lines[0], vocabulary))
     # In English it reads as it is typed. What does not is somebody's own way of saying it.
     return label if label == offer else offer

@@ -270,7 +270,7 @@ async def _break_off(stage: ScenarioRunner, curtain: TerminalView) -> None:
 
 
 def _set_up(seat: UserTerminal, gateway: Gateway, clock: Clock) -> None:
-    seat.know(gateway.rooms.profiles.values())
+    seat.know(gateway.rooms.profiles.values(), gateway.rooms.vocabulary.commands)
     seat.pace = None if is_terminal(sys.stdin) else partial(_line_over, gateway, clock)
 
 

@@ -5,6 +5,7 @@ from typing import TypeAlias
 
 import pytest
 
+from rosic.app.commands import command_table
 from rosic.config.units import compile_units
 from rosic.core.language import Do, Line, LineContext, UnitTable, Vocabulary, bind, understand
 from rosic.core.robot.skill import Argument
@@ -21,7 +22,7 @@ def units() -> UnitTable:
 
 @pytest.fixture(scope="session")
 def vocabulary(units: UnitTable) -> Vocabulary:
-    return Vocabulary.build(profiles(), units)
+    return Vocabulary.build(profiles(), units, command_table())
 
 
 @pytest.fixture(scope="session")

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from rosic.app.commands import command_table
 from rosic.config.units import compile_units
 from rosic.core.language import Do, LineContext, Misunderstood, Vocabulary, bind, show, understand
 from rosic.core.order import SpokenValue
@@ -33,7 +34,7 @@ def digger(bounds: Sequence[float], unit: str, *, integer: bool = False) -> Voca
     depth = Parameter(unit=unit, min=low, max=high, integer=integer)
     skill = Skill(id="dig", parameters={"depth": depth})
     return Vocabulary.build(
-        [Profile(id="r1", link=Link(kind="memory"), skills={"dig": skill})], UNITS
+        [Profile(id="r1", link=Link(kind="memory"), skills={"dig": skill})], UNITS, command_table()
     )
 
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import pytest
 
+from rosic.app.commands import command_table
 from rosic.core.language import clean, clean_name, inert_text, without_codes
 from rosic.core.language.sanitise import fold_word, quote
 
@@ -70,11 +71,11 @@ def test_no_command_is_made_of_what_a_robot_says() -> None:
     ],
 )
 def test_no_code_is_left_of_a_line_that_brings_one(text: str, kept: str) -> None:
-    assert without_codes(text, "-") == kept
+    assert without_codes(text, command_table(), "-") == kept
 
 
 @pytest.mark.parametrize(
     "text", ["", "omni move 1 m", "two\r\nlines\n", "/authenticator reset Bo", "/code", "decode 1"]
 )
 def test_what_brings_none_stays_as_it_was(text: str) -> None:
-    assert without_codes(text, "-") == text
+    assert without_codes(text, command_table(), "-") == text

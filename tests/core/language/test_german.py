@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from rosic.app.commands import command_table
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
 from rosic.core.language import CommandLine, Do, LineContext, Vocabulary, hears_stop, understand
 from rosic.core.language.arguments import bind
@@ -13,7 +14,7 @@ from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Parameter, Skill
 
 FLEET = tuple(load_profile(shipped_profiles()[name]) for name in ("kuka1", "omni", "cf1"))
-VOCABULARY = Vocabulary.build(FLEET, known_units())
+VOCABULARY = Vocabulary.build(FLEET, known_units(), command_table())
 
 
 def meant(line: str, vocabulary: Vocabulary = VOCABULARY) -> object:
@@ -57,7 +58,7 @@ def test_german_commands(typed: str, verb: str) -> None:
 
 def own(name: str, **skills: Skill) -> Vocabulary:
     profile = Profile(id=name, link=Link(kind="memory"), skills=skills)
-    return Vocabulary.build((profile,), known_units())
+    return Vocabulary.build((profile,), known_units(), command_table())
 
 
 def test_what_a_profile_says_comes_first() -> None:

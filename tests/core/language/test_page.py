@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from rosic.app.commands import command_table
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
 from rosic.core.language import (
     Do,
@@ -37,7 +38,7 @@ class Conversation:
 
     def __init__(self) -> None:
         files = shipped_profiles().values()
-        self.vocabulary = Vocabulary.build(map(load_profile, files), known_units())
+        self.vocabulary = Vocabulary.build(map(load_profile, files), known_units(), command_table())
         self.visible = frozenset(self.vocabulary.profiles)
         self.selected = ""
 

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rosic.app.commands import command_table
 from rosic.config.profiles import known_units
 from rosic.core.language import Vocabulary
 from rosic.core.language.formatting import beginning, stepped
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 def _compiled(parameter: Parameter) -> CompiledParameter:
     skill = Skill(id="go", parameters={"value": parameter})
     robot = Profile(id="omni", link=Link(kind="memory"), skills={"go": skill})
-    vocabulary = Vocabulary.build([robot], known_units())
+    vocabulary = Vocabulary.build([robot], known_units(), command_table())
     return vocabulary.robots["omni"].skills["go"].parameters[0]
 
 

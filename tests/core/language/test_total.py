@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rosic.app.commands import command_table
 from rosic.config.units import compile_units
 from rosic.core.language import (
     Do,
@@ -105,7 +106,7 @@ ODDITIES = [
     "stop",
 ]
 
-VOCABULARY = Vocabulary.build(profiles(), compile_units())
+VOCABULARY = Vocabulary.build(profiles(), compile_units(), command_table())
 CONTEXTS = [
     LineContext("", frozenset(VOCABULARY.profiles)),
     LineContext("omni", frozenset(VOCABULARY.profiles)),
@@ -334,7 +335,7 @@ def fleet(robots: int, skills: int) -> Vocabulary:
         name = f"omni{number}" if number else "omni"
         return Profile(id=name, link=Link(kind="memory"), skills={"move": move, **own})
 
-    return Vocabulary.build(map(robot, range(robots)), VOCABULARY.units)
+    return Vocabulary.build(map(robot, range(robots)), VOCABULARY.units, command_table())
 
 
 @pytest.mark.parametrize("text", ["omni move forward 0.5 m", "/move omni 1 m", "status omni"])

@@ -5,6 +5,7 @@ import re
 import msgspec
 import pytest
 
+from rosic.app.commands import command_table
 from rosic.core.language import (
     SAY,
     LanguageReader,
@@ -111,11 +112,13 @@ def test_what_would_be_misunderstood_is_refused(
     units: UnitTable, fleet: list[Profile], sentence: str
 ) -> None:
     with pytest.raises(ValueError, match=re.escape(sentence)):
-        Vocabulary.build(fleet, units)
+        Vocabulary.build(fleet, units, command_table())
 
 
 def test_a_title_that_two_robots_share_names_neither(units: UnitTable) -> None:
-    twins = Vocabulary.build([robot("a1", title="Arm"), robot("b1", title="Arm")], units)
+    twins = Vocabulary.build(
+        [robot("a1", title="Arm"), robot("b1", title="Arm")], units, command_table()
+    )
 
     assert twins.robot("arm") is None
     assert twins.robot("a1") is not None
@@ -125,6 +128,7 @@ def test_a_title_that_means_something_else_is_left_out(units: UnitTable) -> None
     built = Vocabulary.build(
         [robot("a1", title="Status"), robot("b1", title="Dig", skills=skill(title="Stop it"))],
         units,
+        command_table(),
     )
 
     assert built.robot("status") is None
@@ -139,8 +143,8 @@ def test_robots_that_are_alike_share_their_skills(vocabulary: Vocabulary) -> Non
 
 
 def test_a_replaced_vocabulary_counts_at_once(units: UnitTable) -> None:
-    before = Vocabulary.build([robot("omni")], units)
-    after = Vocabulary.build([robot("omni"), robot("digger")], units)
+    before = Vocabulary.build([robot("omni")], units, command_table())
+    after = Vocabulary.build([robot("omni"), robot("digger")], units, command_table())
     holder = VocabularyHolder(before)
     reader, everybody = LanguageReader(holder), frozenset({"omni", "digger"})
     assert isinstance(reader.lines("use digger", "", everybody)[0], Misunderstood)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app.access import AccessFeature, authoriser_of, nothing_kept
+from rosic.app.commands import command_table
 from rosic.app.people import remember
 from rosic.app.policy import PolicyService
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
@@ -136,13 +137,13 @@ class Hall:
             rates=RateLimits(self.clock, RateLimit(), {}, rights.rates, self.store.note, str),
             lease_idle_s=30.0,
         )
-        vocabularies = VocabularyHolder(Vocabulary.build(FLEET, known_units()))
+        vocabularies = VocabularyHolder(Vocabulary.build(FLEET, known_units(), command_table()))
         containers = Containers(vocabularies, self.store, self.clock, {})
         self.chat_sender = ChatSender(containers, self.clock, nobody_to_tell)
         self.outbox = Outbox(self.store, self.clock, entropy, self.chat_sender)
         self.reader = LanguageReader(vocabularies)
         self.registry = self._registry()
-        self.commands = CommandRegistry()
+        self.commands = CommandRegistry(command_table())
         self._employ(entropy)
         self._names = {CY: "Cy Young", DI: "Di", ED: "Ed"}
 

@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from rosic.app.access import authoriser_of
+from rosic.app.commands import command_table
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.profiles import known_units
 from rosic.container.container import Containers
@@ -125,7 +126,7 @@ class Lab:
 
     def _compose(self) -> None:
         clock = self.clock
-        vocabularies = VocabularyHolder(Vocabulary.build(FLEET, known_units()))
+        vocabularies = VocabularyHolder(Vocabulary.build(FLEET, known_units(), command_table()))
         self.reader = LanguageReader(vocabularies)
         self.authoriser = authoriser_of(MonotonicWallClock(clock), clock, SeededEntropy())
         for who, name in NAMES.items():
@@ -174,7 +175,7 @@ class Lab:
         )
         self.scheduler = BookingScheduler(self.times)
         self.changes.after(self.scheduler.look)
-        self.commands = CommandRegistry()
+        self.commands = CommandRegistry(command_table())
         register_commands(self.commands, self.times, self.scheduler)
         self.commands.register("cancel", self._cancel_booking)
 

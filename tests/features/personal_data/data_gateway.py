@@ -6,6 +6,7 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
+from rosic.app.commands import command_table
 from rosic.app.data_feature import folders_of, handing_of
 from rosic.app.gateway import Gateway
 from rosic.config.profiles import known_units
@@ -91,7 +92,7 @@ class Ward(Place):
         super().__init__(self.kept, clock=clock, fleet=fleet)
         self.archive = Archive(clock)
         recorded = ArchivingMessenger(
-            self.chat, self.archive, self.kept, self.author_of, lambda _: ()
+            self.chat, self.archive, self.kept, self.author_of, lambda _: (), command_table()
         )
         parts = self.gateway._parts
         changed = {name: getattr(parts, name) for name in parts.__struct_fields__}

@@ -14,6 +14,7 @@ from rosic.app.added_robots import with_added
 from rosic.app.admin.api import AdminContext, zone_or_universal
 from rosic.app.admin.dispatch import AdminApi
 from rosic.app.admin.naming import CONFIGURED, people_lines, people_listed
+from rosic.app.commands import command_table
 from rosic.app.data_feature import DataContext, data_context_of, preferences_of
 from rosic.app.people import remember, seed
 from rosic.app.policy import PolicyService
@@ -171,7 +172,7 @@ class OfflineAdmin:
             authoriser,
             organiser,
             profiles,
-            VocabularyHolder(Vocabulary.build(robots, known_units())),
+            VocabularyHolder(Vocabulary.build(robots, known_units(), command_table())),
             clock,
             _nobody_hears,
             CommandHistory(),

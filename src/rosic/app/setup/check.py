@@ -13,6 +13,7 @@ from rosic.config.plugins import check_robot, robot_factory, shared_spaces
 from rosic.config.profiles import known_units
 from rosic.core.identity import ROBOT
 from rosic.core.language import Vocabulary
+from rosic.core.language.command import NO_COMMANDS
 from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.permissions import Permissions
 from rosic.core.policy.roles import Grant
@@ -72,7 +73,7 @@ def _errors(config: Config, clock: Clock) -> list[ConfigurationError]:
     ]
     errors += [open_.error for open_ in open_to_others(config.files) if open_.everybody]
     try:
-        Vocabulary.build(config.robots, known_units())
+        Vocabulary.build(config.robots, known_units(), NO_COMMANDS)
     except ValueError as wrong:
         errors.append(ConfigurationError(f"{wrong}.", where=str(config.path)))
     try:

@@ -15,6 +15,7 @@ from rosic.config.profiles import known_units
 from rosic.contracts.robot import DescribesTelemetry, SilenceTest
 from rosic.core.identity import COMMAND_ID_BYTES, OPERATOR, command_id
 from rosic.core.language import Vocabulary
+from rosic.core.language.command import NO_COMMANDS
 from rosic.core.order import Order, OrderEnding, OrderStage, Outcome, Permit, RestReport, Stop
 from rosic.core.order_gate import OrderGate
 from rosic.core.policy.scope import RESUME
@@ -377,7 +378,7 @@ def streaming_skill(profile: Profile) -> Skill | None:
 
 def slow_arguments(profile: Profile, skill: Skill) -> dict[str, Argument]:
     """Return SI arguments for a slow motion: the first speed a little, the others as they are."""
-    vocabulary = Vocabulary.build([profile], known_units())
+    vocabulary = Vocabulary.build([profile], known_units(), NO_COMMANDS)
     compiled = vocabulary.compiled_skill(profile.id, skill.id)
     arguments: dict[str, Argument] = {}
     slow: float | None = None

@@ -101,16 +101,19 @@ class Command(msgspec.Struct, frozen=True, kw_only=True):
         page: Where ``help NAME`` leads, if it does not stand on a page.
         explained: Said alone it changes nothing: it says how it is said, or shows what there is. So
             ``help NAME`` says that.
-        secret: What stands behind it lets somebody in, so that none of it is kept; except this
+        redacted_unless: What stands behind it lets somebody in, so none of it is kept; except this
             word. None: nothing secret stands behind it.
         help: Its place in ``help``. None: it stands in none.
         menu: Its place in menus. None: it stands in none.
         phrase: Returns how a button reads that says it of a robot (as it is shown).
         alone: How a button reads that says it and nothing else.
         timed: What follows in such a button are times.
+        cancelled_by: The command that takes ``cancel NAME ...``, as ``... cancel``. Empty: none.
         hint: What it is, for completion in the terminal. Empty: it is not completed.
         of_robots: Names of robots follow it, for completion.
         grammar: The grammar itself gives it a meaning, and nobody may call a robot or a skill so.
+        spoken: Somebody may say it. If not, another command is passed on to it, or only the secret
+            behind it counts.
     """
 
     name: str
@@ -120,19 +123,101 @@ class Command(msgspec.Struct, frozen=True, kw_only=True):
     summary: str = ""
     page: HelpPage | None = None
     explained: bool = False
-    secret: str | None = None
+    redacted_unless: str | None = None
     help: HelpEntry | None = None
     menu: MenuEntry | None = None
     phrase: Callable[[str], str] | None = None
     alone: str = ""
     timed: bool = False
+    cancelled_by: str = ""
     hint: str = ""
     of_robots: bool = False
     grammar: bool = False
+    spoken: bool = True
+
+
+GRAMMAR: Final = (
+    Command(
+        name="help",
+        aliases=("hilfe",),
+        summary=said("What you can say"),
+        menu=MenuEntry(150, groups=True),
+        phrase=lambda what: said("help {what}", what=what),
+        alone=said("help"),
+        hint="what can be said",
+        of_robots=True,
+        grammar=True,
+    ),
+    Command(
+        name="resume",
+        aliases=("freigeben",),
+        typed=said("/resume"),
+        summary=said("Let a stopped robot move again"),
+        help=HelpEntry(HelpPage.MOVE, 60, HelpNeed.RESUME),
+        menu=MenuEntry(70, groups=True),
+        phrase=lambda what: said("Resume {shown}", shown=what),
+        hint="undo a stop",
+        of_robots=True,
+        grammar=True,
+    ),
+    Command(
+        name="robots",
+        aliases=("roboter",),
+        typed=said("/robots"),
+        summary=said("The robots you may see"),
+        help=HelpEntry(HelpPage.SEE, 10),
+        menu=MenuEntry(10, groups=True),
+        alone=said("Robots"),
+        hint="which robots there are",
+        grammar=True,
+    ),
+    Command(name="start", redacted_unless="", grammar=True),
+    Command(
+        name="status",
+        aliases=("zustand",),
+        typed=said("/status"),
+        summary=said("What every robot is doing"),
+        help=HelpEntry(HelpPage.SEE, 20),
+        menu=MenuEntry(20, groups=True),
+        hint="how the robots are",
+        of_robots=True,
+        grammar=True,
+    ),
+    Command(
+        name="use",
+        aliases=("nimm",),
+        typed=said("/use"),
+        summary=said("Choose a robot, so that its name may be left out"),
+        help=HelpEntry(HelpPage.MOVE, 20, HelpNeed.MOTION),
+        menu=MenuEntry(30, groups=True),
+        phrase=lambda what: said("Choose {what}", what=what),
+        hint="choose a robot, so that its name may be left out",
+        of_robots=True,
+        grammar=True,
+    ),
+    Command(
+        name="stop",
+        typed=said("/stop"),
+        summary=said("Stop every robot you may see"),
+        help=HelpEntry(HelpPage.MOVE, 40),
+        menu=MenuEntry(50, groups=True),
+        hint="stop, at once; everything if no robot is named",
+        of_robots=True,
+        grammar=True,
+    ),
+    Command(name="resume all", alone=said("Resume all"), grammar=True),
+)
+"""What the grammar itself gives a meaning, whatever else is declared."""
+
+
+VERBS: Final = frozenset(
+    command.name for command in GRAMMAR if " " not in command.name and command.name != "stop"
+)
+"""A stop is looked for before the grammar reads anything."""
 
 
 class CommandTable:
-    """All commands of a gateway, looked up by what is said.
+    """All commands of a gateway, those of the grammar among them, looked up by what is said.
 
     Attributes:
         words: What is a command if nothing else is called so.
@@ -147,9 +232,9 @@ class CommandTable:
     def __init__(self, commands: Iterable[Command]) -> None:
         self._by_name: dict[str, Command] = {}
         self.aliases: dict[str, str] = {}
-        self.pairs: dict[tuple[str, str], str] = {}
+        self.pairs: dict[tuple[str, ...], str] = {}
         places: set[object] = set()
-        for command in commands:
+        for command in (*GRAMMAR, *commands):
             said_as = (command.name, *command.aliases)
             taken = [word for word in said_as if word in self._by_name or word in self.aliases]
             here = [
@@ -165,12 +250,12 @@ class CommandTable:
         self.words = frozenset(
             name
             for name, command in self._by_name.items()
-            if not command.grammar and " " not in name
+            if command.spoken and not command.grammar and " " not in name
         )
         self.secret: dict[str, str] = {
-            word: command.secret
+            word: command.redacted_unless
             for command in self
-            if command.secret is not None
+            if command.redacted_unless is not None
             for word in (command.name, *command.aliases)
         }
 
@@ -180,6 +265,10 @@ class CommandTable:
     def find(self, word: str) -> Command | None:
         """Return the command of a word in small letters, whatever its language."""
         return self._by_name.get(self.aliases.get(word, word))
+
+    def explains(self, word: str) -> bool:
+        """Whether a command, said alone, says how it is said."""
+        return self._by_name[word].explained
 
     def on_page(self, page: HelpPage) -> list[Command]:
         """Return what stands on a page of ``help``, in its order."""
@@ -194,13 +283,5 @@ class CommandTable:
         return [command for _, command in sorted(here, key=lambda ranked: ranked[0])]
 
 
-STOP: Final = Command(
-    name="stop",
-    typed=said("/stop"),
-    summary=said("Stop every robot you may see"),
-    help=HelpEntry(HelpPage.MOVE, 40),
-    menu=MenuEntry(50, groups=True),
-    hint="stop, at once; everything if no robot is named",
-    of_robots=True,
-    grammar=True,
-)
+NO_COMMANDS: Final = CommandTable(())
+"""Where robots alone are spoken to, as in a file: nothing but the words of the grammar."""

@@ -20,10 +20,7 @@ from rosic.core.language.ast import (
 )
 from rosic.core.language.compiled import CompiledRobot, CompiledSkill, merge
 from rosic.core.language.keywords import (
-    ALIASES,
-    ALIASES_OF_TWO,
     ALONG_ELSEWHERE,
-    COMMANDS,
     EVERYTHING,
     EVERYTHING_ELSEWHERE,
     HELP_PAGES,
@@ -41,77 +38,27 @@ from rosic.core.order import SpokenValue
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rosic.core.language.command import CommandTable
     from rosic.core.robot.profile import RobotId
 
 
 # ---- help about one word ----
 
-# Said alone, these change nothing: they say how they are said, or show what there is. So that is
-# the help about them.
-EXPLAINED: Final = frozenset(
-    {
-        "ask",
-        "assist",
-        "book",
-        "broadcast",
-        "grant",
-        "invite",
-        "me",
-        "mission",
-        "missions",
-        "mute",
-        "people",
-        "quiet",
-        "role",
-        "settings",
-        "share",
-        "shelf",
-        "strategy",
-        "task",
-        "tasks",
-        "together",
-        "wish",
-    }
-)
-# The page on which the others stand.
-PAGE_OF: Final = {
-    "again": "move",
-    "cancel": "move",
-    "undo": "move",
-    "continue": "move",
-    "resume": "move",
-    "card": "see",
-    "chart": "see",
-    "clip": "see",
-    "history": "see",
-    "map": "see",
-    "picture": "see",
-    "status": "see",
-    "trajectory": "see",
-    "files": "share",
-    "handover": "share",
-    "lock": "share",
-    "mydata": "share",
-    "plan": "share",
-    "revoke": "share",
-    "security": "share",
-    "slots": "share",
-    "wait": "share",
-    "fleet": "fleet",
-    "alerts": "alarms",
-}
 HELP_WORDS: Final = frozenset({"?", "help", "hilfe"})
 
 
-def help_named(word: str) -> CommandLine | Help | None:
+def help_named(word: str, commands: CommandTable) -> CommandLine | Help | None:
     """Return what is said about a word in small letters; None where it is no page, no command."""
     page = PAGE_ALIASES.get(word, word)
     if page in HELP_PAGES:
         return Help(page)
-    command = ALIASES.get(word, word)
-    if command in EXPLAINED:
-        return CommandLine(command, "")
-    return Help(PAGE_OF[command]) if command in PAGE_OF else None
+    command = commands.find(word)
+    if command is None:
+        return None
+    if command.explained:
+        return CommandLine(command.name, "")
+    leads = command.page or (command.help.page if command.help is not None else None)
+    return None if leads is None else Help(leads.value)
 
 
 # ---- reading one line ----
@@ -183,18 +130,18 @@ class LineReader:
         callee, after = self._callee(at)
         if callee is not None:
             return self._addressed(callee, after)
-        word = self._low[at]
+        word, commands = self._low[at], self._vocabulary.commands
         ours = slash or word not in self._vocabulary.longest_skill
         if ours:
-            word = ALIASES.get(word, word)
+            word = commands.aliases.get(word, word)
         verb = _VERBS.get(word)
         if verb is not None:
             return verb(self, None, at + 1)
-        two = ALIASES_OF_TWO.get(tuple(self._low[at:])) if len(self._low) == at + 2 else None
+        two = commands.pairs.get(tuple(self._low[at:])) if len(self._low) == at + 2 else None
         if two is not None:
             return CommandLine(two, "")
-        if word in COMMANDS and ours:
-            alone = word in EXPLAINED and self._asks_how(at + 1)
+        if word in commands.words and ours:
+            alone = self._asks_how(at + 1) and commands.explains(word)
             return CommandLine(word, "" if alone else self._rest(at + 1))
         return self._unaddressed(at, slash=slash)
 
@@ -244,7 +191,7 @@ class LineReader:
         found = self._skill(callee, at)
         if found is not None:
             return self._do(callee, *found)
-        word = ALIASES.get(self._low[at], self._low[at])
+        word = self._vocabulary.commands.aliases.get(self._low[at], self._low[at])
         verb = _VERBS.get(word)
         if verb is not None:
             return verb(self, callee, at + 1)
@@ -418,7 +365,8 @@ class LineReader:
         named, _ = self._callee(at)
         if named is not None:
             return Help(named.name)
-        return help_named(self._low[at]) or self._trouble().no_such_robot(at)
+        found = help_named(self._low[at], self._vocabulary.commands)
+        return found or self._trouble().no_such_robot(at)
 
     def robots(self, _: NameTarget | None, __: int) -> Line:
         """Read ``robots``."""

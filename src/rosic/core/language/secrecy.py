@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from rosic.core.language.ast import Do
-from rosic.core.language.keywords import ALIASES
 from rosic.core.language.line_words import past_fillers, words_of
 from rosic.core.language.sanitise import clean, normalised
 
 if TYPE_CHECKING:
     from rosic.core.language.ast import Line
-
-# What stands behind these words lets somebody in; behind the word in brackets, nothing does.
-_SECRET: Final = {"authenticator": "reset", "code": "", "join": "", "start": ""}
-_SAID: Final = (*_SECRET, *(alias for alias, word in ALIASES.items() if word in _SECRET))
+    from rosic.core.language.command import CommandTable
 
 
-def kept_of(line: Line, text: str) -> str:
+def kept_of(line: Line, text: str, commands: CommandTable) -> str:
     """Return what is kept of a message of which a line was refused: no code that stands in it."""
-    return line.text if isinstance(line, Do) else without_codes(text)
+    return line.text if isinstance(line, Do) else without_codes(text, commands)
 
 
-def without_codes(text: str, instead: str = "") -> str:
+def without_codes(text: str, commands: CommandTable, instead: str = "") -> str:
     """Return a message without what stands behind a word that takes a code, in each of its lines.
 
     The word is looked for where `understand` does: behind words that mean nothing, whatever letters
@@ -31,10 +27,11 @@ def without_codes(text: str, instead: str = "") -> str:
 
     Args:
         text: As it was written.
+        commands: Knows behind which words a code stands.
         instead: What is put there.
     """
     read = normalised(clean(text)).casefold()
-    if not any(word in read for word in _SAID):
+    if not any(word in read for word in commands.secret):
         return text
     kept: list[str] = []
     awaited = False
@@ -47,7 +44,7 @@ def without_codes(text: str, instead: str = "") -> str:
         low = words_of(seen).low
         at = past_fillers(low, 0)
         word = low[at] if at < len(low) else ""
-        opens = _SECRET.get(ALIASES.get(word, word))
+        opens = commands.secret.get(word)
         behind = low[at + 1 :]
         secret = awaited or (opens is not None and behind != [] and behind[0] != opens)
         awaited = opens is not None and not behind

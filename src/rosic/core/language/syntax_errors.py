@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
 from rosic.core.language.ast import Misunderstood
-from rosic.core.language.keywords import HINTS, VERBS
+from rosic.core.language.command import VERBS
+from rosic.core.language.keywords import HINTS
 from rosic.core.language.sanitise import quote
 from rosic.core.language.suggestions import MOST_CANDIDATES, did_you_mean, listed, one_each
 

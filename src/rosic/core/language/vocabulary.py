@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.language.cancel_detection import is_cancel_word
+from rosic.core.language.command import VERBS, CommandTable
 from rosic.core.language.common_names import TYPED
 from rosic.core.language.compiled import (
     CompiledRobot,
@@ -17,7 +18,7 @@ from rosic.core.language.compiled import (
     skills_of,
     spellings,
 )
-from rosic.core.language.keywords import EVERYTHING, FILLERS, NOT_FINITE, NOTHING, NUMBERS, VERBS
+from rosic.core.language.keywords import EVERYTHING, FILLERS, NOT_FINITE, NOTHING, NUMBERS
 from rosic.core.language.numbers import UnitTable, read_numeral
 from rosic.core.language.sanitise import clean_name, quote
 from rosic.core.language.stop_detection import is_stop_word
@@ -50,6 +51,7 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
     """A snapshot of robots, groups, skills and units. `VocabularyHolder` holds the newest.
 
     Attributes:
+        commands: What can be asked of ROSIC itself.
         profiles: By robot id, in the order in which they were given.
         callees: Every name, title and other word for a robot or a group.
         longest_callee: First word of a name to the number of words in the longest such name.
@@ -60,6 +62,7 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     units: UnitTable
+    commands: CommandTable
     profiles: dict[RobotId, Profile]
     robots: dict[RobotId, CompiledRobot]
     callees: dict[str, NameTarget]
@@ -69,8 +72,10 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
     known: frozenset[str]
 
     @classmethod
-    def build(cls, profiles: Iterable[Profile], units: UnitTable) -> Vocabulary:
-        """Compile profiles.
+    def build(
+        cls, profiles: Iterable[Profile], units: UnitTable, commands: CommandTable
+    ) -> Vocabulary:
+        """Compile profiles, and keep what commands there are beside them.
 
         Raises:
             ValueError: Two things would have one name, or a unit is unknown. The sentence names
@@ -96,6 +101,7 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
         said = [*(c.words for c in skills), *(c.by_name for c in skills)]
         return cls(
             units=units,
+            commands=commands,
             profiles=by_id,
             robots=robots,
             callees=callees,

@@ -12,7 +12,6 @@ from rosic.authoriser.invitations import InvitedRights
 from rosic.core.i18n import joined
 from rosic.core.identity import PrincipalId
 from rosic.core.language import Vocabulary, VocabularyHolder, clean
-from rosic.core.language.keywords import ALIASES
 from rosic.core.language.sanitise import fold_word
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.time_tokens import length_said
@@ -152,7 +151,8 @@ def want_of(asked: CommandContext, rights: Permissions, places: RequestPlaces) -
         skill = places.skill(robots, " ".join(low[:count]))
         if skill is not None:
             return WantedRight(robot=name, skill=skill, lasts_s=lasts_s)
-    if ALIASES.get(low[0].casefold(), low[0].casefold()) == RESUME:
+    word = low[0].casefold()
+    if places.vocabulary.commands.aliases.get(word, word) == RESUME:
         return WantedRight(robot=name, skill=RESUME, lasts_s=lasts_s)
     raise _no_such_skill(name, robots, low[0], places)
 

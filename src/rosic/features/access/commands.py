@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from rosic.core.i18n import joined
+from rosic.core.i18n import joined, said
+from rosic.core.language.command import (
+    Command,
+    HelpEntry,
+    HelpNeed,
+    HelpPage,
+    MenuAudience,
+    MenuEntry,
+)
 from rosic.errors import NotUnderstood
 from rosic.features.access import messages, request_messages
 from rosic.features.access.access_request import AccessRequestCommands
@@ -23,6 +31,93 @@ from rosic.gateway.commands import Reply
 if TYPE_CHECKING:
     from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.confirmation import Confirmation
+
+COMMANDS: Final = (
+    Command(
+        name="me",
+        aliases=("ich",),
+        typed=said("/me"),
+        summary=said("What you may do, and until when"),
+        explained=True,
+        help=HelpEntry(HelpPage.SHARE, 70),
+        menu=MenuEntry(140),
+    ),
+    Command(
+        name="people",
+        aliases=("leute",),
+        typed=said("/people"),
+        summary=said("Who is known here"),
+        explained=True,
+        help=HelpEntry(HelpPage.SHARE, 150, "people"),
+        menu=MenuEntry(210, MenuAudience.ADMINS),
+    ),
+    Command(
+        name="security",
+        aliases=("sicherheit",),
+        typed=said("/security"),
+        summary=said("What was turned away"),
+        help=HelpEntry(HelpPage.SHARE, 170, "people"),
+        menu=MenuEntry(280, MenuAudience.ADMINS),
+    ),
+    Command(name="approve", aliases=("erlauben",)),
+    Command(name="decline", aliases=("ablehnen",)),
+    Command(
+        name="revoke",
+        aliases=("entziehen",),
+        typed=said("/revoke"),
+        summary=said("Take somebody's key back"),
+        help=HelpEntry(HelpPage.SHARE, 160, "people"),
+        menu=MenuEntry(250, MenuAudience.ADMINS),
+    ),
+    Command(
+        name="lock",
+        aliases=("sperren",),
+        typed=said("/lock"),
+        summary=said("Shut somebody out at once"),
+        help=HelpEntry(HelpPage.SHARE, 180, "lock"),
+        menu=MenuEntry(260, MenuAudience.ADMINS),
+    ),
+    Command(name="unlock", aliases=("entsperren",)),
+    Command(
+        name="invite",
+        aliases=("einladen",),
+        typed=said("/invite"),
+        summary=said("Let somebody in"),
+        explained=True,
+        help=HelpEntry(HelpPage.SHARE, 140, "invite"),
+        menu=MenuEntry(220, MenuAudience.ADMINS),
+    ),
+    Command(name="authenticator", redacted_unless="reset"),
+    Command(name="code", redacted_unless=""),
+    Command(
+        name="grant",
+        aliases=("geben",),
+        typed=said("/grant"),
+        summary=said("Give somebody a right for a while"),
+        explained=True,
+        help=HelpEntry(HelpPage.SHARE, 130, HelpNeed.GRANT),
+        menu=MenuEntry(240, MenuAudience.ADMINS),
+    ),
+    Command(
+        name="ask",
+        aliases=("bitten",),
+        typed=said("/ask"),
+        summary=said("Ask for a right that you lack"),
+        explained=True,
+        help=HelpEntry(HelpPage.SHARE, 80),
+        menu=MenuEntry(130),
+    ),
+    Command(
+        name="role",
+        aliases=("rolle",),
+        typed=said("/role"),
+        summary=said("What the roles here give"),
+        explained=True,
+        help=HelpEntry(HelpPage.SHARE, 120, HelpNeed.GRANT),
+        menu=MenuEntry(230, MenuAudience.ADMINS),
+    ),
+    Command(name="join", redacted_unless="", spoken=False),
+)
 
 
 class AccessCommands(msgspec.Struct, frozen=True):

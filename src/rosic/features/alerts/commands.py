@@ -7,8 +7,9 @@ import logging
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.contracts.messenger import reactions_of
-from rosic.core.i18n import joined
+from rosic.core.i18n import joined, said
 from rosic.core.language import clean
+from rosic.core.language.command import Command, HelpEntry, HelpPage
 from rosic.core.language.time_tokens import length_said
 from rosic.core.message import Button
 from rosic.core.messages import no_robot
@@ -35,6 +36,26 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.transactions import Transactions
+
+COMMANDS: Final = (
+    Command(
+        name="alerts",
+        aliases=("alarme",),
+        typed=said("/alerts"),
+        summary=said("What is wrong now, and what was"),
+        help=HelpEntry(HelpPage.ALARMS, 10),
+    ),
+    Command(name="seen"),
+    Command(
+        name="mute",
+        aliases=("stumm",),
+        typed=said("/mute"),
+        summary=said("Hear nothing of an alarm for a while"),
+        explained=True,
+        help=HelpEntry(HelpPage.ALARMS, 20),
+    ),
+    Command(name="unmute"),
+)
 
 
 # ---- ``/alerts``, ``/seen``, ``/mute`` and ``/unmute`` ----

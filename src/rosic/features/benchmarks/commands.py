@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import joined
+from rosic.core.language.command import Command
 from rosic.features.benchmarks import messages as words
 from rosic.gateway.commands import Reply
 
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from rosic.gateway.commands import CommandContext
     from rosic.gateway.components import Components
     from rosic.gateway.robot_argument import RobotArgument
+
+COMMANDS: Final = (Command(name="benchmark"),)
 
 
 class BenchmarkCommands:

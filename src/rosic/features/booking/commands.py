@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
+from rosic.core.i18n import said
+from rosic.core.language.command import (
+    Command,
+    HelpEntry,
+    HelpNeed,
+    HelpPage,
+    MenuAudience,
+    MenuEntry,
+)
 from rosic.features.booking.book import BookCommand
 from rosic.features.booking.cancel import CancelBookingCommand
 from rosic.features.booking.plan import PlanCommand
@@ -16,6 +25,65 @@ if TYPE_CHECKING:
     from rosic.features.booking.context import BookingContext
     from rosic.features.booking.scheduler import BookingScheduler
     from rosic.gateway.commands import CommandRegistry
+
+COMMANDS: Final = (
+    Command(
+        name="book",
+        aliases=("buchen",),
+        typed=said("/book"),
+        summary=said("Have a robot for a time of your own"),
+        explained=True,
+        help=HelpEntry(HelpPage.SHARE, 20, HelpNeed.BOOKING),
+        menu=MenuEntry(110),
+        phrase=lambda what: said("Book {what}", what=what),
+        timed=True,
+    ),
+    Command(
+        name="slots",
+        aliases=("zeiten",),
+        typed=said("/slots"),
+        summary=said("Which times are whose"),
+        help=HelpEntry(HelpPage.SHARE, 10, HelpNeed.BOOKING),
+        phrase=lambda what: said("Times of {what}", what=what),
+        timed=True,
+    ),
+    Command(
+        name="wish",
+        aliases=("wunsch",),
+        typed=said("/wish"),
+        summary=said("Say when you would like a robot"),
+        explained=True,
+        help=HelpEntry(HelpPage.SHARE, 30, HelpNeed.BOOKING),
+        menu=MenuEntry(120),
+        phrase=lambda what: said("Wish for {what}", what=what),
+        alone=said("Wishes"),
+        timed=True,
+    ),
+    Command(
+        name="wait",
+        aliases=("warten",),
+        typed=said("/wait"),
+        summary=said("Get a robot when it is free"),
+        help=HelpEntry(HelpPage.SHARE, 40, HelpNeed.BOOKING),
+        phrase=lambda what: said("Wait for {what}", what=what),
+    ),
+    Command(
+        name="plan",
+        aliases=("planen",),
+        typed=said("/plan"),
+        summary=said("Weigh all wishes and book a plan"),
+        help=HelpEntry(HelpPage.SHARE, 190, "slots"),
+        menu=MenuEntry(270, MenuAudience.ADMINS),
+    ),
+    Command(name=BOOKING, spoken=False),
+    Command(
+        name="cancel booking",
+        typed=said("cancel booking"),
+        summary=said("Give a time back"),
+        help=HelpEntry(HelpPage.SHARE, 50, HelpNeed.BOOKING),
+        alone=said("Give a time back"),
+    ),
+)
 
 
 def register_commands(

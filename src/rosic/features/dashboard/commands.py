@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
+from rosic.core.i18n import said
+from rosic.core.language.command import Command, HelpEntry, HelpPage
 from rosic.core.language.compiled import fold
 from rosic.core.language.keywords import FILLERS
 from rosic.core.language.option_words import option_typed
@@ -21,6 +23,17 @@ if TYPE_CHECKING:
     from rosic.features.dashboard.dashboards import Dashboards
     from rosic.features.dashboard.rendering import DashboardQueries
     from rosic.gateway.commands import CommandContext
+
+COMMANDS: Final = (
+    Command(
+        name="card",
+        aliases=("tafel",),
+        typed=said("/card"),
+        summary=said("A message that always shows how robots are"),
+        help=HelpEntry(HelpPage.SEE, 30),
+    ),
+)
+
 
 _ENDS = ".,;:!?"
 _BETWEEN = str.maketrans(",;", "  ")

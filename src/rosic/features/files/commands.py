@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.container import file_messages as words
 from rosic.container.messages import age
+from rosic.core.i18n import said
+from rosic.core.language.command import Command, HelpEntry, HelpPage
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.features.files.background import send_file
@@ -24,6 +26,17 @@ if TYPE_CHECKING:
     from rosic.features.files.upload import Plain
     from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.container_context import ContainerContext
+
+COMMANDS: Final = (
+    Command(
+        name="files",
+        aliases=("dateien",),
+        typed=said("/files"),
+        summary=said("Files for robots and of robots"),
+        help=HelpEntry(HelpPage.SHARE, 100),
+    ),
+)
+
 
 Part: TypeAlias = "Callable[[CommandContext, str], Awaitable[Reply]]"
 

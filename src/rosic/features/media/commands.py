@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import said
+from rosic.core.language.command import Command, HelpEntry, HelpNeed, HelpPage
 from rosic.core.message import Button
 from rosic.core.robot.view import ViewKind
 from rosic.features.media.history import HistoryCommands
@@ -14,6 +15,41 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.features.media.context import MediaContext
     from rosic.gateway.commands import CommandRegistry
+
+COMMANDS: Final = (
+    Command(
+        name="picture",
+        aliases=("bild",),
+        typed=said("/picture"),
+        summary=said("What its camera shows now"),
+        help=HelpEntry(HelpPage.SEE, 50, HelpNeed.PICTURE),
+    ),
+    Command(name="clip", page=HelpPage.SEE),
+    Command(
+        name="map",
+        aliases=("karte",),
+        typed=said("/map"),
+        summary=said("Where it is on its map"),
+        help=HelpEntry(HelpPage.SEE, 60, HelpNeed.MAP),
+    ),
+    Command(
+        name="chart",
+        aliases=("verlauf",),
+        typed=said("/chart"),
+        summary=said("A value over time"),
+        help=HelpEntry(HelpPage.SEE, 80, HelpNeed.TELEMETRY),
+        phrase=lambda what: said("Chart of {what}", what=what),
+    ),
+    Command(
+        name="trajectory",
+        aliases=("weg",),
+        typed=said("/trajectory"),
+        summary=said("The way it has gone"),
+        help=HelpEntry(HelpPage.SEE, 70, HelpNeed.POSE),
+        phrase=lambda what: said("Trajectory of {what}", what=what),
+    ),
+    Command(name="path"),
+)
 
 
 def register_commands(commands: CommandRegistry, media: MediaContext) -> None:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rosic.container.archive import Archive
     from rosic.contracts.messenger import Messenger, Receive
     from rosic.contracts.store import Store
+    from rosic.core.language.command import CommandTable
     from rosic.core.message import Chat, Inbound, Outbound
     from rosic.core.records import Fact
 
@@ -44,6 +45,7 @@ class ArchivingMessenger(MessengerProxy):
         store: Where entries go.
         author_of: Who is known at an address.
         codes_in: The codes in a text by which somebody may come in, or could.
+        commands: Knows behind which words a secret stands.
     """
 
     def __init__(
@@ -53,8 +55,10 @@ class ArchivingMessenger(MessengerProxy):
         store: Store,
         author_of: AuthorOf,
         codes_in: Callable[[str], tuple[str, ...]],
+        commands: CommandTable,
     ) -> None:
         super().__init__(messenger)
+        self._commands = commands
         self._archive = archive
         self._store = store
         self._author_of = author_of
@@ -72,7 +76,7 @@ class ArchivingMessenger(MessengerProxy):
             if not self._archive.keeps(inbound.chat):
                 await receive(inbound)
                 return
-            kept = _without_secret(self._without_codes(inbound))
+            kept = _without_secret(self._without_codes(inbound), self._commands)
             facts = self._archive.hear(kept, self._author_of(inbound.sender))
             writing = asyncio.ensure_future(self._write(facts))
             try:
@@ -124,7 +128,7 @@ class ArchivingMessenger(MessengerProxy):
         return self._author_of(Address(chat.platform, chat.id))
 
 
-def _without_secret(inbound: Inbound) -> Inbound:
+def _without_secret(inbound: Inbound, commands: CommandTable) -> Inbound:
     """Return a message without a code that it brings."""
-    kept = without_codes(inbound.text, NOT_KEPT)
+    kept = without_codes(inbound.text, commands, NOT_KEPT)
     return inbound if kept == inbound.text else msgspec.structs.replace(inbound, text=kept)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rosic.container import (
     archive_records,
@@ -17,6 +17,8 @@ from rosic.container import (
     shared_data_access,
 )
 from rosic.container.files import PART
+from rosic.core.i18n import said
+from rosic.core.language.command import Command, HelpEntry, HelpPage
 from rosic.core.message import Button
 from rosic.errors import ConfigurationError, NotUnderstood, RecordUnavailable, StoreFault
 from rosic.features.personal_data import erasure as erasing_of
@@ -37,6 +39,37 @@ if TYPE_CHECKING:
     from rosic.features.personal_data.erasure import ErasureCommands
     from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.container_context import ContainerContext
+
+COMMANDS: Final = (
+    Command(
+        name="settings",
+        aliases=("einstellungen",),
+        typed=said("/settings"),
+        summary=said("Your language, units, and how you hear of things"),
+        explained=True,
+        help=HelpEntry(HelpPage.SHARE, 90),
+    ),
+    Command(name="language", aliases=("sprache",)),
+    Command(
+        name="mydata",
+        aliases=("daten",),
+        typed=said("/mydata"),
+        summary=said("What is kept of you"),
+        help=HelpEntry(HelpPage.SHARE, 110),
+    ),
+    Command(name="forget"),
+    Command(
+        name="history",
+        aliases=("protokoll",),
+        typed=said("/history"),
+        summary=said("What you asked for, and what came of it"),
+        help=HelpEntry(HelpPage.SEE, 40),
+    ),
+    Command(name="archive"),
+    Command(name="data"),
+    Command(name="share", aliases=("teilen",), typed=said("/share"), explained=True),
+    Command(name="shelf", aliases=("ablage",), typed=said("/shelf"), explained=True),
+)
 
 
 # ---- ``/data`` (storeData, getSharedData) ----

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import joined
 from rosic.core.language import clean, inert_text
+from rosic.core.language.command import Command
 from rosic.core.language.option_words import option_typed
 from rosic.core.language.time_tokens import length_said
 from rosic.core.message import Button
@@ -26,6 +27,14 @@ if TYPE_CHECKING:
     from rosic.features.robot_to_robot.service import RobotMessaging
     from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
+
+COMMANDS: Final = (
+    Command(name="shared"),
+    Command(name="assist", aliases=("helfen",), explained=True),
+    Command(name="strategy", aliases=("strategie",), explained=True),
+    Command(name="quiet", explained=True),
+)
+
 
 LONGEST_LINE = 300
 LINES_AT_MOST = 24

@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.messages import label, parameter_hint, spoken
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from rosic.core.language.command import Command
     from rosic.core.robot.profile import Profile
     from rosic.core.robot.skill import Parameter, Skill
 
-VERBS = {
-    "status": "how the robots are",
-    "stop": "stop, at once; everything if no robot is named",
-    "cancel": "end what you have under way",
-    "resume": "undo a stop",
-    "use": "choose a robot, so that its name may be left out",
-    "help": "what can be said",
-    "robots": "which robots there are",
-}
-NAMING = frozenset({"status", "stop", "cancel", "resume", "use", "help"})
+STOP: Final = "stop"
 
 
 class Completion(NamedTuple):
@@ -40,7 +32,10 @@ class Completion(NamedTuple):
 class Completer:
     """Knows the fleet. Replaced when profiles change."""
 
-    def __init__(self, profiles: Iterable[Profile] = ()) -> None:
+    def __init__(self, profiles: Iterable[Profile] = (), commands: Iterable[Command] = ()) -> None:
+        offered = [command for command in commands if command.hint]
+        self._commands = {command.name: command.hint for command in offered}
+        self._naming = {command.name for command in offered if command.of_robots}
         self._robots = {profile.id: profile for profile in profiles}
         groups: dict[str, list[Profile]] = {}
         for profile in self._robots.values():
@@ -55,15 +50,16 @@ class Completer:
         name = first.casefold()
         if not blank:
             return tuple(self._firsts(first))
-        if name in NAMING:
+        if name in self._naming:
             return tuple(self._names(rest.rpartition(" ")[2]))
         if name in self._members:
-            return tuple(_after_name(self._members[name], rest.lstrip()))
+            stop = self._commands.get(STOP, "")
+            return tuple(_after_name(self._members[name], rest.lstrip(), stop))
         return ()
 
     def _firsts(self, begun: str) -> Iterator[Completion]:
         yield from self._names(begun)
-        for verb, meta in VERBS.items():
+        for verb, meta in self._commands.items():
             if verb.startswith(begun.casefold()):
                 yield Completion(verb, len(begun), meta)
 
@@ -75,7 +71,7 @@ class Completer:
                 yield Completion(name, len(begun), "" if meta == name else meta)
 
 
-def _after_name(members: Sequence[Profile], rest: str) -> Iterator[Completion]:
+def _after_name(members: Sequence[Profile], rest: str, stop: str) -> Iterator[Completion]:
     skills = {skill.id: skill for profile in members for skill in profile.skills.values()}
     begun = rest.casefold()
     for skill in skills.values():
@@ -85,8 +81,8 @@ def _after_name(members: Sequence[Profile], rest: str) -> Iterator[Completion]:
     for skill in skills.values():
         if spoken(skill).startswith(begun):
             yield Completion(spoken(skill), len(rest), label(skill))
-    if "stop".startswith(begun):
-        yield Completion("stop", len(rest), VERBS["stop"])
+    if STOP.startswith(begun):
+        yield Completion(STOP, len(rest), stop)
 
 
 def _after_skill(skill: Skill, rest: str) -> Iterator[Completion]:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Receive
+    from rosic.core.language.command import Command
     from rosic.core.message import Button
     from rosic.core.robot.profile import Profile
 
@@ -179,9 +180,9 @@ class TerminalMessenger:
         self._since_ns = 0
         self._waiting: asyncio.Queue[Inbound] = asyncio.Queue(WAITING_AT_MOST)
 
-    def know(self, profiles: Iterable[Profile]) -> None:
-        """Complete the names and skills of these robots from now on."""
-        self._completer = Completer(profiles)
+    def know(self, profiles: Iterable[Profile], commands: Iterable[Command]) -> None:
+        """Complete these commands, and the names and skills of these robots, from now on."""
+        self._completer = Completer(profiles, commands)
 
     async def run(self, receive: Receive) -> None:
         """Listen until cancelled. See the contract."""
