@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
 
+from rosic.container.container import CHATS_AT_MOST
 from rosic.core.identity import Address
+from rosic.core.message import Chat, ChatKind
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessengerFault
-from rosic.gateway.group_people import AT_ONCE
+from rosic.gateway.group_people import ASKED_AGAIN_NS, AT_ONCE
+from rosic.testing.clock import ManualClock
 from tests.gateway.place import ADA, Place
 from tests.gateway.test_stopping import unnamed_stop
-
-if TYPE_CHECKING:
-    from rosic.core.message import Chat
 
 
 async def test_the_admins_are_asked_for_again_where_that_failed() -> None:
@@ -56,3 +56,39 @@ async def test_questions_about_other_chats_keep_no_stop_of_nobodys_back() -> Non
         await asyncio.gather(*others, *ours)
         assert place.robot("omni").gate.latched
         assert sorted(asked) == sorted({"g", *(f"h{number}" for number in range(AT_ONCE * 4))})
+
+
+async def test_a_stranger_who_makes_somebody_an_admin_makes_them_known_nowhere() -> None:
+    """They have never been there: nothing is served there, and nothing of theirs is forgotten."""
+
+    async def admins(_chat: Chat) -> tuple[Address, ...]:
+        return (Address("memory", ADA),)
+
+    async with Place().open() as place:
+        place.gateway._messengers[0].admins = admins  # type: ignore[attr-defined]
+        await place.say("status", chat="g", kind=ChatKind.GROUP)
+        container = place.gateway.rooms.container
+        for number in range(CHATS_AT_MOST + 1):
+            await unnamed_stop(place, chat=f"h{number}")
+        assert container.serves(Chat("memory", "g", ChatKind.GROUP))
+        assert not container.serves(Chat("memory", "h0", ChatKind.GROUP))
+
+
+async def test_what_admins_a_chat_has_is_good_for_as_long_as_it_is_not_asked_anew() -> None:
+    """Every stop of nobody's counts meanwhile, and an admin who is none any more does not after."""
+    answers = iter([(Address("memory", ADA),), ()])
+
+    async def admins(_chat: Chat) -> tuple[Address, ...]:
+        return next(answers)
+
+    clock = ManualClock()
+    async with Place(clock=clock).open() as place:
+        place.gateway._messengers[0].admins = admins  # type: ignore[attr-defined]
+        for _ in range(2):
+            await unnamed_stop(place)
+            assert place.robot("omni").gate.latched
+            await place.say("resume omni")
+            assert not place.robot("omni").gate.latched
+        await clock.advance(ASKED_AGAIN_NS / SECOND_NS)
+        await unnamed_stop(place)
+        assert not place.robot("omni").gate.latched

@@ -1,7 +1,9 @@
 """Whose robots a stop means that carries nobody's id: an anonymous admin's, a channel's (I17).
 
 Those of the people recognised in that chat, in whatever run, or who brought us there. Where nobody
-is, one of the chat's admins must have written it: the messenger is asked who they are.
+is, one of the chat's admins must have written it: the messenger is asked who they are. That holds
+for stops alone and is soon forgotten: anybody can make somebody an admin of a chat of theirs, so it
+is no sign that somebody known has ever been there.
 """
 
 from __future__ import annotations
@@ -9,7 +11,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import OrderedDict
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.contracts.messenger import admins_of
 from rosic.core.message import ChatKind, MessageValidity
@@ -19,6 +21,7 @@ from rosic.errors import MessengerFault
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import PrincipalId
     from rosic.core.message import Chat, Inbound
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.components import Components
@@ -26,12 +29,19 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 ASKED_AGAIN_NS: Final = 30 * SECOND_NS
-"""Of one chat, once that was answered: anybody may put a bot anywhere, and say stop as nobody."""
+"""So long an answer about a chat holds: anybody may put a bot anywhere, and say stop as nobody."""
 CHATS_AT_MOST: Final = 1_000
 AT_ONCE: Final = 8
 WAITING_AT_MOST: Final = 200
 """Two whole answers of a platform, each message of a chat of its own."""
 WITHIN_S: Final = 5.0
+
+
+class AdminsAnswer(NamedTuple):
+    """Who of a chat's admins is known here, until it may be asked anew."""
+
+    until_ns: int
+    known: frozenset[PrincipalId]
 
 
 class GroupChatPeople:
@@ -42,7 +52,7 @@ class GroupChatPeople:
         self._organiser = rooms.organiser
         self._container = rooms.container
         self._clock = clock
-        self._asked_ns: OrderedDict[tuple[str, str], int] = OrderedDict()
+        self._answers: OrderedDict[tuple[str, str], AdminsAnswer] = OrderedDict()
         self._asking = asyncio.Semaphore(AT_ONCE)
         self._open: dict[tuple[str, str], asyncio.Future[frozenset[RobotId]]] = {}
 
@@ -60,8 +70,10 @@ class GroupChatPeople:
 
     def visible(self, chat: Chat) -> frozenset[RobotId]:
         """Return what those may see who are known to be in a chat."""
-        company = self._authoriser.company(chat) | self._container.company(chat)
-        there = filter(self._authoriser.has_access, company)
+        return self._seen_by(self._authoriser.company(chat) | self._container.company(chat))
+
+    def _seen_by(self, people: frozenset[PrincipalId]) -> frozenset[RobotId]:
+        there = filter(self._authoriser.has_access, people)
         return frozenset().union(*map(self._organiser.visible, there))
 
     async def ask(self, messenger: Messenger, inbound: Inbound) -> frozenset[RobotId]:
@@ -76,33 +88,34 @@ class GroupChatPeople:
         where = (messenger.name, chat.id)
         if where in self._open:
             return await asyncio.shield(self._open[where])
-        if not self._may_ask(where):
+        answer = self._answers.get(where)
+        if answer is not None and self._clock.monotonic_ns() < answer.until_ns:
+            return self._seen_by(answer.known)
+        if len(self._open) >= WAITING_AT_MOST:
             return frozenset()
-        answer = self._open[where] = asyncio.get_running_loop().create_future()
+        waiting = self._open[where] = asyncio.get_running_loop().create_future()
         found: frozenset[RobotId] = frozenset()
         try:
             async with asyncio.timeout(WITHIN_S), self._asking:
                 admins = await ask(chat)
-            self._is_answered(where)
-            for one in filter(None, map(self._authoriser.directory.at, admins)):
-                self._container.meet(one[0].id, chat)
-            found = self.visible(chat)
+            known = filter(None, map(self._authoriser.directory.at, admins))
+            found = self._seen_by(self._keep(where, frozenset(one[0].id for one in known)))
         except (MessengerFault, TimeoutError):
             log.info("who the admins of a chat are was not told: a stop of nobody's stops nothing")
         finally:
             del self._open[where]
-            answer.set_result(found)
+            waiting.set_result(found)
         return found
 
-    def _may_ask(self, where: tuple[str, str]) -> bool:
-        free = len(self._open) < WAITING_AT_MOST
-        return free and self._clock.monotonic_ns() >= self._asked_ns.get(where, 0)
-
-    def _is_answered(self, where: tuple[str, str]) -> None:
-        self._asked_ns[where] = self._clock.monotonic_ns() + ASKED_AGAIN_NS
-        self._asked_ns.move_to_end(where)
-        if len(self._asked_ns) > CHATS_AT_MOST:
-            self._asked_ns.popitem(last=False)
+    def _keep(
+        self, where: tuple[str, str], known: frozenset[PrincipalId]
+    ) -> frozenset[PrincipalId]:
+        until_ns = self._clock.monotonic_ns() + ASKED_AGAIN_NS
+        self._answers[where] = AdminsAnswer(until_ns, known)
+        self._answers.move_to_end(where)
+        if len(self._answers) > CHATS_AT_MOST:
+            self._answers.popitem(last=False)
+        return known
 
 
 def is_unnamed(inbound: Inbound) -> bool:
