@@ -15,6 +15,7 @@ def main(arguments: list[str]) -> int:
         f"modules under 60 lines that at most one other imports: {len(found.small)}": found.small,
         f"circles of imports: {len(found.circles)}": [" ".join(group) for group in found.circles],
         f"attributes set from outside: {len(found.set_from_outside)}": found.set_from_outside,
+        f"of these by the composition root: {len(found.wired_late)}": found.wired_late,
         f"class names in more than one module: {len(found.named_twice)}": found.named_twice,
     }
     lines = [

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
 SMALL_LINES = 60
+# Makes the parts of a gateway: what it sets into one that is made is a collaborator come too late.
+COMPOSITION = "rosic.app"
 
 
 class Figures(NamedTuple):
@@ -28,6 +30,7 @@ class Figures(NamedTuple):
     import_share: float
     circles: list[list[str]]
     set_from_outside: list[str]
+    wired_late: list[str]
     named_twice: list[str]
 
 
@@ -39,6 +42,9 @@ def figures(trees: Mapping[str, str]) -> Figures:
             are no module's.
     """
     parsed = {name: ast.parse(text) for name, text in trees.items()}
+    outside = sorted(
+        found for name, tree in parsed.items() for found in set_from_outside(name, tree)
+    )
     packages = {name.rpartition(".")[0] for name in trees}
     sizes = {n: len(text.splitlines()) for n, text in trees.items() if n not in packages}
     graph = imports(parsed)
@@ -50,9 +56,8 @@ def figures(trees: Mapping[str, str]) -> Figures:
         small=small(sizes, graph),
         import_share=_import_lines(parsed.values()) / sum(sizes.values()),
         circles=circles(graph),
-        set_from_outside=sorted(
-            found for name, tree in parsed.items() for found in set_from_outside(name, tree)
-        ),
+        set_from_outside=outside,
+        wired_late=wired_late(outside),
         named_twice=named_twice(parsed),
     )
 
@@ -132,6 +137,15 @@ def set_from_outside(name: str, tree: ast.Module) -> list[str]:
                 if isinstance(target, ast.Attribute) and not _own(target.value, made)
             )
     return sorted(set(found))
+
+
+def wired_late(outside: Iterable[str]) -> list[str]:
+    """Return which of the attributes set from outside the composition root sets.
+
+    The others are mostly records that one family of modules fills while it works on them; these
+    are collaborators and callables that a finished object should have been made with.
+    """
+    return [found for found in outside if found.startswith(f"{COMPOSITION}.")]
 
 
 def _own(owner: ast.expr, made: set[str]) -> bool:

@@ -10,7 +10,7 @@ from tests.shape import measures
 from tests.shape.tree import source
 
 # What is left of an older house. A figure may fall, never rise; at nought its line goes.
-AT_MOST = {"set_from_outside": 256, "small": 13}
+AT_MOST = {"set_from_outside": 256, "wired_late": 11, "small": 13}
 
 
 def parsed(**texts: str) -> dict[str, ast.Module]:
@@ -61,6 +61,14 @@ def test_a_circle_is_found_also_where_only_types_are_imported() -> None:
 )
 def test_what_is_set_from_outside_is_found(text: str, set_outside: list[str]) -> None:
     assert measures.set_from_outside("m", ast.parse(text)) == set_outside
+
+
+def test_what_the_composition_root_sets_is_told_from_what_others_fill() -> None:
+    text = "def make(parts):\n    parts.executor.after = print\n"
+    names = ("rosic.app.gateway", "rosic.stores.writer", "rosic.application")
+    outside = [found for n in names for found in measures.set_from_outside(n, ast.parse(text))]
+
+    assert measures.wired_late(outside) == ["rosic.app.gateway:2 parts.executor.after"]
 
 
 def test_a_class_name_of_two_modules_is_found() -> None:
