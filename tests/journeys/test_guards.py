@@ -129,15 +129,15 @@ GUARDS = (
     Fault(
         name="L1 an order that was refused after its claim is not told after a kill",
         file="gateway/recovery.py",
-        guard="if life.robot:",
-        without='if life.ending != "refused":',
+        guard="if order.robot:",
+        without='if order.ending != "refused":',
         caught_by=(SIXTY,),
     ),
     Fault(
         name="I7 robots that were commanded together are told of one by one after a kill",
         file="gateway/recovery.py",
         guard="    before = cards.setdefault(key, told)\n",
-        without="    key = life.cid\n    before = cards.setdefault(key, told)\n",
+        without="    key = order.cid\n    before = cards.setdefault(key, told)\n",
         caught_by=(SIXTY,),
     ),
     Fault(

@@ -50,7 +50,11 @@ COMMANDS: Final = (
         help=HelpEntry(HelpPage.MOVE, 10, HelpNeed.MOTION),
         menu=MenuEntry(80),
     ),
-    Command(name="information", pairs=(("request", "information"),)),
+    Command(
+        name="information",
+        summary="what a robot has said of itself (the paper's Algorithm 7)",
+        pairs=(("request", "information"),),
+    ),
     Command(
         name="cancel",
         aliases=("abbrechen",),
@@ -61,10 +65,19 @@ COMMANDS: Final = (
         hint="end what you have under way",
         of_robots=True,
     ),
-    Command(name="abort"),
-    Command(name="take"),
+    Command(
+        name="abort",
+        summary="the same as cancel",
+    ),
+    Command(
+        name="take",
+        summary="take a robot over, where the rules allow it: take over kuka1",
+    ),
     Command(name="take over", phrase=lambda what: said("Take over {what}", what=what)),
-    Command(name="end"),
+    Command(
+        name="end",
+        summary="end one's own session with a robot",
+    ),
 )
 
 

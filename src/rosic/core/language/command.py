@@ -171,7 +171,12 @@ GRAMMAR: Final = (
         hint="which robots there are",
         grammar=True,
     ),
-    Command(name="start", redacted_unless="", grammar=True),
+    Command(
+        name="start",
+        summary="what the link of an invitation says",
+        redacted_unless="",
+        grammar=True,
+    ),
     Command(
         name="status",
         aliases=("zustand",),

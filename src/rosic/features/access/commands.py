@@ -59,8 +59,12 @@ COMMANDS: Final = (
         help=HelpEntry(HelpPage.SHARE, 170, "people"),
         menu=MenuEntry(280, MenuAudience.ADMINS),
     ),
-    Command(name="approve", aliases=("erlauben",)),
-    Command(name="decline", aliases=("ablehnen",)),
+    Command(
+        name="approve",
+        summary="say yes to who asks for a right, or wants to come in",
+        aliases=("erlauben",),
+    ),
+    Command(name="decline", summary="say no to them", aliases=("ablehnen",)),
     Command(
         name="revoke",
         aliases=("entziehen",),
@@ -77,7 +81,9 @@ COMMANDS: Final = (
         help=HelpEntry(HelpPage.SHARE, 180, "lock"),
         menu=MenuEntry(260, MenuAudience.ADMINS),
     ),
-    Command(name="unlock", aliases=("entsperren",)),
+    Command(
+        name="unlock", summary="let somebody in again who was locked out", aliases=("entsperren",)
+    ),
     Command(
         name="invite",
         aliases=("einladen",),
@@ -87,8 +93,8 @@ COMMANDS: Final = (
         help=HelpEntry(HelpPage.SHARE, 140, "invite"),
         menu=MenuEntry(220, MenuAudience.ADMINS),
     ),
-    Command(name="authenticator", redacted_unless="reset"),
-    Command(name="code", redacted_unless=""),
+    Command(name="authenticator", summary="set up a second factor", redacted_unless="reset"),
+    Command(name="code", summary="show the second factor", redacted_unless=""),
     Command(
         name="grant",
         aliases=("geben",),

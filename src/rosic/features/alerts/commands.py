@@ -45,7 +45,10 @@ COMMANDS: Final = (
         summary=said("What is wrong now, and what was"),
         help=HelpEntry(HelpPage.ALARMS, 10),
     ),
-    Command(name="seen"),
+    Command(
+        name="seen",
+        summary="that one has seen an alarm",
+    ),
     Command(
         name="mute",
         aliases=("stumm",),
@@ -54,7 +57,10 @@ COMMANDS: Final = (
         explained=True,
         help=HelpEntry(HelpPage.ALARMS, 20),
     ),
-    Command(name="unmute"),
+    Command(
+        name="unmute",
+        summary="hear of an alarm again",
+    ),
 )
 
 

@@ -17,7 +17,12 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
     from rosic.gateway.robot_argument import RobotArgument
 
-COMMANDS: Final = (Command(name="benchmark"),)
+COMMANDS: Final = (
+    Command(
+        name="benchmark",
+        summary="how a robot did against what is expected",
+    ),
+)
 
 
 class BenchmarkCommands:

@@ -45,9 +45,16 @@ COMMANDS: Final = (
         help=HelpEntry(HelpPage.FLEET, 50, "assign"),
     ),
     Command(
-        name="missions", cancelled_by="mission", aliases=("aufträge", "missionen"), explained=True
+        name="missions",
+        summary="which missions there are",
+        cancelled_by="mission",
+        aliases=("aufträge", "missionen"),
+        explained=True,
     ),
-    Command(name="robot"),
+    Command(
+        name="robot",
+        summary="add, disable or take a robot out of service",
+    ),
     Command(
         name="together",
         aliases=("gemeinsam",),
@@ -56,10 +63,16 @@ COMMANDS: Final = (
         explained=True,
         help=HelpEntry(HelpPage.FLEET, 20, HelpNeed.TOGETHER),
     ),
-    Command(name="broadcast", aliases=("rundruf",), explained=True),
-    Command(name="pause", aliases=("pausieren",)),
+    Command(
+        name="broadcast",
+        summary="say the same to many robots",
+        aliases=("rundruf",),
+        explained=True,
+    ),
+    Command(name="pause", summary="hold one's tasks", aliases=("pausieren",)),
     Command(
         name="continue",
+        summary="let them go on",
         aliases=(
             "weiter",
             "fortsetzen",

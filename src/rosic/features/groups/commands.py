@@ -13,5 +13,8 @@ COMMANDS: Final = (
         summary=said("Say which robot this topic is about"),
         menu=MenuEntry(400, MenuAudience.TOPICS),
     ),
-    Command(name="channel"),
+    Command(
+        name="channel",
+        summary="what a channel shows",
+    ),
 )

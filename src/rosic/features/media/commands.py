@@ -24,7 +24,7 @@ COMMANDS: Final = (
         summary=said("What its camera shows now"),
         help=HelpEntry(HelpPage.SEE, 50, HelpNeed.PICTURE),
     ),
-    Command(name="clip", page=HelpPage.SEE),
+    Command(name="clip", summary="what its camera shows, for some seconds", page=HelpPage.SEE),
     Command(
         name="map",
         aliases=("karte",),
@@ -48,7 +48,10 @@ COMMANDS: Final = (
         help=HelpEntry(HelpPage.SEE, 70, HelpNeed.POSE),
         phrase=lambda what: said("Trajectory of {what}", what=what),
     ),
-    Command(name="path"),
+    Command(
+        name="path",
+        summary="the same as trajectory",
+    ),
 )
 
 

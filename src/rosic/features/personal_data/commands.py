@@ -49,7 +49,7 @@ COMMANDS: Final = (
         explained=True,
         help=HelpEntry(HelpPage.SHARE, 90),
     ),
-    Command(name="language", aliases=("sprache",)),
+    Command(name="language", summary="the language in which one is answered", aliases=("sprache",)),
     Command(
         name="mydata",
         aliases=("daten",),
@@ -57,7 +57,10 @@ COMMANDS: Final = (
         summary=said("What is kept of you"),
         help=HelpEntry(HelpPage.SHARE, 110),
     ),
-    Command(name="forget"),
+    Command(
+        name="forget",
+        summary="have everything erased that is kept of oneself",
+    ),
     Command(
         name="history",
         aliases=("protokoll",),
@@ -65,10 +68,28 @@ COMMANDS: Final = (
         summary=said("What you asked for, and what came of it"),
         help=HelpEntry(HelpPage.SEE, 40),
     ),
-    Command(name="archive"),
-    Command(name="data"),
-    Command(name="share", aliases=("teilen",), typed=said("/share"), explained=True),
-    Command(name="shelf", aliases=("ablage",), typed=said("/shelf"), explained=True),
+    Command(
+        name="archive",
+        summary="keep the messages of a chat, for who may",
+    ),
+    Command(
+        name="data",
+        summary="small data kept with a robot or oneself",
+    ),
+    Command(
+        name="share",
+        summary="let somebody read data of one's own",
+        aliases=("teilen",),
+        typed=said("/share"),
+        explained=True,
+    ),
+    Command(
+        name="shelf",
+        summary="what others let one read",
+        aliases=("ablage",),
+        typed=said("/shelf"),
+        explained=True,
+    ),
 )
 
 

@@ -29,10 +29,15 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
 
 COMMANDS: Final = (
-    Command(name="shared"),
-    Command(name="assist", aliases=("helfen",), explained=True),
-    Command(name="strategy", aliases=("strategie",), explained=True),
-    Command(name="quiet", explained=True),
+    Command(
+        name="shared",
+        summary="what robots share with each other",
+    ),
+    Command(
+        name="assist", summary="who needs help, and giving it", aliases=("helfen",), explained=True
+    ),
+    Command(name="strategy", summary="how a robot works", aliases=("strategie",), explained=True),
+    Command(name="quiet", summary="hear less of what a robot says", explained=True),
 )
 
 
