@@ -13,13 +13,13 @@ from rosic.app.setup.profile_draft import JOINTS, LOCATED, SeenRobot, drafted, r
 from rosic.app.setup.profile_draft_nav2 import FOLLOW, GRIP, NAVIGATE, ArmDraft, MapPose
 from rosic.config.profiles import read_profile
 from rosic.robots.ros2.client.graph import GraphSnapshot, GraphTopic, OfferedEndpoint
+from rosic.robots.ros2.profile import Ros2Profile, ros2_profile
 from tests.cli.running import SOURCE, cold_rosic
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from rosic.core.robot.profile import Profile
 
 MOVE = "rosic_interfaces/action/Move"
 SEEN = SeenRobot(
@@ -44,13 +44,13 @@ def fields(kind: str) -> Mapping[str, str] | None:
     return known if kind == MOVE else None
 
 
-def profile_of(text: str, folder: Path) -> Profile:
+def profile_of(text: str, folder: Path) -> Ros2Profile:
     path = folder / "draft.yaml"
     path.write_text(text)
     read = read_profile(path)
     assert read.errors == []
     assert read.profile is not None
-    return read.profile
+    return ros2_profile(read.profile)
 
 
 def test_a_draft_is_a_profile_with_careful_bounds(tmp_path: Path) -> None:

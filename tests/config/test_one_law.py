@@ -6,10 +6,11 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.config.plugins import check_robot, demand_good, robot_factory, shared_spaces
-from rosic.core.robot.profile import AtRest, Link, Profile, StopBinding
+from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Skill, SkillClass
 from rosic.errors import ConfigurationError
 from rosic.robots.memory import MemoryRobot
+from rosic.robots.ros2.profile import AtRest, Ros2Link, StopBinding
 from rosic.testing.clock import ManualClock
 from tests.gateway.place import Place, profile
 
@@ -64,7 +65,7 @@ def test_what_a_start_would_refuse_is_found_before() -> None:
 
 def test_robots_of_one_namespace_are_named() -> None:
     one, two, other = (
-        replace(profile(name), link=Link(kind="ros2", namespace=space))
+        replace(profile(name), link=Ros2Link(kind="ros2", namespace=space))
         for name, space in (("a", "/x"), ("b", "/x"), ("c", "/y"))
     )
     assert list(shared_spaces((one, other))) == []

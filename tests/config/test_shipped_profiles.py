@@ -21,27 +21,28 @@ from rosic.config.profiles import (
     shipped_profiles,
 )
 from rosic.core.language import Do, LineContext, Vocabulary, bind, understand
-from rosic.core.robot.profile import LinkLoss, Profile
+from rosic.core.robot.profile import LinkLoss
 from rosic.errors import ConfigurationError
+from rosic.robots.ros2.profile import Ros2Profile, ros2_profile
 
 if TYPE_CHECKING:
-    from rosic.core.robot.skill import ActionBinding
+    from rosic.robots.ros2.profile import ActionBinding
 
 ROBOTS = ("cf1", "cf2", "cf3", "kuka1", "omni", "picker", "rover", "talker", "yumi")
 ACTIONS = Path(__file__).parents[2] / "src/rosic/robots/ros2/interfaces/rosic_interfaces/action"
 
 
 @pytest.fixture(scope="module")
-def fleet() -> dict[str, Profile]:
-    return {name: load_profile(path) for name, path in shipped_profiles().items()}
+def fleet() -> dict[str, Ros2Profile]:
+    return {name: ros2_profile(load_profile(path)) for name, path in shipped_profiles().items()}
 
 
 @pytest.fixture(scope="module")
-def vocabulary(fleet: dict[str, Profile]) -> Vocabulary:
+def vocabulary(fleet: dict[str, Ros2Profile]) -> Vocabulary:
     return Vocabulary.build(fleet.values(), known_units(), command_table())
 
 
-def actions(fleet: dict[str, Profile]) -> list[ActionBinding]:
+def actions(fleet: dict[str, Ros2Profile]) -> list[ActionBinding]:
     skills = [skill for profile in fleet.values() for skill in profile.skills.values()]
     return [skill.action for skill in skills if skill.action is not None]
 
@@ -59,7 +60,9 @@ def test_no_other_profile_ships() -> None:
     assert tuple(shipped_profiles()) == ROBOTS
 
 
-def test_the_page_about_profiles_lists_them_with_their_skills(fleet: dict[str, Profile]) -> None:
+def test_the_page_about_profiles_lists_them_with_their_skills(
+    fleet: dict[str, Ros2Profile],
+) -> None:
     page = (Path(__file__).parents[2] / "docs/robots/profiles.md").read_text(encoding="utf-8")
     table = page.partition("## Profiles that ship")[2]
     listed: dict[str, list[str]] = {}
@@ -76,7 +79,7 @@ def test_a_newcomer_is_told_what_each_of_them_is() -> None:
     assert set(KINDS) == set(ROBOTS)
 
 
-def test_all_of_them_can_be_used_together(fleet: dict[str, Profile]) -> None:
+def test_all_of_them_can_be_used_together(fleet: dict[str, Ros2Profile]) -> None:
     assert list(fleet_findings(list(fleet.values()), known_units())) == []
 
 
@@ -89,8 +92,8 @@ def test_the_three_drones_differ_by_their_number_only() -> None:
     )
 
 
-def test_a_robot_runs_in_process_from_the_same_file(fleet: dict[str, Profile]) -> None:
-    simulated = load_profile(shipped_profiles()["omni"], link="simulated")
+def test_a_robot_runs_in_process_from_the_same_file(fleet: dict[str, Ros2Profile]) -> None:
+    simulated = ros2_profile(load_profile(shipped_profiles()["omni"], link="simulated"))
     assert (simulated.link.kind, simulated.link.model) == ("simulated", "omni")
     assert simulated.skills == fleet["omni"].skills
     models = {name: profile.link.model for name, profile in fleet.items()}
@@ -162,7 +165,7 @@ def test_what_people_say_is_understood(
     assert found == {robot: pytest.approx(arguments) for robot, arguments in meant.items()}
 
 
-def test_an_action_takes_exactly_what_a_profile_sends(fleet: dict[str, Profile]) -> None:
+def test_an_action_takes_exactly_what_a_profile_sends(fleet: dict[str, Ros2Profile]) -> None:
     own = [action for action in actions(fleet) if action.type.startswith("rosic_interfaces/")]
     assert (len(own), len(actions(fleet))) == (25, 31)
     for action in own:
@@ -181,7 +184,7 @@ def fields(part: str) -> set[str]:
     return {words[1] for words in lines if words}
 
 
-def test_ros_has_every_type_and_field_that_is_read(fleet: dict[str, Profile]) -> None:
+def test_ros_has_every_type_and_field_that_is_read(fleet: dict[str, Ros2Profile]) -> None:
     pytest.importorskip("nav_msgs.msg", reason="ROS 2 messages: pip install 'rosic[ros2]'")
     for profile in fleet.values():
         for described in profile.telemetry.values():
@@ -205,7 +208,9 @@ def has_field(type_name: str, path: str) -> bool:
     return True
 
 
-def test_a_drone_rests_on_the_ground_and_lands_without_a_link(fleet: dict[str, Profile]) -> None:
+def test_a_drone_rests_on_the_ground_and_lands_without_a_link(
+    fleet: dict[str, Ros2Profile],
+) -> None:
     for name in ("cf1", "cf2", "cf3"):
         profile = fleet[name]
         assert profile.link_loss is LinkLoss.LAND

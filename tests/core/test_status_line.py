@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 
 from rosic.core.messages import status_line
-from rosic.core.robot.profile import Link, Presence, Profile
+from rosic.core.robot.profile import Presence, Profile
+from rosic.robots.ros2.profile import Ros2Link
 
-AGV = Profile(id="agv", link=Link(kind="ros2", namespace="/agv"))
+AGV = Profile(id="agv", link=Ros2Link(kind="ros2", namespace="/agv"))
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ STUDENT = Role(scopes=("*:*",), rate="3/h", priority=5)
 
 
 def dear(profile: Profile, cost: float) -> Profile:
-    skills = profile.skills | {"wave": replace(profile.skills["wave"], cost=cost)}
+    skills = {**profile.skills, "wave": replace(profile.skills["wave"], cost=cost)}
     return replace(profile, skills=skills)
 
 

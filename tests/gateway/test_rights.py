@@ -319,7 +319,7 @@ async def test_a_resume_that_needs_a_good_channel_is_possible_there() -> None:
 async def test_whose_cap_on_speed_is_damaged_goes_slowly_and_hears_of_it_once() -> None:
     pace = Parameter(unit="m/s", min=0.05, max=1.0, default=0.1)
     drive = Skill(id="drive", parameters={"speed": pace})
-    robot = replace(FLEET[0], skills=FLEET[0].skills | {"drive": drive})
+    robot = replace(FLEET[0], skills={**FLEET[0].skills, "drive": drive})
     store = MemoryStore()
     async with Place(store, fleet=(robot,)).open() as place:
         bo = who(place, "Bo")

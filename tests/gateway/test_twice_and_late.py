@@ -10,9 +10,10 @@ from msgspec.structs import replace
 from rosic.core.order import OrderEnding, Outcome, StageReport
 from rosic.core.order_gate import OrderGate
 from rosic.core.records import Claimed, Concluded, Told
-from rosic.core.robot.profile import Link, Profile
-from rosic.core.robot.skill import Parameter, Skill, TopicBinding
+from rosic.core.robot.profile import Profile
+from rosic.core.robot.skill import Parameter
 from rosic.errors import StoreFault
+from rosic.robots.ros2.profile import Ros2Link, Ros2Skill, TopicBinding
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import OrderBook
@@ -159,7 +160,7 @@ async def test_what_never_began_did_not_end_when_the_gateway_closed() -> None:
 
 async def test_a_drive_that_the_machine_breaks_off_was_not_refused() -> None:
     clock = ManualClock()
-    drive = Skill(
+    drive = Ros2Skill(
         id="drive",
         topic=TopicBinding(
             name="/omni/cmd_vel",
@@ -174,7 +175,7 @@ async def test_a_drive_that_the_machine_breaks_off_was_not_refused() -> None:
     )
     profile = Profile(
         id="omni",
-        link=Link(kind="simulated", model="omni"),
+        link=Ros2Link(kind="simulated", model="omni"),
         watchdog_s=0.5,
         skills={"drive": drive},
     )

@@ -42,6 +42,16 @@ _AMERICAN = re.compile(
     r")(?![a-z])",
     re.IGNORECASE,
 )
+# What only the adapter of a ROS 2 graph may speak of: its name, its types, its client, its ways to
+# reach something and the keys under which a profile names them.
+_ROS = re.compile(
+    r"(?<![a-z])ros[ _-]?2?(?![a-z0-9])|rclpy|rosidl|rosout|rosgraph"
+    r"|(?<![a-z])[a-z_]+_(?:msgs|srvs)(?![a-z])|(?<![a-z])qos(?![a-z])|(?:service|action|parameters|stop)binding"
+    r"|action[ _]goal"
+    r"|set_parameters|stream_hz|zero_type|cancel_only|stop_only|(?<![a-z])twist(?![a-z])"
+    r"|skill\.(?:topic|service|action)\b|jointstate|odometry|to_robot_topic",
+    re.IGNORECASE,
+)
 # The path of a link, without its anchor; links that leave the repository carry a scheme.
 _LINK = re.compile(r"\]\((?![a-z]+:|#)([^)#\s]+)")
 # Names that others chose (an API, a header, a wire format) are taken out before the text is read.
@@ -112,6 +122,11 @@ def american_spellings(texts: Mapping[str, str]) -> list[str]:
         for path, text in texts.items()
         for found in _found(path, _without_foreign_names(text), _AMERICAN)
     ]
+
+
+def words_of_ros(texts: Mapping[str, str]) -> list[str]:
+    """Places that speak of ROS; its adapter, and whoever sets one up, are not among the texts."""
+    return [found for path, text in texts.items() for found in _found(path, text, _ROS)]
 
 
 def without_docstring(texts: Mapping[str, str]) -> list[str]:

@@ -72,6 +72,37 @@ def test_ordinary_paths_and_addresses_are_no_traces() -> None:
     assert rules.traces_of_a_machine({"docs/a.md": text}) == []
 
 
+@pytest.mark.parametrize(
+    "planted",
+    [
+        'if profile.link.kind != "ros2":',
+        "    zero_type: str = 'geometry_msgs/msg/Twist'",
+        "class ServiceBinding(msgspec.Struct):",
+        "import rclpy",
+        "# the ROS namespace",
+        '    """Set ROS 2 parameters."""',
+        "from rosic.robots.ros2.profile import AtRest",
+        "depth: QoS",
+        "if skill.topic is not None:",
+        "if skill.set_parameters is None:",
+        "hz = binding.stream_hz",
+        "sends an action goal",
+    ],
+)
+def test_a_word_of_ros_is_found_with_its_line(planted: str) -> None:
+    clean = '"""Carries an order of the organiser across."""\n'
+    [*found] = rules.words_of_ros({"src/rosic/core/robot/skill.py": f"{clean}{planted}\n"})
+
+    assert found
+    assert all(one.startswith("src/rosic/core/robot/skill.py:2: ") for one in found)
+
+
+def test_words_that_only_look_like_ros_pass() -> None:
+    text = "rosic across prose TopicBindings chat.topic shared.topic serviceable a_msg gross"
+
+    assert rules.words_of_ros({"src/rosic/core/a.py": text}) == []
+
+
 @pytest.mark.parametrize("word", ["authorize", "Behavior", "color", "canceled", "Organizer"])
 def test_an_american_spelling_is_found_with_its_line(word: str) -> None:
     assert rules.american_spellings({"docs/a.md": f"\nto_{word} x"}) == [f"docs/a.md:2: {word}"]

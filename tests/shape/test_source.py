@@ -12,6 +12,24 @@ from tests.shape import rules
 
 ROOT = Path(__file__).parents[2]
 # What people read or run; tests may say what the product may not.
+# Everything between a messenger and a robot's adapter, and what reads profiles.
+KNOWS_NO_ROS = tuple(
+    f"src/rosic/{folder}/"
+    for folder in (
+        "authoriser",
+        "config",
+        "container",
+        "contracts",
+        "core",
+        "features",
+        "gateway",
+        "linker",
+        "messengers",
+        "organiser",
+        "rendering",
+        "stores",
+    )
+)
 PUBLISHED = ("src/", "docs/", "examples/", "robots/")
 
 
@@ -71,6 +89,13 @@ def test_tests_lie_where_what_they_test_lies() -> None:
 
 def test_the_stop_is_never_called_what_it_is_not() -> None:
     assert rules.claims_of_safety(published()) == []
+
+
+def test_only_the_adapter_of_a_graph_speaks_of_ros() -> None:
+    found = modules(*KNOWS_NO_ROS)
+
+    assert {path.split("/")[2] for path in found} == {f.split("/")[2] for f in KNOWS_NO_ROS}
+    assert rules.words_of_ros(found) == []
 
 
 def test_nothing_points_at_one_machine_or_one_download_site() -> None:

@@ -383,7 +383,7 @@ def profile_of(number: int) -> Profile:
         link=Link(kind="memory"),
         busy=Busy.QUEUE,
         queue_length=64,
-        telemetry={"battery": Telemetry(topic=f"/{name}/battery", unit="%")},
+        telemetry={"battery": Telemetry(unit="%")},
         alerts=(AlertConfig(name="low", when="battery < 20 %"),),
         skills={
             f"skill{n}": Skill(id=f"skill{n}", parameters={"distance": distance})

@@ -9,23 +9,31 @@ from __future__ import annotations
 import json
 import re
 import sys
+from collections import Counter
 from inspect import cleandoc
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
+from msgspec import inspect
 
 from rosic.config.gateway_file import BOUNDS as CONFIG_BOUNDS
 from rosic.config.gateway_file import FORMS as CONFIG_FORMS
 from rosic.config.gateway_file import ConfigFile
 from rosic.config.missions import MISSION_BOUNDS, MISSION_FORMS
+from rosic.config.plugins import profile_schema, robot_kinds
 from rosic.config.profile_fields import BOUNDS, FORMS, HIDDEN
+from rosic.config.validation import asked_of
+from rosic.contracts.adapter import EVERY_ROBOT
 from rosic.core.fleet.mission import Mission
 from rosic.core.robot.dialogue_protocol import Utterance
-from rosic.core.robot.profile import Profile
 
 if TYPE_CHECKING:
-    from rosic.contracts.file_rules import FieldForm, NumberBounds
+    from collections.abc import Callable
+
+    from rosic.contracts.adapter import ProfileSchema
+    from rosic.contracts.file_rules import FieldForm, NumberBounds, Rules
+    from rosic.core.robot.profile import Profile
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -54,15 +62,63 @@ MESSENGER = {
     },
 }
 
+ROBOT_TITLE = "A robot for ROSIC"
+ALL_BOUNDS = {**BOUNDS, **CONFIG_BOUNDS, **MISSION_BOUNDS}
+ALL_FORMS = {**FORMS, **CONFIG_FORMS, **MISSION_FORMS}
+_REF = "#/$defs/{name}"
+
 # Fields whose name in the file is a word of Python's.
 _RENAMED = {"kind": "class", "lasting": "for", "author": "as", "values": "with"}
 
 _ENTRY = re.compile(r"^    (?P<names>\w+(?:, \w+)*): (?P<text>.+(?:\n {5,}.+)*)", re.MULTILINE)
 
 
+# In core's order of the keys, those of a link's own follow this one.
+_OWN_AFTER = {"Link": "kind", "Profile": "unstoppable", "Skill": "cost", "Telemetry": ""}
+
+
 def robot_schema() -> dict[str, Any]:
-    """Return the schema of a profile."""
-    return _schema(Profile, "A robot for ROSIC")
+    """Return the schema of a profile: of every kind of robot link that is installed.
+
+    Kinds whose profiles have the same form share it. Where there are several forms, the kind that
+    a profile names decides.
+    """
+    forms: dict[type[Profile], tuple[ProfileSchema, list[str]]] = {}
+    for kind in robot_kinds():
+        schema = profile_schema(kind)
+        if schema is not None:
+            forms.setdefault(schema.profile, (schema, []))[1].append(kind)
+    made = [
+        (_schema(top, ROBOT_TITLE, schema.rules), kinds) for top, (schema, kinds) in forms.items()
+    ]
+    return made[0][0] if len(made) == 1 else _by_kind(made)
+
+
+def _by_kind(made: list[tuple[dict[str, Any], list[str]]]) -> dict[str, Any]:
+    parts: dict[str, Any] = {}
+    choices = []
+    for schema, kinds in made:
+        of_kind = f"{kinds[0]}.{{}}".format
+        for name, part in schema.pop("$defs").items():
+            parts[of_kind(name)] = _renamed(part, of_kind)
+        del schema["$schema"]
+        whole = of_kind("Profile")
+        parts[whole] = _renamed(schema, of_kind)
+        named = {"properties": {"kind": {"enum": kinds}}, "required": ["kind"]}
+        choices.append(
+            {
+                "if": {"properties": {"link": named}, "required": ["link"]},
+                "then": {"$ref": f"#/$defs/{whole}"},
+            }
+        )
+    return {
+        "$schema": DIALECT,
+        "title": ROBOT_TITLE,
+        "type": "object",
+        "required": ["id", "link"],
+        "allOf": choices,
+        "$defs": dict(sorted(parts.items())),
+    }
 
 
 def config_schema() -> dict[str, Any]:
@@ -80,8 +136,8 @@ def mission_schema() -> dict[str, Any]:
 
 def among_schema() -> dict[str, Any]:
     """Return the schema of what a robot's nodes say to other robots."""
-    ((top,), made) = msgspec.json.schema_components((Utterance,), ref_template="#/$defs/{name}")
-    _describe(made)
+    ((top,), made) = msgspec.json.schema_components((Utterance,), ref_template=_REF)
+    _describe(made, {})
     return {
         "$schema": DIALECT,
         **top,
@@ -90,33 +146,101 @@ def among_schema() -> dict[str, Any]:
     }
 
 
-def _schema(top: type, title: str) -> dict[str, Any]:
-    (_, made) = msgspec.json.schema_components((top,), ref_template="#/$defs/{name}")
-    for name, part in made.items():
-        if "properties" in part:
-            _refine(name, part)
-    _describe(made)
-    schema = made.pop(top.__name__)
-    return {"$schema": DIALECT, **schema, "title": title, "$defs": dict(sorted(made.items()))}
+def _schema(top: type, title: str, rules: Rules = EVERY_ROBOT.rules) -> dict[str, Any]:
+    (_, made) = msgspec.json.schema_components((top,), ref_template=_REF, schema_hook=_opaque)
+    classes = _structs(inspect.type_info(top))
+    for name, cls in classes.items():
+        _refine(cls, made[name], rules)
+    _describe(made, classes)
+    names = _names(classes)
+    parts = {names.get(name, name): _renamed(part, names.get) for name, part in made.items()}
+    schema = parts.pop(names.get(top.__name__, top.__name__))
+    return {"$schema": DIALECT, **schema, "title": title, "$defs": dict(sorted(parts.items()))}
 
 
-def _refine(name: str, part: dict[str, Any]) -> None:
-    for (owner, field), bounds in {**BOUNDS, **CONFIG_BOUNDS, **MISSION_BOUNDS}.items():
-        if owner.__name__ == name:
-            _bound(part["properties"][_key(owner, field)], bounds)
-    for (owner, field), form in {**FORMS, **CONFIG_FORMS, **MISSION_FORMS}.items():
-        if owner.__name__ == name:
-            _shape(part["properties"][_key(owner, field)], form)
-    for owner, field in HIDDEN:
-        if owner.__name__ == name:
-            del part["properties"][_key(owner, field)]
-    for described in part["properties"].values():
+def _opaque(_: type) -> dict[str, Any]:
+    """Return the schema of what only the adapter of a link could know."""
+    return {}
+
+
+def _structs(kind: inspect.Type) -> dict[str, type]:
+    """Return every class that stands in a type, by its name."""
+    found: dict[str, type] = {}
+    waiting = [kind]
+    while waiting:
+        one = waiting.pop()
+        if isinstance(one, inspect.StructType):
+            if one.cls.__name__ not in found:
+                found[one.cls.__name__] = one.cls
+                waiting += [field.type for field in one.fields]
+        elif isinstance(one, inspect.UnionType):
+            waiting += one.types
+        elif isinstance(one, inspect.DictType):
+            waiting.append(one.value_type)
+        elif isinstance(one, inspect.ListType | inspect.VarTupleType):
+            waiting.append(one.item_type)
+    return found
+
+
+def _lineage(cls: type) -> list[type]:
+    """Return the classes that one is derived from and itself, the oldest first."""
+    return [one for one in reversed(cls.__mro__) if msgspec.Struct in one.__mro__[1:]]
+
+
+def _names(classes: dict[str, type]) -> dict[str, str]:
+    """Return what each part is called: an adapter's as the one of core's that it is made from."""
+    oldest = {name: _lineage(cls)[0].__name__ for name, cls in classes.items()}
+    many = Counter(oldest.values())
+    return {name: old if many[old] == 1 else name for name, old in oldest.items()}
+
+
+def _renamed(part: Any, name_of: Callable[[str], str | None]) -> Any:  # noqa: ANN401 - JSON
+    """Return a part of a schema with other names for what it refers to."""
+    if isinstance(part, list):
+        return [_renamed(one, name_of) for one in part]
+    if not isinstance(part, dict):
+        return part
+    made = {key: _renamed(one, name_of) for key, one in part.items()}
+    if isinstance(made.get("$ref"), str):
+        name = made["$ref"].rpartition("/")[2]
+        made["$ref"] = _REF.format(name=name_of(name) or name)
+    if isinstance(made.get("title"), str) and "properties" in made:
+        made["title"] = name_of(made["title"]) or made["title"]
+    return made
+
+
+def _refine(cls: type, part: dict[str, Any], rules: Rules) -> None:
+    properties = part["properties"]
+    for field in msgspec.structs.fields(cls):
+        described = properties[field.encode_name]
+        bounds = asked_of(cls, field.name, {**rules.bounds, **ALL_BOUNDS})
+        form = asked_of(cls, field.name, {**rules.forms, **ALL_FORMS})
+        if bounds is not None:
+            _bound(described, bounds)
+        if form is not None:
+            _shape(described, form)
+        if any((one, field.name) in HIDDEN | rules.hidden for one in _lineage(cls)):
+            del properties[field.encode_name]
+    for described in properties.values():
         _without_null(described)
+    part["properties"] = _in_order(cls, properties)
 
 
-def _key(owner: type, field: str) -> str:
-    """Return what a field is called in the file."""
-    return next(f.encode_name for f in msgspec.structs.fields(owner) if f.name == field)
+def _in_order(cls: type, properties: dict[str, Any]) -> dict[str, Any]:
+    """Return the keys in core's order, and those of a link's own where they belong."""
+    oldest = _lineage(cls)[0]
+    shared = {field.encode_name for field in msgspec.structs.fields(oldest)}
+    own = {key: value for key, value in properties.items() if key not in shared}
+    after = _OWN_AFTER.get(oldest.__name__)
+    if not own or after is None:
+        return properties
+    ordered = {} if after else dict(own)
+    for key, value in properties.items():
+        if key in shared:
+            ordered[key] = value
+        if key == after:
+            ordered |= own
+    return ordered
 
 
 def _without_null(described: dict[str, Any]) -> None:
@@ -148,20 +272,24 @@ def _shape(described: dict[str, Any], form: FieldForm) -> None:
             kind["propertyNames"] = text
 
 
-def _describe(parts: dict[str, Any]) -> None:
+def _describe(parts: dict[str, Any], classes: dict[str, type]) -> None:
     """Take the descriptions out of the docstrings, attribute by attribute."""
-    for part in parts.values():
+    for called, part in parts.items():
+        lineage = _lineage(classes[called]) if called in classes else []
+        said = [one.__doc__ or "" for one in lineage] or [part.get("description", "")]
         # Python 3.13 takes the indentation out of docstrings; earlier ones leave it in.
-        summary, _, rest = cleandoc(part.get("description", "")).partition("\n\n")
-        listed = rest.partition("Attributes:\n")[2]
+        texts = [cleandoc(text) for text in said]
+        summary = texts[0].partition("\n\n")[0]
         if summary:
             part["description"] = _plain(summary)
-        for entry in _ENTRY.finditer(listed):
-            for name in entry["names"].split(", "):
-                properties = part.get("properties", {})
-                described = properties.get(name, properties.get(_RENAMED.get(name, "")))
-                if described is not None:
-                    described["description"] = _plain(entry["text"])
+        for text in texts:
+            listed = text.partition("Attributes:\n")[2]
+            for entry in _ENTRY.finditer(listed):
+                for name in entry["names"].split(", "):
+                    properties = part.get("properties", {})
+                    described = properties.get(name, properties.get(_RENAMED.get(name, "")))
+                    if described is not None:
+                        described["description"] = _plain(entry["text"])
 
 
 def _plain(text: str) -> str:

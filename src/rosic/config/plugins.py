@@ -7,20 +7,17 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import TYPE_CHECKING, NamedTuple, cast
 
-from rosic.contracts.adapter import stops_itself
+from rosic.contracts.adapter import schema_of, stops_itself
 from rosic.core.order_gate import OrderGate
 from rosic.errors import ConfigurationError, how_to_install
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from rosic.contracts.adapter import MessengerFactory, RobotFactory
+    from rosic.contracts.adapter import MessengerFactory, ProfileSchema, RobotFactory
     from rosic.contracts.clock import Clock
     from rosic.core.robot.profile import Profile
 
-# Making one of these asks for ROS itself, which need not be on the machine where a file is
-# checked; whatever its adapter would refuse is among the rules of profiles.
-CHECKED_BY_FILE = frozenset({"ros2"})
 MESSENGERS = "rosic.messengers"
 ROBOTS = "rosic.robots"
 
@@ -60,6 +57,23 @@ def check_robot_kind(kind: str) -> None:
     _find(ROBOTS, kind, "robot link")
 
 
+def robot_kinds() -> tuple[str, ...]:
+    """Return the kinds of robot links that are installed."""
+    return tuple(sorted(_installed(ROBOTS)))
+
+
+def profile_schema(kind: str) -> ProfileSchema | None:
+    """Return what profiles of a kind of robot link say.
+
+    Returns:
+        None where that is not known: there is no such kind, or what it needs is not installed.
+    """
+    try:
+        return schema_of(robot_factory(kind))
+    except ConfigurationError:
+        return None
+
+
 def check_robot(profile: Profile, factory: RobotFactory, clock: Clock) -> Iterator[PluginFault]:
     """Say what would keep a robot from being made, or from being moved with a clear conscience.
 
@@ -71,16 +85,14 @@ def check_robot(profile: Profile, factory: RobotFactory, clock: Clock) -> Iterat
         factory: Of its kind.
         clock: For making it, which opens and begins nothing.
     """
-    lacking = profile.stop is None or profile.at_rest is None
-    if profile.moves and lacking and not profile.unstoppable and not stops_itself(factory):
+    held = (profile.stops and profile.measures_rest) or stops_itself(factory)
+    if profile.moves and not held and not profile.unstoppable:
         yield PluginFault(
             ("link", "kind"),
             f"{profile.shown} moves, and nothing here would stop it or measure that it rests: the "
             f"link {profile.link.kind!r} does not do it by itself.",
             "Give 'stop' and 'at_rest', or write unstoppable: true, and people are told.",
         )
-    if profile.link.kind in CHECKED_BY_FILE:
-        return
     try:
         factory(profile, OrderGate(profile.id, n=0, fence=0, generation=0, latched=True), clock)
     except ConfigurationError as wrong:

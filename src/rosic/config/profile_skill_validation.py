@@ -10,19 +10,11 @@ from rosic.core.robot.benchmark import POSE
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rosic.core.robot.joints import Joints
     from rosic.core.robot.profile import Profile
-    from rosic.core.robot.skill import Parameter, Skill, Trajectory
+    from rosic.core.robot.skill import Skill
 
 
 # ---- choices and trajectories ----
-
-
-def of_trajectory(trajectory: Trajectory | None) -> dict[str, float | int | str | bool]:
-    """Return what a trajectory is made of, by its key in the file."""
-    if trajectory is None:
-        return {}
-    return {"to": trajectory.to, "joint": trajectory.joint, "speed": trajectory.speed}
 
 
 def meant(skill: Skill, place: Place, written: str) -> Iterator[ValidationFinding]:
@@ -44,57 +36,6 @@ def meant(skill: Skill, place: Place, written: str) -> Iterator[ValidationFindin
     elif means and not dot:
         hint = f"Write ${name}.{next(iter(known), 'x')}."
         yield ValidationFinding(place, f"${name} is a word; what it stands for has names.", hint)
-
-
-def moved(profile: Profile) -> Iterator[ValidationFinding]:
-    """See that skills with a trajectory know the joints, and stay within their limits."""
-    for name, skill in profile.skills.items():
-        trajectory = skill.action.trajectory if skill.action is not None else None
-        if trajectory is None:
-            continue
-        place: Place = ("skills", name, "action", "trajectory")
-        if profile.joints is None:
-            yield ValidationFinding(
-                place, "A trajectory needs to know the joints.", "Give the profile 'joints'."
-            )
-        elif trajectory.joint:
-            yield from _one(profile.joints, skill, name, trajectory.joint[1:])
-        else:
-            yield from _all(profile.joints, skill, name, trajectory.to[1:])
-
-
-def _one(joints: Joints, skill: Skill, name: str, parameter: str) -> Iterator[ValidationFinding]:
-    choices = _of(skill, parameter).choices if parameter in skill.parameters else {}
-    for choice in choices or {"": ()}:
-        if choice not in joints.limits:
-            yield ValidationFinding(
-                ("skills", name, "parameters", parameter, "choices"),
-                f"{choice!r} is none of this robot's joints.",
-                nearest(choice, joints.limits),
-            )
-
-
-def _all(joints: Joints, skill: Skill, name: str, to: str) -> Iterator[ValidationFinding]:
-    parameter, _, part = to.partition(".")
-    if parameter not in skill.parameters:
-        return
-    for choice, meaning in _of(skill, parameter).means.items():
-        place: Place = ("skills", name, "parameters", parameter, "means", choice, part)
-        positions = meaning.get(part, ())
-        if not isinstance(positions, tuple) or len(positions) != len(joints.limits):
-            yield ValidationFinding(place, f"A pose of this robot has {len(joints.limits)} joints.")
-            continue
-        for (joint, limit), position in zip(joints.limits.items(), positions, strict=True):
-            if not limit.min <= position <= limit.max:
-                yield ValidationFinding(
-                    place,
-                    f"{joint} goes from {limit.min:g} to {limit.max:g}, "
-                    f"and is at {position:g} here.",
-                )
-
-
-def _of(skill: Skill, parameter: str) -> Parameter:
-    return skill.parameters[parameter]
 
 
 # ---- expectations ----

@@ -10,12 +10,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 from msgspec import inspect
 
-from rosic.config.profile_validation import advice, clash, profile_rules
+from rosic.config.plugins import profile_schema
+from rosic.config.profile_validation import clash, profile_rules
 from rosic.config.units import compile_units
 from rosic.config.validation import SourceValidator
 from rosic.config.yaml_source import parse_yaml, read_yaml
+from rosic.contracts.adapter import EVERY_ROBOT
 from rosic.contracts.file_rules import Place, ValidationFinding, nearest
-from rosic.core.robot.profile import Profile
+from rosic.core.robot.profile import Files, Link, Profile, Telemetry
+from rosic.core.robot.skill import Skill
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -97,19 +100,54 @@ def _read(read: Callable[[], SourceMap], units: UnitTable | None, link: str) -> 
         return ReadProfile(None, [error], [])
     if link:
         _reach_by(source.data, link)
-    walker = SourceValidator(source, profile_rules(known_units() if units is None else units))
-    walker.check(source.data, _form(), ())
+    schema = profile_schema(_kind_in(source.data))
+    if schema is None:
+        source.data = _of_every_robot(source.data)
+        schema = EVERY_ROBOT
+    rules = profile_rules(known_units() if units is None else units, schema.rules)
+    walker = SourceValidator(source, rules)
+    walker.check(source.data, _form(schema.profile), ())
     if walker.errors:
         return ReadProfile(None, walker.errors, [])
-    profile = _with_skill_ids(msgspec.convert(source.data, Profile))
-    better = [source.error(*finding) for finding in advice(profile)]
+    profile = _with_skill_ids(msgspec.convert(source.data, schema.profile))
+    better = [source.error(*finding) for finding in schema.advice(profile)]
     return ReadProfile(profile, [], better)
 
 
 @cache
-def _form() -> inspect.Type:
+def _form(profile: type[Profile]) -> inspect.Type:
     """Return what a profile must look like; worked out once, as that takes a while."""
-    return inspect.type_info(Profile)
+    return inspect.type_info(profile)
+
+
+def _kind_in(data: Data) -> str:
+    link = data.get("link") if isinstance(data, dict) else None
+    kind = link.get("kind") if isinstance(link, dict) else None
+    return kind if isinstance(kind, str) else ""
+
+
+def _of_every_robot(data: Data) -> Data:
+    """Return a profile without the keys that only the adapter of its kind could know.
+
+    That there is no such kind is said by whoever makes the robot.
+    """
+    if not isinstance(data, dict):
+        return data
+    parts: dict[str, type] = {"link": Link, "files": Files}
+    many: dict[str, type] = {"skills": Skill, "telemetry": Telemetry}
+    kept = _keys_of(data, Profile)
+    for key, part in parts.items():
+        if key in kept:
+            kept[key] = _keys_of(kept[key], part)
+    for key, part in many.items():
+        if isinstance(kept.get(key), dict):
+            kept[key] = {name: _keys_of(one, part) for name, one in kept[key].items()}
+    return kept
+
+
+def _keys_of(data: Data, part: type) -> Data:
+    known = {field.encode_name for field in msgspec.structs.fields(part)}
+    return {k: v for k, v in data.items() if k in known} if isinstance(data, dict) else data
 
 
 @cache

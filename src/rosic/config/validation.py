@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import re
 from math import isfinite
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import msgspec
 from msgspec import inspect
 
-from rosic.contracts.file_rules import FieldForm, NumberBounds, Place, Rules, nearest
+from rosic.contracts.file_rules import Field, FieldForm, NumberBounds, Place, Rules, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from rosic.config.source_map import Data, SourceMap
     from rosic.errors import ConfigurationError
 
+
+Asked = TypeVar("Asked")
 
 _KINDS: tuple[tuple[type, str], ...] = (
     (bool, "true or false"),
@@ -84,7 +86,7 @@ class SourceValidator:
 
     def check(self, value: object, kind: inspect.Type, place: Place) -> None:
         """Compare a value with a type."""
-        if isinstance(kind, inspect.AnyType):
+        if isinstance(kind, inspect.AnyType) or _is_opaque(kind):
             return
         kinds = kind.types if isinstance(kind, inspect.UnionType) else (kind,)
         # None stands for "nothing was written"; leaving the key out says that more clearly.
@@ -132,8 +134,8 @@ class SourceValidator:
 
     def _struct(self, value: dict[str, Data], kind: inspect.StructType, place: Place) -> None:
         before = len(self.errors)
-        hidden = self._rules.hidden
-        fields = {f.encode_name: f for f in kind.fields if (kind.cls, f.name) not in hidden}
+        hidden = {name for cls in kind.cls.__mro__ for c, name in self._rules.hidden if c is cls}
+        fields = {f.encode_name: f for f in kind.fields if f.name not in hidden}
         for key, item in value.items():
             field = fields.get(key)
             if field is None:
@@ -153,12 +155,12 @@ class SourceValidator:
         self.check(value, field.type, place)
         if len(self.errors) > before:
             return
-        bounds = self._rules.bounds.get((owner, field.name))
+        bounds = asked_of(owner, field.name, self._rules.bounds)
         if bounds and isinstance(value, (int, float)) and not in_bounds(value, bounds):
             self.report(
                 place, f"{label(place)} must be between {bounds.least:g} and {bounds.most:g}."
             )
-        form = self._rules.forms.get((owner, field.name))
+        form = asked_of(owner, field.name, self._rules.forms)
         if form is not None:
             self._form(cast("str | list[str] | dict[str, Data]", value), form, place)
 
@@ -184,14 +186,25 @@ class SourceValidator:
             here = (*place, *_mentioned(sentence, value))
             self.report(here, sentence[:1].upper() + sentence[1:] + ".")
             return
-        for rule in self._rules.checks.get(cls, ()):
-            for finding in rule(made):
-                self.report((*place, *finding.place), finding.sentence, finding.hint)
+        for one in reversed(cls.__mro__):  # first what is asked of every robot
+            for rule in self._rules.checks.get(one, ()):
+                for finding in rule(made):
+                    self.report((*place, *finding.place), finding.sentence, finding.hint)
+
+
+def asked_of(owner: type, field: str, rules: Mapping[Field, Asked]) -> Asked | None:
+    """Return what is asked of a field, of a class or of one that it is derived from."""
+    return next((rules[one, field] for one in owner.__mro__ if (one, field) in rules), None)
 
 
 def in_bounds(value: float, bounds: NumberBounds) -> bool:
     """Whether a number keeps its bounds."""
     return bounds.least <= value <= bounds.most
+
+
+def _is_opaque(kind: inspect.Type) -> bool:
+    """Whether something may stand there that only an adapter could know, and no adapter was."""
+    return isinstance(kind, inspect.CustomType) and kind.cls is object
 
 
 def _fits(value: object, kind: inspect.Type) -> bool:

@@ -1,12 +1,17 @@
 """How an adapter is found and made: by entry point, never by an if over names.
 
 Entry point groups: ``rosic.messengers``, ``rosic.robots``. Each entry is a factory below; making
-does no I/O, opening does.
+does no I/O, opening does. What a profile may say of a link is the business of its adapter: a robot
+factory carries a `ProfileSchema`.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, TypeAlias, runtime_checkable
+
+from rosic.contracts.file_rules import Rules, ValidationFinding
+from rosic.core.robot.profile import Profile
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -15,7 +20,6 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.robot import Robot
     from rosic.core.order_gate import OrderGate
-    from rosic.core.robot.profile import Profile
 
 
 class MessengerFactory(Protocol):
@@ -33,9 +37,8 @@ class MessengerFactory(Protocol):
 class RobotFactory(Protocol):
     """Makes a robot of one kind.
 
-    A kind that can be stopped and measures rest by itself, whatever a profile says of `stop` and
-    `at_rest`, says so: `stops_itself = True` on the class. A robot of any other kind that moves
-    needs both in its profile, or the word `unstoppable` there.
+    What else is asked of a kind stands on the factory, for a class as an attribute of it:
+    ``schema``, see `DescribesProfiles`; ``stops_itself``, see `StopsItself`.
     """
 
     def __call__(self, profile: Profile, gate: OrderGate, clock: Clock) -> Robot:
@@ -49,7 +52,11 @@ class RobotFactory(Protocol):
 
 @runtime_checkable
 class StopsItself(Protocol):
-    """A kind of robot that says whether it is stopped without a word in its profile."""
+    """A kind that is stopped and measured at rest by itself, whatever a profile says.
+
+    A robot of any other kind that moves needs a stop and a measured rest in its profile (see
+    `Profile.stops`, `Profile.measures_rest`), or the word ``unstoppable`` there.
+    """
 
     stops_itself: bool
 
@@ -57,3 +64,46 @@ class StopsItself(Protocol):
 def stops_itself(factory: RobotFactory) -> bool:
     """Whether robots of a kind are stopped and measured at rest without a word in the profile."""
     return isinstance(factory, StopsItself) and factory.stops_itself
+
+
+# ---- profiles ----
+
+Advice: TypeAlias = Callable[[Any], Iterator[ValidationFinding]]
+
+
+class ProfileSchema(NamedTuple):
+    """What the profiles of one kind say, besides what every robot has.
+
+    Attributes:
+        profile: `Profile`, or a class derived from it: with keys of the link's own, and with
+            `Link`, `Skill`, `Telemetry`, `Files` derived in the same way where those have some. A
+            file is decoded into it, and the published schema and its descriptions are made of it.
+        rules: What is asked of these keys beyond their types. What is asked of every robot's is
+            asked as well.
+        advice: Says what is allowed, but worse than it could be; takes such a profile.
+    """
+
+    profile: type[Profile]
+    rules: Rules
+    advice: Advice
+
+
+def no_advice(_profile: Profile) -> Iterator[ValidationFinding]:
+    """Say nothing."""
+    return iter(())
+
+
+EVERY_ROBOT: Final = ProfileSchema(Profile, Rules({}, {}, frozenset(), {}), no_advice)
+"""Of a kind with no keys of its own."""
+
+
+@runtime_checkable
+class DescribesProfiles(Protocol):
+    """A kind that has keys of its own in a profile."""
+
+    schema: ProfileSchema
+
+
+def schema_of(factory: RobotFactory) -> ProfileSchema:
+    """Return what profiles of a kind say."""
+    return factory.schema if isinstance(factory, DescribesProfiles) else EVERY_ROBOT

@@ -179,8 +179,7 @@ def _state(profile: Profile, presence: Presence, holder: str, stopped_by: str | 
 
 def rest_unmeasured(profile: Profile, presence: Presence) -> bool:
     """Tell whether a robot is heard, but not what shows whether it rests."""
-    measures = profile.at_rest is not None
-    return measures and presence.online is True and presence.at_rest is None
+    return profile.measures_rest and presence.online is True and presence.at_rest is None
 
 
 def unmeasured(presence: Presence) -> str:

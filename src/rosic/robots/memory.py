@@ -13,6 +13,7 @@ from rosic.core.robot.file_transfer import Receipt
 from rosic.core.robot.profile import Presence, Profile
 from rosic.core.robot.view import View
 from rosic.errors import NothingToSee, RobotOffline
+from rosic.robots.ros2.profile_rules import STAND_IN
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Generator
@@ -49,6 +50,7 @@ class MemoryRobot:
         listens: Whether its nodes hear anything.
     """
 
+    schema = STAND_IN
     stops_itself = True
 
     def __init__(self, profile: Profile, gate: OrderGate, clock: Clock) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
+from rosic.robots.ros2.profile import Ros2Skill, TopicBinding
 from rosic_sim.robots.machines.activity import ActivityRefused
 from rosic_sim.robots.machines.mecanum import Velocity
 
@@ -37,11 +38,16 @@ def machine_arguments(model: str, skill: str, goal: Mapping[str, Value]) -> dict
 
 def goal_of(skill: Skill, arguments: Mapping[str, Argument]) -> dict[str, Value]:
     """Return the goal that the skill's action would carry, placeholders filled (SI)."""
-    if skill.action is None:
+    if not isinstance(skill, Ros2Skill) or skill.action is None:
         return dict(arguments)
     filled = {field: skill.filled(value, arguments) for field, value in skill.action.goal.items()}
     # A machine takes no rows of numbers: as a text, one is refused by its name.
     return {field: str(v) if isinstance(v, tuple) else v for field, v in filled.items()}
+
+
+def topic_of(skill: Skill) -> TopicBinding | None:
+    """Return the topic that a skill would be sent over."""
+    return skill.topic if isinstance(skill, Ros2Skill) else None
 
 
 def velocity_of(robot: str, skill: Skill, arguments: Mapping[str, Argument]) -> Velocity:
@@ -50,7 +56,8 @@ def velocity_of(robot: str, skill: Skill, arguments: Mapping[str, Argument]) -> 
     Raises:
         CannotDo: It carries none of them.
     """
-    message = {} if skill.topic is None else skill.topic.message
+    topic = topic_of(skill)
+    message = {} if topic is None else topic.message
     given = {field.removeprefix(STAMPED): value for field, value in message.items()}
     if given.keys().isdisjoint(PLANAR):
         fields = ", ".join(PLANAR)

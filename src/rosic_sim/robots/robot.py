@@ -15,7 +15,9 @@ from rosic.core.robot.profile import Presence, Profile
 from rosic.core.robot.view import Pose, View, ViewKind
 from rosic.core.synchronised_start import begins_ns
 from rosic.errors import ConfigurationError, NothingToSee
-from rosic_sim.robots.goals import goal_of, machine_arguments, velocity_of
+from rosic.robots.ros2.profile import Ros2Link
+from rosic.robots.ros2.profile_rules import STAND_IN
+from rosic_sim.robots.goals import goal_of, machine_arguments, topic_of, velocity_of
 from rosic_sim.robots.machines.activity import Activity, ActivityRefused, ActivityState
 from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.machines.omni import Omni
@@ -53,6 +55,7 @@ class SimulatedRobot:
         speak: Says something to other robots, as its own node would.
     """
 
+    schema = STAND_IN
     stops_itself = True
 
     def __init__(self, profile: Profile, gate: OrderGate, clock: Clock) -> None:
@@ -67,6 +70,8 @@ class SimulatedRobot:
                 f"There is no simulated machine called {profile.id!r}.", hint=f"There are: {known}."
             )
         self._machine = machine
+        link = profile.link
+        self._model = link.model if isinstance(link, Ros2Link) else ""
         self.begun = 0
         self._doing = ""
         self._say: Say = _unheard
@@ -104,14 +109,14 @@ class SimulatedRobot:
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Carry out one order."""
-        together = order.skill.topic is None  # a stream of velocities has no place for a start
+        together = topic_of(order.skill) is None  # a stream of velocities has no place for a start
         clock = self._clock
         self.gate.pass_order(order, clock.monotonic_ns(), clock.wall_ns(), together=together)
         tell(StageReport(OrderStage.SENT))
         self._doing = order.skill.id
         self.begun += 1
         try:
-            if order.skill.topic is not None:
+            if topic_of(order.skill) is not None:
                 return await self._drive(order, tell)
             return await self._perform(order, tell)
         except ActivityRefused as cannot:
@@ -129,7 +134,7 @@ class SimulatedRobot:
         start_s = None if start_ns is None else start_ns / 1e9
         activity = self._machine.begin(
             order.skill.id,
-            machine_arguments(self.profile.link.model, order.skill.id, goal),
+            machine_arguments(self._model, order.skill.id, goal),
             self._simulation.now_s(),
             start_s,
         )
@@ -207,7 +212,7 @@ class SimulatedRobot:
         """Latch, halt, and wait until rest is measured."""
         self.gate.apply_stop(stop)
         seconds, confirmed = await self._rest()
-        landed = said("on the ground") if self.profile.link.model == "crazyflie" else ""
+        landed = said("on the ground") if self._model == "crazyflie" else ""
         return RestReport(stop.robot, confirmed, seconds, landed)
 
     async def _rest(self) -> tuple[float, bool]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Parameter, Skill
+from rosic.robots.ros2.profile import Ros2Link
 
 DIRECTIONS: dict[str, tuple[str, ...]] = {
     "forward": ("ahead", "straight on"),
@@ -98,7 +99,7 @@ def crazyflie(number: int) -> Profile:
 
 def echo() -> Profile:
     """A robot with the text link of the paper's Algorithm 8."""
-    return Profile(id="echo", link=Link(kind="memory", dialogue=True))
+    return Profile(id="echo", link=Ros2Link(kind="memory", dialogue=True))
 
 
 def oven() -> Profile:

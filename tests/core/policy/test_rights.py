@@ -5,7 +5,6 @@ from __future__ import annotations
 import random
 from typing import TYPE_CHECKING
 
-import msgspec
 import pytest
 
 from rosic.core.policy.evaluate import decide
@@ -22,7 +21,8 @@ from rosic.core.policy.roles import (
     priority_of,
 )
 from rosic.core.policy.scope import FLEET, GRANT, Fleet, Scope
-from rosic.core.robot.skill import Skill, TopicBinding
+from rosic.core.robot.skill import Skill
+from rosic.robots.ros2.profile import Ros2Skill, TopicBinding
 from tests.core.policy import product, worlds
 from tests.core.policy.product import CONVERT, a_skill
 from tests.core.policy.worlds import NOW, SKILLS
@@ -236,9 +236,9 @@ class Walked(dict[str, dict[str, Skill]]):
 
 
 def bound(name: str, topic: str) -> Skill:
-    return msgspec.structs.replace(
-        a_skill(name, SKILLS[name]), topic=TopicBinding(name=topic, type="std_msgs/msg/Empty")
-    )
+    plain = a_skill(name, SKILLS[name])
+    kept = {field: getattr(plain, field) for field in Skill.__struct_fields__}
+    return Ros2Skill(**kept, topic=TopicBinding(name=topic, type="std_msgs/msg/Empty"))
 
 
 def test_rights_on_many_robots_are_drawn_up_without_comparing_each_with_each() -> None:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.core.robot.joints import SHORTEST_S, JointLimit, OutOfReach, plan
+from rosic.robots.ros2.joints import SHORTEST_S, JointLimit, OutOfReach, plan
 
 LIMITS = {
     "base": JointLimit(min=-3.0, max=3.0, speed=1.0),

@@ -9,9 +9,10 @@ from msgspec.structs import replace
 
 from rosic.core.messages import robot_line
 from rosic.core.order import OrderEnding, Outcome
-from rosic.core.robot.profile import AtRest, Presence
+from rosic.core.robot.profile import Presence
 from rosic.errors import StillMoves
 from rosic.features.alerts.offline_notices import LOOKED_AFTER_NS, back
+from rosic.robots.ros2.profile import AtRest
 from tests.features.fleet.test_tasks import Worker, heard, warehouse, worker
 from tests.gateway.place import profile
 

@@ -10,9 +10,10 @@ from msgspec.structs import replace
 from rosic.core.fleet.task import TaskState
 from rosic.core.robot.alert_config import AlertConfig, RecipientCircle
 from rosic.core.robot.benchmark import Benchmark, ErrorBound
-from rosic.core.robot.profile import PoseSource, Profile, Telemetry
-from rosic.core.robot.skill import Parameter, ParametersBinding, ServiceBinding, Skill, SkillClass
+from rosic.core.robot.profile import Profile, Telemetry
+from rosic.core.robot.skill import Parameter, SkillClass
 from rosic.core.robot.view import Pose
+from rosic.robots.ros2.profile import ParametersBinding, PoseSource, Ros2Skill, ServiceBinding
 from rosic.stores.memory import MemoryStore
 from tests.features.alerts.test_alerts import heard
 from tests.features.fleet.test_tasks import WAREHOUSE, tasks, warehouse
@@ -21,14 +22,14 @@ from tests.gateway.place import ADA, BO, FLEET, MOVE, WAVE, Place
 if TYPE_CHECKING:
     from rosic.testing.clock import ManualClock
 
-TUNE = Skill(
+TUNE = Ros2Skill(
     id="tune",
     title="Tune",
     kind=SkillClass.CONFIG,
     parameters={"gain": Parameter(min=0, max=10)},
     set_parameters=ParametersBinding(node="/omni/base", values={"gain": "$gain", "mode": "slow"}),
 )
-CALIBRATE = Skill(
+CALIBRATE = Ros2Skill(
     id="calibrate",
     kind=SkillClass.CONFIG,
     service=ServiceBinding(name="/omni/calibrate", type="std_srvs/srv/Trigger"),
@@ -211,7 +212,7 @@ async def test_a_fleet_moves_a_late_task_to_another_robot_or_pauses_it() -> None
         rule = AlertConfig(name="late", when="deviates", lasting="1 s", run=run, author="Ada")
         slow = replace(WAVE, benchmark=Benchmark(duration_s=2.0))
         first, second, third = WAREHOUSE
-        benched = replace(first, skills=first.skills | {"wave": slow}, alerts=(rule,))
+        benched = replace(first, skills={**first.skills, "wave": slow}, alerts=(rule,))
         async with warehouse(fleet=(benched, second, third)).open() as here:
             await here.say("/task warehouse wave")
             assert tasks(here)["1"].robot == "w1"

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.robot.file_transfer import Receipt
-from rosic.core.robot.profile import Deliver
-from rosic.core.robot.skill import ServiceBinding
 from rosic.errors import RobotOffline, RobotUnreachable
 from rosic.robots.memory import MemoryRobot
+from rosic.robots.ros2.profile import Deliver, ServiceBinding
 from tests.features.files.test_transfer import asked, held, place, tapped
 from tests.features.files.test_upload import MAP, NOTE, send
 from tests.gateway.place import ADA

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.robot.profile import Files
+from rosic.robots.ros2.profile import Ros2Files
 from tests.features.files.test_upload import MAP, NOTE, send
 from tests.features.personal_data.data_gateway import Ward, a_ward
 from tests.gateway.place import ADA, BO, FLEET, VI
@@ -26,7 +26,7 @@ async def place(folder: Path, **changed: object) -> AsyncIterator[Ward]:
     """Open a gateway whose omni takes pictures and notes."""
     for name in ("in", "out"):
         (folder / name).mkdir()
-    files = Files(
+    files = Ros2Files(
         accept=("png", "yaml"), max_mb=1, inbox=str(folder / "in"), outbox=str(folder / "out")
     )
     omni, *others = FLEET

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rosic.core.i18n import said
-from rosic.core.robot.profile import Camera, MapSource, PoseSource, Telemetry
+from rosic.core.robot.profile import Telemetry
 from rosic.core.robot.view import CompressedFrame, Drawing, OccupancyMap, Pose, ViewKind
 from rosic.messengers.memory import MemoryMessenger
+from rosic.robots.ros2.profile import Camera, MapSource, PoseSource
 from tests.gateway.place import FLEET, Place, profile
 
 if TYPE_CHECKING:

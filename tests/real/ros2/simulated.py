@@ -13,8 +13,8 @@ from msgspec.structs import replace
 
 from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.order_gate import OrderGate
-from rosic.core.robot.profile import Profile
 from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS, request, service_of
+from rosic.robots.ros2.profile import Ros2Profile, ros2_profile
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.testing.factories import OrderBook
 from rosic_sim.ros2.link_watchdog import LINK_LOST_S
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Tell
     from rosic.core.order import Order, Outcome
+    from rosic.core.robot.profile import Profile
     from rosic.core.robot.skill import Argument
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.testing.ros2.graph import RosGraph, RosProcess
@@ -104,18 +105,18 @@ class TriedRobot(Ros2Robot):
         return self.book.order(skill, arguments, stop_generation=self.gate.generation)
 
 
-def shipped(name: str) -> Profile:
+def shipped(name: str) -> Ros2Profile:
     """Return a profile that ships."""
-    return load_profile(shipped_profiles()[name])
+    return ros2_profile(load_profile(shipped_profiles()[name]))
 
 
-def profile_of(**described: object) -> Profile:
+def profile_of(**described: object) -> Ros2Profile:
     """Return a profile described as in a file."""
     skills = described.get("skills", {})
     assert isinstance(skills, dict)
     for name, skill in skills.items():
         skill["id"] = name
-    return msgspec.convert(described, Profile)
+    return msgspec.convert(described, Ros2Profile)
 
 
 @asynccontextmanager

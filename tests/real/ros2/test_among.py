@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.robot.profile import Link, Profile
 from rosic.errors import ConfigurationError
 from rosic.features.robot_to_robot.inbox import PACE
+from rosic.robots.ros2.profile import Ros2Link, Ros2Profile
 from rosic.robots.ros2.robot import Ros2Robot
 from tests.features.robot_to_robot.peers import CAREFUL, PeerRobots
 from tests.features.robot_to_robot.test_storm import RealClock
@@ -25,6 +25,7 @@ from tests.real.ros2.simulated import shipped, simulated, until
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rosic.core.robot.profile import Profile
     from rosic.testing.ros2.graph import RosGraph, RosProcess
 
 PEER = Path(__file__).with_name("fellow_peer.py")
@@ -32,8 +33,8 @@ PATIENCE_S = 30.0 * pace()
 
 
 def peer(name: str) -> Profile:
-    link = Link(kind="ros2", namespace=f"/{name}", among=True)
-    return Profile(id=name, link=link, strategies={"careful": CAREFUL})
+    link = Ros2Link(kind="ros2", namespace=f"/{name}", among=True)
+    return Ros2Profile(id=name, link=link, strategies={"careful": CAREFUL})
 
 
 class OnRos(PeerRobots):
@@ -186,7 +187,7 @@ async def test_a_robot_that_ships_takes_on_a_strategy(
 
 async def test_a_profile_without_a_namespace_is_refused(graph: RosGraph) -> None:
     assert graph is not None
-    lonely = replace(peer("omni"), link=Link(kind="ros2", among=True))
+    lonely = replace(peer("omni"), link=Ros2Link(kind="ros2", among=True))
     place = PeerRobots(fleet=(lonely,))
     with pytest.raises(ConfigurationError, match="among needs a namespace"):
         Ros2Robot(lonely, place.gateway, place.clock)  # type: ignore[arg-type]

@@ -12,6 +12,7 @@ from rosic.config.profiles import check_profile, load_profile
 from rosic.core.order import OrderEnding, Outcome
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.interfaces.cache import KNOWN, ensure_built, make_importable
+from rosic.robots.ros2.profile import ros2_profile
 from rosic.system import SystemClock
 from tests.pace import pace
 from tests.real.ros2.simulated import Simulated, TriedRobot, opened, simulated
@@ -74,7 +75,7 @@ async def test_drafts_pass_the_check_and_drive_after_filling_in(drafts: dict[str
     drafts["rover"].write_text(filled)
     await drives(drafts["rover"], "visit", {"place": "door"})
 
-    picker = load_profile(drafts["picker"])
+    picker = ros2_profile(load_profile(drafts["picker"]))
     assert picker.joints is not None
     assert "finger_joint" not in picker.joints.limits, "the controller says which are its own"
     assert picker.stop is not None

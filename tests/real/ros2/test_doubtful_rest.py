@@ -12,8 +12,8 @@ from msgspec.structs import replace
 
 from rosic.core.messages import rests, status_line
 from rosic.core.order import OrderEnding, Outcome, Stop
-from rosic.core.robot.profile import AtRest, StopBinding
 from rosic.errors import RobotOffline, RobotUnreachable
+from rosic.robots.ros2.profile import AtRest, StopBinding
 from rosic.system import SystemClock
 from tests.real.ros2.base_profile import base_profile
 from tests.real.ros2.simulated import opened, until

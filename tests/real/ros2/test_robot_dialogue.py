@@ -11,9 +11,9 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.order import OrderEnding, OrderStage, Outcome, StageReport, Stop
-from rosic.core.robot.profile import Link
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.bindings.dialogue import GREETING
+from rosic.robots.ros2.profile import Ros2Link
 from rosic.system import SystemClock
 from tests.pace import patience
 from tests.real.ros2.simulated import opened, shipped, until
@@ -33,7 +33,7 @@ def clock() -> SystemClock:
 @pytest.fixture
 def talker() -> Profile:
     """The profile that ships, pointed at the peer, which echoes what it hears."""
-    link = Link(kind="ros2", namespace="/omni", dialogue=True)
+    link = Ros2Link(kind="ros2", namespace="/omni", dialogue=True)
     return replace(shipped("talker"), link=link)
 
 

@@ -10,11 +10,18 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.order_gate import OrderGate
-from rosic.core.robot.profile import Camera, Link, MapSource, PathSource, PoseSource, Profile
 from rosic.core.robot.view import CompressedFrame, OccupancyMap, RawFrame, View, ViewKind
 from rosic.errors import NothingToSee
 from rosic.rendering.draw import draw
 from rosic.robots.ros2 import camera_map
+from rosic.robots.ros2.profile import (
+    Camera,
+    MapSource,
+    PathSource,
+    PoseSource,
+    Ros2Link,
+    Ros2Profile,
+)
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.system import SystemClock
 from tests.pace import pace, patience
@@ -43,10 +50,10 @@ def eyes(graph: RosGraph) -> RosProcess:
 
 @asynccontextmanager
 async def robot(camera: Camera = JPEG) -> AsyncIterator[Ros2Robot]:
-    profile = Profile(
+    profile = Ros2Profile(
         id="omni",
         title="Omni",
-        link=Link(kind="ros2", namespace="/omni"),
+        link=Ros2Link(kind="ros2", namespace="/omni"),
         camera=camera,
         map=MapSource(topic="/omni/map"),
         pose=PoseSource(topic="/omni/pose", type="geometry_msgs/msg/PoseStamped"),

@@ -19,6 +19,7 @@ from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS, request,
 from rosic.robots.ros2.client.graph import snapshot
 from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.messages.types import TypeRegistry
+from rosic.robots.ros2.profile import Ros2Profile, ros2_profile
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
 from rosic_sim.ros2.interfaces import ACTIONS, MODELS
@@ -37,7 +38,6 @@ from tests.real.ros2.simulated import (
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
-    from rosic.core.robot.profile import Profile
     from rosic.robots.ros2.client.topics import LatestMessage
 
 DRIVER = Path(__file__).with_name("driver.py")
@@ -72,8 +72,8 @@ async def onlooker(robots: Simulated) -> AsyncIterator[RosRuntime]:
 # ---- what they offer ----
 
 
-def simulated_profiles() -> list[Profile]:
-    found = (load_profile(path) for path in shipped_profiles().values())
+def simulated_profiles() -> list[Ros2Profile]:
+    found = (ros2_profile(load_profile(path)) for path in shipped_profiles().values())
     return [profile for profile in found if profile.link.model]
 
 
@@ -98,7 +98,7 @@ async def test_everything_the_shipped_profiles_bind_is_on_the_graph(
             await asyncio.sleep(0.05)
 
 
-def bound_names(profile: Profile) -> Iterator[tuple[str, str]]:
+def bound_names(profile: Ros2Profile) -> Iterator[tuple[str, str]]:
     for skill in profile.skills.values():
         if skill.action is not None:
             yield skill.action.name, skill.action.type

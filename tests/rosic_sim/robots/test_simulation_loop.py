@@ -12,8 +12,8 @@ from msgspec.structs import replace
 from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.order import OrderEnding, Stop
 from rosic.core.order_gate import OrderGate
-from rosic.core.robot.profile import Link
 from rosic.robots.ros2.client.node import station_of
+from rosic.robots.ros2.profile import Ros2Link
 from rosic.system import SystemClock
 from rosic.testing.factories import OrderBook
 from rosic_sim.robots.robot import SimulatedRobot
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 async def moved_once(clock: SystemClock) -> None:
     """Let a robot live, move and go."""
     shipped = load_profile(shipped_profiles()["omni"])
-    profile = replace(shipped, link=Link(kind="simulated", model="omni"))
+    profile = replace(shipped, link=Ros2Link(kind="simulated", model="omni"))
     robot = SimulatedRobot(profile, OrderGate.new("omni"), clock)
     await robot.open(lambda _text: None)
     order = OrderBook(profile, clock).order(
@@ -55,7 +55,9 @@ async def test_a_stop_in_full_motion_ends_when_rest_is_measured() -> None:
     clock = SystemClock()
     profile = load_profile(shipped_profiles()["omni"])
     robot = SimulatedRobot(
-        replace(profile, link=Link(kind="simulated", model="omni")), OrderGate.new("omni"), clock
+        replace(profile, link=Ros2Link(kind="simulated", model="omni")),
+        OrderGate.new("omni"),
+        clock,
     )
     await robot.open(lambda _text: None)
     forward: dict[str, Argument] = {"direction": "forward", "distance": 2.0, "speed": 0.25}

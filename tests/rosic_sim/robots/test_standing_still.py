@@ -12,7 +12,7 @@ from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.deadman import STOOD_STILL
 from rosic.core.order import OrderEnding, Outcome
 from rosic.core.order_gate import OrderGate
-from rosic.core.robot.profile import Link
+from rosic.robots.ros2.profile import Ros2Link
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import OrderBook
 from rosic_sim.robots.robot import SimulatedRobot
@@ -31,7 +31,7 @@ AHEAD: dict[str, Argument] = {"linear": 0.2, "lateral": 0.0, "angular": 0.0, "du
 async def robot_of(name: str, clock: ManualClock) -> AsyncIterator[SimulatedRobot]:
     model = "crazyflie" if name.startswith("cf") else name
     profile = replace(
-        load_profile(shipped_profiles()[name]), link=Link(kind="simulated", model=model)
+        load_profile(shipped_profiles()[name]), link=Ros2Link(kind="simulated", model=model)
     )
     robot = SimulatedRobot(profile, OrderGate.new(name), clock)
     await robot.open(lambda _text: None)

@@ -14,10 +14,10 @@ from rosic.app.setup.profile_draft import (
     SeenRobot,
     rest_of,
 )
-from rosic.core.robot.profile import AtRest
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RosicError
 from rosic.robots.ros2.client.topics import TopicQos
+from rosic.robots.ros2.profile import AtRest
 from rosic.robots.ros2.reported_units import FULL
 from rosic.robots.ros2.rest_reading import RestReading
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import yaml
 
 from rosic.app.setup import profile_draft_nav2 as others
-from rosic.config.profile_rest import enough_s
+from rosic.robots.ros2.profile_checks import enough_s
 
 if TYPE_CHECKING:
     from rosic.app.setup.profile_draft_nav2 import ArmDraft, MapPose

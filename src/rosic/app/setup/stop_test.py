@@ -10,7 +10,6 @@ from rosic.app.builder import latch_of
 from rosic.app.robot_startup import stops_of
 from rosic.app.setup.diagnostics_checks import DiagnosticFinding, FindingVerdict
 from rosic.config.plugins import robot_factory
-from rosic.config.profile_rest import enough_s
 from rosic.config.profiles import known_units
 from rosic.contracts.robot import DescribesTelemetry, SilenceTest
 from rosic.core.identity import COMMAND_ID_BYTES, OPERATOR, command_id
@@ -21,6 +20,8 @@ from rosic.core.order_gate import OrderGate
 from rosic.core.policy.scope import RESUME
 from rosic.core.records import Claimed, Concluded, Resumed, Stopped, Told
 from rosic.errors import RosicError
+from rosic.robots.ros2.profile import Ros2Profile
+from rosic.robots.ros2.profile_checks import enough_s
 from rosic.stores.database import DatabaseStore
 
 if TYPE_CHECKING:
@@ -126,7 +127,7 @@ class StopTest:
         if robot.gate.latched:
             text = f"{self._profile.shown} is stopped, so it was not moved; resume it first"
             return DiagnosticFinding(about, FindingVerdict.NOT_MEASURED, text)
-        if self._profile.at_rest is None:
+        if not self._profile.measures_rest:
             return None
         seldom = await self._seldom()
         if seldom:
@@ -157,7 +158,8 @@ class StopTest:
 
     async def _seldom(self) -> str:
         """Say what to write where what shows rest comes more rarely than the profile allows."""
-        at_rest, robot = self._profile.at_rest, self._robot
+        profile, robot = self._profile, self._robot
+        at_rest = profile.at_rest if isinstance(profile, Ros2Profile) else None
         if at_rest is None or not isinstance(robot, DescribesTelemetry):
             return ""
         every_s = await robot.rest_every_s(LISTENED_S)
@@ -371,7 +373,7 @@ async def try_robot(
 def streaming_skill(profile: Profile) -> Skill | None:
     """Return the skill that sends the robot velocities, if it has one."""
     for skill in profile.skills.values():
-        if skill.topic is not None and skill.topic.stream_hz > 0:
+        if skill.streams:
             return skill
     return None
 

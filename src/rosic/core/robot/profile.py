@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import enum
 import re
+from collections.abc import Mapping
 from typing import TypeAlias
 
 import msgspec
 
 from rosic.core.robot.alert_config import AlertConfig
 from rosic.core.robot.geography import GeographicFrame
-from rosic.core.robot.joints import Joints
-from rosic.core.robot.skill import MOTION, ServiceBinding, Skill, TopicBinding
+from rosic.core.robot.skill import MOTION, Skill
 from rosic.core.robot.strategy import Strategy
 from rosic.core.robot.view import Pose, ViewKind
 
@@ -45,21 +45,30 @@ class LinkLoss(enum.Enum):
 class Link(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the robot is reached.
 
+    An adapter derives its own from it, with what it needs to reach a robot.
+
     Attributes:
-        kind: Name of a robot adapter: ``ros2``, ``simulated``, ``memory``.
-        namespace: ROS namespace, for presence: ``/kuka1``; ``/`` for a robot alone on its graph.
-        model: For ``simulated``: which machine.
-        dialogue: The paper's text link over ``to_robot_topic`` and ``from_robot_topic``.
-        among: The robot's own nodes speak with other robots, over ``among/say`` and ``among/hear``.
+        kind: Name of a robot adapter.
         heartbeat_s: A robot whose telemetry is older than this is offline.
     """
 
     kind: str
-    namespace: str = ""
-    model: str = ""
-    dialogue: bool = False
-    among: bool = False
     heartbeat_s: float = 3.0
+
+    @property
+    def dialogue(self) -> bool:
+        """Whether people may say whatever they like to the robot: the paper's text link."""
+        return False
+
+    @property
+    def among(self) -> bool:
+        """Whether the robot's own nodes speak with other robots."""
+        return False
+
+    @property
+    def namespace(self) -> str:
+        """Under what it is reached; what one of two robots with the same is told, both hear."""
+        return ""
 
 
 class Slots(enum.Enum):
@@ -76,144 +85,19 @@ class Slots(enum.Enum):
     REQUIRED = "required"
 
 
-class StopBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How the robot is stopped besides cancelling its goals.
-
-    Attributes:
-        service, type: A service, ``std_srvs/srv/Trigger`` for one.
-        request: Fields of its request, every one that its type has: what a field says when nobody
-            says anything, a brake may take for "release". Empty for a service without any.
-        zero: A velocity topic that is sent zero, and its type.
-        cancel_only: This robot has neither, and holds when all its goals are cancelled.
-    """
-
-    service: str = ""
-    type: str = "std_srvs/srv/Trigger"
-    request: dict[str, float | int | str | bool] = {}
-    zero: str = ""
-    zero_type: str = "geometry_msgs/msg/Twist"
-    cancel_only: bool = False
-
-    def __post_init__(self) -> None:
-        if self.cancel_only and (self.service or self.zero):
-            raise ValueError("cancel_only means that there is neither a service nor a zero")
-
-
-class AtRest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How rest is measured: every number in ``field`` is at most ``below`` in magnitude.
-
-    ``field`` is a dotted path; several, separated by commas, must all hold. ``stop_only`` names
-    those of them that count for a stop alone, and not for whether it is ready for an order: the
-    height of a drone, which ends a stop on the ground and takes orders where it hovers. What is
-    older than ``within_s`` says nothing of now: without it nothing moves, and what is driven by
-    velocities is driven no further.
-    """
-
-    topic: str
-    type: str
-    field: str
-    below: float
-    stop_only: str = ""
-    within_s: float = 1.0
-
-    def __post_init__(self) -> None:
-        if self.stop_only and not set(self.counting_for_stops) < set(self.fields):
-            raise ValueError("what stop_only names has to be some of the fields, and not all")
-
-    @property
-    def fields(self) -> tuple[str, ...]:
-        """Return every field, in order."""
-        return tuple(path.strip() for path in self.field.split(","))
-
-    @property
-    def counting_for_stops(self) -> tuple[str, ...]:
-        """Return the fields that count for stops alone."""
-        return tuple(path.strip() for path in self.stop_only.split(",")) if self.stop_only else ()
-
-
 class Telemetry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One value the robot reports; only the newest is kept.
+
+    An adapter derives its own from it, with where the value comes from.
 
     Attributes:
         full: What a share, with the unit ``%``, is reported as when it is whole: 100 for a battery
             that says 0 to 100, against the definition of its message.
     """
 
-    topic: str = ""
-    type: str = ""
-    field: str = ""
     unit: str = ""
     alert_below: float | None = None
     full: float = 1.0
-
-
-class Camera(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where pictures come from; whoever may read the robot may then ask for them."""
-
-    topic: str
-    type: str = "sensor_msgs/msg/CompressedImage"
-
-
-class MapSource(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where the map comes from."""
-
-    topic: str
-    type: str = "nav_msgs/msg/OccupancyGrid"
-
-
-class PoseSource(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What says where the robot is: on the map, and on its way."""
-
-    topic: str
-    type: str = "nav_msgs/msg/Odometry"
-
-
-class PathSource(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What says where the robot means to go."""
-
-    topic: str
-    type: str = "nav_msgs/msg/Path"
-
-
-class ReceiptSource(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where the robot's side says which file it has read: its SHA-256, in hexadecimal digits.
-
-    Attributes:
-        within_s: Later than this it counts as not said.
-    """
-
-    topic: str
-    type: str = "std_msgs/msg/String"
-    field: str = "data"
-    within_s: float = 10.0
-
-
-class Deliver(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How the robot's side is handed a file: a topic or a service, one of them.
-
-    In a message or a request stand ``$name``, ``$path`` (in the inbox), ``$sha256``, ``$size``,
-    ``$kind``, and for small files ``$text`` or ``$content``.
-
-    Attributes:
-        digest: Field of the service's response with the SHA-256 of what it read; empty for none.
-        receipt: The same for a topic, on a topic of the robot's own.
-    """
-
-    topic: TopicBinding | None = None
-    service: ServiceBinding | None = None
-    digest: str = ""
-    receipt: ReceiptSource | None = None
-
-    @property
-    def sent(self) -> dict[str, float | int | str | bool]:
-        """What stands in the message or the request."""
-        binding = self.topic.message if self.topic is not None else None
-        return binding if binding is not None else self.service.request if self.service else {}
-
-    @property
-    def carries(self) -> bool:
-        """Whether the content itself is in it."""
-        return bool({"$text", "$content"} & set(map(str, self.sent.values())))
 
 
 class Files(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -234,7 +118,12 @@ class Files(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     max_mb: float = 5.0
     inbox: str = ""
     outbox: str = ""
-    deliver: Deliver | None = None
+    deliver: object = None
+
+    @property
+    def carries(self) -> bool:
+        """Whether the content itself goes to the robot's side, not only word of it."""
+        return False
 
     @property
     def takes(self) -> bool:
@@ -245,14 +134,16 @@ class Files(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Everything ROSIC knows about one robot.
 
+    The adapter of its kind of link derives its own from it. Whether there is a stop, a camera, a
+    map is known here; what is said of them is the adapter's business.
+
     Attributes:
         id: Lower case, as people type it.
         groups: Plain names under which several robots are commanded together.
         slots: What booked times mean: nothing, others wait, or nobody moves it without one.
-        watchdog_s: The robot's own time-out for a velocity topic; without it no skill may stream.
+        watchdog_s: The robot's own time-out for velocities; without it no skill may stream.
         go_to: Skill that goes to a place, and its two parameters in m: ``goto x y``. With a
             frame, a location that somebody sends asks whether the robot is to go there.
-        joints: What a trajectory controller moves; skills with a ``trajectory`` need it.
         rest_timeout_s: A stop that is not measured at rest by then is reported as not confirmed.
         unstoppable: Nothing here stops it, or measures that it rests; everybody who commands it is
             told. Without this word, a robot that moves needs both, whatever its link.
@@ -265,22 +156,21 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     title: str = ""
     words: tuple[str, ...] = ()
     groups: tuple[str, ...] = ()
-    stop: StopBinding | None = None
+    stop: object = None
     link_loss: LinkLoss = LinkLoss.HOLD
     busy: Busy = Busy.REFUSE
     queue_length: int = 16
     slots: Slots = Slots.RESPECTED
     watchdog_s: float | None = None
-    at_rest: AtRest | None = None
+    at_rest: object = None
     rest_timeout_s: float = 5.0
     unstoppable: bool = False
-    joints: Joints | None = None
-    skills: dict[str, Skill] = {}
-    telemetry: dict[str, Telemetry] = {}
-    camera: Camera | None = None
-    map: MapSource | None = None
-    pose: PoseSource | None = None
-    path: PathSource | None = None
+    skills: Mapping[str, Skill] = {}
+    telemetry: Mapping[str, Telemetry] = {}
+    camera: object = None
+    map: object = None
+    pose: object = None
+    path: object = None
     files: Files | None = None
     frame: GeographicFrame | None = None
     go_to: str = ""
@@ -297,7 +187,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         if not 1 <= self.queue_length <= QUEUE_AT_MOST:
             raise ValueError(f"queue_length must be between 1 and {QUEUE_AT_MOST}")
         for name, skill in self.skills.items():
-            if skill.topic is not None and skill.topic.stream_hz > 0 and self.watchdog_s is None:
+            if skill.streams and self.watchdog_s is None:
                 raise ValueError(
                     f"skill {name!r} streams a velocity, but the profile states no watchdog_s: "
                     "a robot that does not stop by itself may not be streamed to"
@@ -312,6 +202,16 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     def moves(self) -> bool:
         """Whether any of its skills moves it."""
         return any(skill.kind is MOTION for skill in self.skills.values())
+
+    @property
+    def stops(self) -> bool:
+        """Whether something here stops it, as its profile says."""
+        return self.stop is not None
+
+    @property
+    def measures_rest(self) -> bool:
+        """Whether its rest is measured, as its profile says."""
+        return self.at_rest is not None
 
     @property
     def replaces(self) -> bool:

@@ -7,7 +7,7 @@ import re
 import unicodedata
 from functools import cached_property
 from math import isfinite
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import msgspec
 
@@ -43,6 +43,9 @@ ICON_MOST = 8
 LANGUAGE_CODE = re.compile(r"[a-z]{2,3}")
 TITLE_MOST = 64
 ACTUATING = frozenset((MOTION, SkillClass.TASK, SkillClass.CONFIG))
+
+# The parameter that says how long a velocity is sent, in s.
+DURATION = "duration"
 
 # How long an order of a class may wait between being sent by the person and reaching the robot.
 # docs/safety.md gives the reasons; a skill may set its own.
@@ -121,86 +124,28 @@ def _check_meanings(
                 raise ValueError("means must be finite numbers")
 
 
-class TopicBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Publish a message. Nothing acknowledges a topic.
+class Sent(NamedTuple):
+    """What a binding sends.
 
     Attributes:
-        message: Dotted field to a value; ``$name`` takes a parameter (SI), ``$name.x`` a number
-            that a choice stands for; else it is literal.
-        stream_hz: Greater than 0 sends a bounded stream for ``$duration`` seconds that ends in
-            zero; allowed only when the profile states the robot's own ``watchdog_s``.
+        place: Below the skill in its profile; empty: the profile does not say how it is carried
+            out.
+        values: By field: ``$name`` takes an argument, ``$name.x`` what a choice means; else it is
+            literal.
+        besides: Parameters that it heeds in another way.
+        into: What takes it, in the words of people who write profiles.
     """
 
-    name: str
-    type: str
-    message: dict[str, float | int | str | bool] = {}
-    stream_hz: float = 0.0
-
-
-class ServiceBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Call a service; its answer is the robot's receipt."""
-
-    name: str
-    type: str
-    request: dict[str, float | int | str | bool] = {}
-    timeout_s: float = 5.0
-
-
-class Trajectory(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A move of an arm, made of where its joints are and of where they are to go.
-
-    Attributes:
-        to: ``$pose.joints``, a pose by the meaning of a choice; or ``$angle``, for one joint.
-        joint: ``$joint``: the one that moves while the others stay; empty: all of them.
-        speed: Share of every joint's own speed, in (0, 1]; or ``$speed``.
-    """
-
-    to: str
-    joint: str = ""
-    speed: float | str = 0.3
-
-    def __post_init__(self) -> None:
-        if isinstance(self.speed, str):
-            if self.speed[:1] != "$":
-                raise ValueError("speed is a share of the joints' own, or a parameter: $speed")
-        elif not 0 < self.speed <= 1:
-            raise ValueError("speed is a share of the joints' own: above 0, at most 1")
-
-
-class ActionBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Send an action goal. Acceptance is the receipt, feedback the progress, the result the end.
-
-    Attributes:
-        timeout_s: Longest time between acceptance and result; then the goal is cancelled.
-        start: Goal field of type ``builtin_interfaces/Time`` that takes a common start, or empty.
-        remaining: Feedback field that shrinks to zero on the way, instead of ``fraction``.
-        success, message: Result fields that say whether, and what.
-        trajectory: Makes the goal of a trajectory controller; the profile then has ``joints``.
-    """
-
-    name: str
-    type: str
-    goal: dict[str, float | int | str | bool] = {}
-    trajectory: Trajectory | None = None
-    timeout_s: float = 120.0
-    start: str = ""
-    fraction: str = "fraction"
-    stage: str = "stage"
-    remaining: str = ""
-    success: str = "success"
-    message: str = "message"
-
-
-class ParametersBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Set ROS parameters of a node; the node's answer is the receipt, and they are read back."""
-
-    node: str
-    values: dict[str, float | int | str | bool]
-    timeout_s: float = 5.0
+    place: tuple[str, ...] = ()
+    values: Mapping[str, float | int | str | bool] = {}
+    besides: tuple[str, ...] = ()
+    into: str = ""
 
 
 class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, dict=True):
     """One thing a robot can do, as its profile says. At most one binding.
+
+    An adapter derives its own from it, with what carries a skill out: the binding.
 
     Attributes:
         id: Filled from the key in the profile.
@@ -225,16 +170,9 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     lifetime_s: float | None = None
     to_safety: bool = False
     cost: float = 1.0
-    topic: TopicBinding | None = None
-    service: ServiceBinding | None = None
-    action: ActionBinding | None = None
-    set_parameters: ParametersBinding | None = None
     benchmark: Benchmark | None = None
 
     def __post_init__(self) -> None:
-        bindings = (self.topic, self.service, self.action, self.set_parameters)
-        if sum(binding is not None for binding in bindings) > 1:
-            raise ValueError("a skill has at most one of topic, service, action, set_parameters")
         if self.lifetime_s is not None and not 0 < self.lifetime_s <= LIFETIME_MAX_S:
             raise ValueError(f"lifetime_s must be above 0 and at most {LIFETIME_MAX_S:.0f}")
         if not 1 <= self.cost <= COST_MAX:
@@ -271,6 +209,32 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         name, dot, part = value[1:].partition(".")
         argument = arguments[name]
         return self.parameters[name].means[str(argument)][part] if dot else argument
+
+    @property
+    def sent(self) -> Sent:
+        """What its binding sends to the robot; by itself a skill has none."""
+        return Sent()
+
+    @property
+    def streams(self) -> bool:
+        """Whether a velocity is sent again and again, for so long as `DURATION` says."""
+        return False
+
+    @property
+    def unbound(self) -> Skill:
+        """The same skill without what carries it out."""
+        if type(self) is Skill:
+            return self
+        return Skill(**{name: getattr(self, name) for name in Skill.__struct_fields__})
+
+    def sets(self, arguments: Mapping[str, Argument]) -> dict[str, float | int | str | bool]:
+        """Return what is set on the robot once this is done: that it was done, with what.
+
+        Args:
+            arguments: Of an order, SI.
+        """
+        given = {f"{self.id}.{name}": value for name, value in arguments.items()}
+        return {**given} or {self.id: True}
 
     @cached_property
     def order_lifetime_ns(self) -> int:

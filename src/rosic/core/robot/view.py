@@ -49,7 +49,7 @@ class CompressedFrame(msgspec.Struct, frozen=True, gc=False, tag="encoded"):
 
 
 class RawFrame(msgspec.Struct, frozen=True, gc=False, tag="raster"):
-    """A frame of bare pixels, as ``sensor_msgs/Image`` has it.
+    """A frame of bare pixels.
 
     Attributes:
         encoding: ``rgb8``, ``bgr8``, ``mono8``, ``16UC1`` (depth in mm; 0 is unknown) ...

@@ -235,17 +235,7 @@ class BenchmarkSettings:
 
     def done(self, order: Order) -> None:
         """A skill that sets a robot was done: merge what it set into what is known."""
-        skill = order.skill
-        if skill.set_parameters is None:
-            # A calibration that is a service's own business: that it was done, with what.
-            given = {f"{skill.id}.{name}": value for name, value in order.arguments.items()}
-            given = given or {skill.id: True}
-        else:
-            node = skill.set_parameters.node
-            given = {
-                f"{node}:{name}": _filled(value, order)
-                for name, value in skill.set_parameters.values.items()
-            }
+        given = order.skill.sets(order.arguments)
         at_ns, by = self._wall_ns(), order.permit.principal
         merged = self.of.get(order.robot, {}) | {
             name: BenchmarkSetting(value, by, at_ns) for name, value in given.items()
@@ -276,10 +266,3 @@ class BenchmarkSettings:
             self.of[fact.key] = _decode(fact.body)
         except msgspec.MsgspecError:
             log.warning("how %s is set cannot be read", fact.key)
-
-
-def _filled(value: float | str | bool, order: Order) -> float | int | str | bool:
-    meaning = order.skill.filled(value, order.arguments)
-    if not isinstance(meaning, tuple):
-        return meaning
-    return str(order.arguments[str(value)[1:].partition(".")[0]])  # a row of numbers, by its word

@@ -154,8 +154,7 @@ class FileTransfer:
     ) -> Reply:
         """Look once more, write down, put into the inbox, hand to the robot's side."""
         data_context, takes = self._data_context, self._files_of(robot)
-        carried = takes.deliver is not None and takes.deliver.carries
-        content = await content_of(data_context.container_store, filed) if carried else b""
+        content = await content_of(data_context.container_store, filed) if takes.carries else b""
         async with data_context.changes.turn() as turn:
             self._check(asked.caller, robot, filed)  # a right may have ended meanwhile
             decided = Decided(

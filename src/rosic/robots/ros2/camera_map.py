@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from collections.abc import AsyncGenerator
 
     from rosic.contracts.clock import Clock
-    from rosic.core.robot.profile import Camera, MapSource, Profile
     from rosic.core.robot.view import Content
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
+    from rosic.robots.ros2.profile import Camera, MapSource, Ros2Profile
 
 FIRST_WITHIN_S = 5.0
 MOST_BYTES = 64_000_000
@@ -46,7 +46,7 @@ _KEPT = TopicQos(reliable=True, latched=True, depth=1)
 class CameraAndMap:
     """The camera, the map, the pose and the path of one robot, as far as its profile names them."""
 
-    def __init__(self, profile: Profile, clock: Clock) -> None:
+    def __init__(self, profile: Ros2Profile, clock: Clock) -> None:
         self._profile = profile
         self._clock = clock
         self._runtime: RosRuntime | None = None

@@ -15,6 +15,7 @@ from rosic.robots.ros2.bindings.answers import note
 from rosic.robots.ros2.feedback_pulse import FeedbackPulse
 from rosic.robots.ros2.messages.decode import compile_path
 from rosic.robots.ros2.odometry_distance import OdometryDistance
+from rosic.robots.ros2.profile import Ros2Skill
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -79,7 +80,8 @@ class GoalWatch:
         self._fraction = fraction
         self._missed = missed
         self._looked_ns = self.now_ns()
-        binding = call.order.skill.action
+        skill = call.order.skill
+        binding = skill.action if isinstance(skill, Ros2Skill) else None
         self._stage = binding.stage if binding is not None else ""
 
     def now_ns(self) -> int:

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from rosic.contracts.clock import Clock
-    from rosic.core.robot.profile import AtRest
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.topics import LatestMessage, ReceivedMessage
+    from rosic.robots.ros2.profile import AtRest
 
 WITHIN_NS: Final = 500_000_000
 """So far back it is compared; and always with the message before, however seldom they come."""

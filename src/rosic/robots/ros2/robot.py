@@ -29,6 +29,8 @@ from rosic.robots.ros2.client.rate_limited_topic import WAITING_AT_MOST, RateLim
 from rosic.robots.ros2.client.topics import TopicQos
 from rosic.robots.ros2.errors import BadValue
 from rosic.robots.ros2.messages.names import check_graph_name
+from rosic.robots.ros2.profile import ros2_profile
+from rosic.robots.ros2.profile_rules import SCHEMA
 from rosic.robots.ros2.settling import RestInterlock
 from rosic.robots.ros2.stopping import RestResult, StopController
 from rosic.robots.ros2.telemetry import Measurements
@@ -40,11 +42,11 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Say, Speak, Tell
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.file_transfer import FileForRobot, Receipt
-    from rosic.core.robot.skill import Skill
     from rosic.core.robot.view import View, ViewKind
     from rosic.robots.ros2.client.graph import GraphSnapshot
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.client.topics import Publisher
+    from rosic.robots.ros2.profile import Ros2Skill
 
 _log = logging.getLogger(__name__)
 
@@ -134,28 +136,32 @@ class Ros2Robot:
     All robots of a process share one node, ``chat_interface``.
     """
 
+    schema = SCHEMA
+
     def __init__(self, profile: Profile, gate: OrderGate, clock: Clock) -> None:
         """Make it; nothing is opened.
 
         Raises:
-            ConfigurationError: The namespace is no name, or a skill says nothing of how.
+            ConfigurationError: The namespace is no name, a skill says nothing of how, or the
+                profile is written for a link of another kind.
         """
         self.profile = profile
+        self._told = told = ros2_profile(profile)
         self.gate = gate
         self._clock = clock
         self._station = station_of(clock)
         space = profile.link.namespace
         # What stands at the root shares it with everybody: it is told by its topics alone.
         self._namespace = "" if space in {"", ROOT} else check_graph_name(space)
-        self._measured = Measurements(profile, clock)
-        self._stop_controller = StopController(profile, self._measured, clock)
+        self._measured = Measurements(told, clock)
+        self._stop_controller = StopController(told, self._measured, clock)
         self._heartbeat = Heartbeat(self._namespace, clock)
-        self._camera_map = CameraAndMap(profile, clock)
+        self._camera_map = CameraAndMap(told, clock)
         self._meetings = QosMismatch(profile.id)
-        self._delivery = FileBinding(profile, gate)
+        self._delivery = FileBinding(told, gate)
         self._dialogue = self._text_link()
         self._among = self._peer_link()
-        self._carriers = {name: self._carrier(name, s) for name, s in profile.skills.items()}
+        self._carriers = {name: self._carrier(name, s) for name, s in told.skills.items()}
         self._opened_ns: int | None = None
         self._appeared_ns = 0
         self._was_online = False
@@ -182,10 +188,10 @@ class Ros2Robot:
             )
         return PeerLink(self._namespace)
 
-    def _carrier(self, name: str, skill: Skill) -> Binding:
+    def _carrier(self, name: str, skill: Ros2Skill) -> Binding:
         if skill.action is not None:
             trajectory = skill.action.trajectory
-            maker = None if trajectory is None else TrajectoryGoal(trajectory, self.profile.joints)
+            maker = None if trajectory is None else TrajectoryGoal(trajectory, self._told.joints)
             return ActionSkill(skill.action, maker)
         if skill.service is not None:
             return ServiceSkill(skill.service)

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from typing import Any
 
     from rosic.contracts.clock import Clock
-    from rosic.core.robot.profile import Profile, StopBinding
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.client.services import ServiceLink
     from rosic.robots.ros2.client.topics import Publisher
     from rosic.robots.ros2.messages.encode import Values
+    from rosic.robots.ros2.profile import Ros2Profile, StopBinding
     from rosic.robots.ros2.telemetry import Measurements
 
 _log = logging.getLogger(__name__)
@@ -62,7 +62,7 @@ class StopController:
         calls: Services: the robot's own stop, and the cancelling of each of its actions.
     """
 
-    def __init__(self, profile: Profile, measurements: Measurements, clock: Clock) -> None:
+    def __init__(self, profile: Ros2Profile, measurements: Measurements, clock: Clock) -> None:
         self.measured = measurements
         self.clock = clock
         self.calls: list[ServiceLink] = []
@@ -281,7 +281,7 @@ def check_stop(cls: RosObject, stop: StopBinding) -> None:
             )
 
 
-def _zeros(profile: Profile) -> dict[str, str]:
+def _zeros(profile: Ros2Profile) -> dict[str, str]:
     """Return the topics that take a zero velocity, and their types."""
     found: dict[str, str] = {}
     if profile.stop is not None and profile.stop.zero:
@@ -292,6 +292,6 @@ def _zeros(profile: Profile) -> dict[str, str]:
     return found
 
 
-def _actions(profile: Profile) -> list[str]:
+def _actions(profile: Ros2Profile) -> list[str]:
     found = (skill.action.name for skill in profile.skills.values() if skill.action is not None)
     return list(dict.fromkeys(found))

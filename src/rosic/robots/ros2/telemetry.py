@@ -16,9 +16,9 @@ from rosic.robots.ros2.rest_reading import ODOMETRY, RestReading, numbers
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
-    from rosic.core.robot.profile import Profile
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.client.topics import LatestMessage
+    from rosic.robots.ros2.profile import Ros2Profile
 
 _PLACE = (
     "pose.pose.position.x",
@@ -60,7 +60,7 @@ class Measurements:
         sources: The subscriptions, by topic and type.
     """
 
-    def __init__(self, profile: Profile, clock: Clock) -> None:
+    def __init__(self, profile: Ros2Profile, clock: Clock) -> None:
         self._profile = profile
         self._clock = clock
         self._places: list[tuple[LatestMessage, tuple[FieldReader, ...]]] = []

@@ -26,13 +26,13 @@ from rosic.robots.ros2.rosout_reasons import RosoutReasons
 
 if TYPE_CHECKING:
     from rosic.core.deadman import MotionBreak
-    from rosic.core.robot.skill import ActionBinding
     from rosic.robots.ros2.bindings.binding_call import BindingCall
     from rosic.robots.ros2.bindings.goal_fields import GoalMaker
     from rosic.robots.ros2.client.actions import ActionLink, Goal, GoalEnd
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.goal_watch import ServerPresence
+    from rosic.robots.ros2.profile import ActionBinding
 
 ACCEPT_WITHIN_S = 5.0
 

@@ -16,12 +16,12 @@ from rosic.robots.ros2.messages.encode import to_message
 
 if TYPE_CHECKING:
     from rosic.core.order_gate import OrderGate
-    from rosic.core.robot.profile import Deliver, Profile
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.client.services import ServiceLink
     from rosic.robots.ros2.client.topics import MessageStream, Publisher
     from rosic.robots.ros2.messages.decode import FieldReader
+    from rosic.robots.ros2.profile import Deliver, Ros2Profile
 
 FOUND_WITHIN_S = 8.0
 
@@ -29,7 +29,7 @@ FOUND_WITHIN_S = 8.0
 class FileBinding:
     """Hands files to one robot, one at a time; nothing where its profile says nothing of it."""
 
-    def __init__(self, profile: Profile, gate: OrderGate) -> None:
+    def __init__(self, profile: Ros2Profile, gate: OrderGate) -> None:
         self._shown = profile.shown
         self._gate = gate
         self._deliver: Deliver | None = profile.files.deliver if profile.files else None

@@ -14,10 +14,10 @@ from rosic.robots.ros2.messages.encode import type_of
 
 if TYPE_CHECKING:
     from rosic.core.order import Outcome
-    from rosic.core.robot.skill import ActionBinding
     from rosic.robots.ros2.bindings.binding_call import BindingCall
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
+    from rosic.robots.ros2.profile import ActionBinding
 
 QUATERNION = "geometry_msgs/msg/Quaternion"
 

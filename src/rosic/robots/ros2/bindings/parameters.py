@@ -18,12 +18,12 @@ from rosic.robots.ros2.bindings.service import ask
 from rosic.robots.ros2.messages.names import check_graph_name
 
 if TYPE_CHECKING:
-    from rosic.core.robot.skill import ParametersBinding
     from rosic.robots.ros2.bindings.binding_call import BindingCall
     from rosic.robots.ros2.bindings.parameter_values import Parameters
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.client.services import ServiceLink
+    from rosic.robots.ros2.profile import ParametersBinding
 
 GET_PARAMETERS = "rcl_interfaces/srv/GetParameters"
 # rcl_interfaces/msg/ParameterType to the field of ParameterValue that holds it

@@ -14,12 +14,12 @@ from rosic.robots.ros2.errors import NoAnswer, NotSent
 from rosic.robots.ros2.messages.encode import to_message
 
 if TYPE_CHECKING:
-    from rosic.core.robot.skill import ServiceBinding
     from rosic.robots.ros2.bindings.binding_call import BindingCall
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.client.services import ServiceLink
     from rosic.robots.ros2.messages.encode import Values
+    from rosic.robots.ros2.profile import ServiceBinding
 
 LAST_WORD_S = 1.0
 

@@ -15,11 +15,11 @@ from rosic.robots.ros2.velocity_stream import StreamPace, VelocityStream
 
 if TYPE_CHECKING:
     from rosic.core.deadman import MotionBreak
-    from rosic.core.robot.skill import TopicBinding
     from rosic.robots.ros2.bindings.binding_call import BindingCall
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.client.topics import Publisher
+    from rosic.robots.ros2.profile import TopicBinding
     from rosic.robots.ros2.stopping import RestResult
 
 DURATION = "duration"
