@@ -50,6 +50,23 @@ def test_a_stranger_that_moves_needs_a_stop_and_a_measurable_rest() -> None:
     assert sentences(replace(made, skills={"look": look}), Stranger) == []
 
 
+class Gliding(Profile, frozen=True):
+    """A profile of a link that always hears how fast its robots are."""
+
+    @property
+    def measures_rest(self) -> bool:
+        return True
+
+
+def test_the_profile_of_a_kind_may_know_more_than_its_keys() -> None:
+    plain = profile("omni")
+    glider = Gliding(id="omni", link=plain.link, skills=plain.skills)
+    [said] = sentences(glider, Stranger)
+    assert "nothing here would stop it" in said
+    assert sentences(replace(glider, stop="anything that this link knows"), Stranger) == []
+    assert sentences(replace(plain, stop="anything"), Stranger) == [said]
+
+
 def test_a_kind_that_stops_itself_says_so() -> None:
     for kind in ("memory", "simulated"):
         assert sentences(replace(profile("omni"), link=Link(kind=kind)), MemoryRobot) == []

@@ -23,7 +23,7 @@ from rosic.config.gateway_file import ConfigFile
 from rosic.config.missions import MISSION_BOUNDS, MISSION_FORMS
 from rosic.config.plugins import profile_schema, robot_kinds
 from rosic.config.profile_fields import BOUNDS, FORMS, HIDDEN
-from rosic.config.validation import asked_of
+from rosic.config.validation import asked_of, opaque_fields
 from rosic.contracts.adapter import EVERY_ROBOT
 from rosic.core.fleet.mission import Mission
 from rosic.core.robot.dialogue_protocol import Utterance
@@ -159,8 +159,8 @@ def _schema(top: type, title: str, rules: Rules = EVERY_ROBOT.rules) -> dict[str
 
 
 def _opaque(_: type) -> dict[str, Any]:
-    """Return the schema of what only the adapter of a link could know."""
-    return {}
+    """Return the schema of what only the adapter of a link could know; its key is taken out."""
+    return {"not": {}}
 
 
 def _structs(kind: inspect.Type) -> dict[str, type]:
@@ -219,7 +219,8 @@ def _refine(cls: type, part: dict[str, Any], rules: Rules) -> None:
             _bound(described, bounds)
         if form is not None:
             _shape(described, form)
-        if any((one, field.name) in HIDDEN | rules.hidden for one in _lineage(cls)):
+        hidden = any((one, field.name) in HIDDEN | rules.hidden for one in _lineage(cls))
+        if hidden or field.name in opaque_fields(cls):
             del properties[field.encode_name]
     for described in properties.values():
         _without_null(described)

@@ -13,7 +13,7 @@ from msgspec import inspect
 from rosic.config.plugins import profile_schema
 from rosic.config.profile_validation import clash, profile_rules
 from rosic.config.units import compile_units
-from rosic.config.validation import SourceValidator
+from rosic.config.validation import SourceValidator, opaque_fields
 from rosic.config.yaml_source import parse_yaml, read_yaml
 from rosic.contracts.adapter import EVERY_ROBOT
 from rosic.contracts.file_rules import Place, ValidationFinding, nearest
@@ -146,7 +146,8 @@ def _of_every_robot(data: Data) -> Data:
 
 
 def _keys_of(data: Data, part: type) -> Data:
-    known = {field.encode_name for field in msgspec.structs.fields(part)}
+    fields = msgspec.structs.fields(part)
+    known = {field.encode_name for field in fields if field.name not in opaque_fields(part)}
     return {k: v for k, v in data.items() if k in known} if isinstance(data, dict) else data
 
 

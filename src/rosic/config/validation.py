@@ -7,6 +7,7 @@ and msgspec makes the objects only where nothing was found wrong.
 from __future__ import annotations
 
 import re
+from functools import cache
 from math import isfinite
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -86,7 +87,7 @@ class SourceValidator:
 
     def check(self, value: object, kind: inspect.Type, place: Place) -> None:
         """Compare a value with a type."""
-        if isinstance(kind, inspect.AnyType) or _is_opaque(kind):
+        if isinstance(kind, inspect.AnyType):
             return
         kinds = kind.types if isinstance(kind, inspect.UnionType) else (kind,)
         # None stands for "nothing was written"; leaving the key out says that more clearly.
@@ -135,6 +136,7 @@ class SourceValidator:
     def _struct(self, value: dict[str, Data], kind: inspect.StructType, place: Place) -> None:
         before = len(self.errors)
         hidden = {name for cls in kind.cls.__mro__ for c, name in self._rules.hidden if c is cls}
+        hidden |= opaque_fields(kind.cls)
         fields = {f.encode_name: f for f in kind.fields if f.name not in hidden}
         for key, item in value.items():
             field = fields.get(key)
@@ -192,6 +194,12 @@ class SourceValidator:
                     self.report((*place, *finding.place), finding.sentence, finding.hint)
 
 
+@cache
+def opaque_fields(cls: type) -> frozenset[str]:
+    """Return the fields of which an adapter could say what stands there, and none does."""
+    return frozenset(field.name for field in msgspec.structs.fields(cls) if field.type is object)
+
+
 def asked_of(owner: type, field: str, rules: Mapping[Field, Asked]) -> Asked | None:
     """Return what is asked of a field, of a class or of one that it is derived from."""
     return next((rules[one, field] for one in owner.__mro__ if (one, field) in rules), None)
@@ -200,11 +208,6 @@ def asked_of(owner: type, field: str, rules: Mapping[Field, Asked]) -> Asked | N
 def in_bounds(value: float, bounds: NumberBounds) -> bool:
     """Whether a number keeps its bounds."""
     return bounds.least <= value <= bounds.most
-
-
-def _is_opaque(kind: inspect.Type) -> bool:
-    """Whether something may stand there that only an adapter could know, and no adapter was."""
-    return isinstance(kind, inspect.CustomType) and kind.cls is object
 
 
 def _fits(value: object, kind: inspect.Type) -> bool:
