@@ -74,6 +74,45 @@ async def test_chatter_of_whom_nothing_waits_is_not_answered(word: str) -> None:
         assert _latched(place) == ["omni"]
 
 
+@pytest.mark.parametrize("word", ["resume", "resume please", "resume all", "freigeben"])
+async def test_a_resume_that_may_be_said_to_others_is_asked_about(word: str) -> None:
+    async with Place().open() as place:
+        for chosen in (False, True):
+            if chosen:
+                await _in_group(place, "use omni")
+            await place.say("stop omni")
+            await place.say("/task omni wave")
+            acted = place.acted()
+            told = await _in_group(place, word)
+            assert told.startswith("omni is stopped, by Ada, since 22:13. It stays stopped until")
+            await place.clock.advance(3.0)
+            assert (_latched(place), _labels(place)) == (["omni"], ["Resume omni"])
+            assert place.acted() == acted
+            told = await place.tap(*place.button("Resume omni"))
+            assert told.startswith("omni is ready again.")
+
+
+@pytest.mark.parametrize(
+    ("word", "addressed"),
+    [("resume", True), ("/resume", False), ("omni resume", False), ("resume omni", False)],
+)
+async def test_a_resume_that_is_said_to_us_or_names_the_robot_is_done(
+    word: str,
+    addressed: bool,
+) -> None:
+    async with Place().open() as place:
+        await place.say("stop omni")
+        assert await _in_group(place, word, addressed=addressed) == "omni is ready again."
+
+
+async def test_several_that_are_stopped_are_asked_about_one_by_one_in_a_group_too() -> None:
+    async with Place().open() as place:
+        await place.say("stop omni")
+        await place.say("stop cf1")
+        await _in_group(place, "resume all")
+        assert _latched(place) == ["omni", "cf1"]
+
+
 async def test_a_chosen_robot_is_not_named_by_it() -> None:
     async with Place().open() as place:
         await _in_group(place, "use omni")

@@ -8,6 +8,7 @@ from rosic.authoriser.button_tokens import OPEN
 from rosic.core.i18n import said
 from rosic.core.identity import command_id, robot_command_id
 from rosic.core.language import places as places_of
+from rosic.core.message import ChatKind
 from rosic.core.order import Request
 from rosic.core.time_units import HOUR_S, MINUTE_S, SECOND_NS
 from rosic.errors import Expired
@@ -206,3 +207,13 @@ def message_parts(inbound: Inbound) -> tuple[str, ...]:
     if inbound.account:
         return (sender.platform, "to", inbound.account, chat.id, inbound.message)
     return (sender.platform, sender.account, chat.id, inbound.message)
+
+
+def is_said_to_us(inbound: Inbound) -> bool:
+    """Whether something was said to us, and not perhaps to others in a group."""
+    return (
+        inbound.chat.kind is ChatKind.PRIVATE
+        or inbound.nonce is not None
+        or inbound.addressed
+        or inbound.text.startswith("/")
+    )

@@ -30,7 +30,7 @@ from rosic.errors import (
     TimeInDoubt,
 )
 from rosic.gateway.button_rows import rows
-from rosic.gateway.requests import check_heard_in_time
+from rosic.gateway.requests import check_heard_in_time, is_said_to_us
 from rosic.organiser.refusals import CLOCK_SET_BACK
 from rosic.organiser.why_stopped import may_resume, stopped_own
 
@@ -69,7 +69,11 @@ class ResumeHandler:
     async def resume(self, asked: MessageContext, line: Resume, cid: CommandId) -> str:
         """Resume every robot of the line that is stopped. Return what to say.
 
+        People say it to each other: in a group nothing goes on by it unless it is said to us or
+        names a robot. What it could mean is offered then.
+
         Raises:
+            RobotStopped: It was perhaps said to somebody else; offers to resume.
             NotPermitted: Not this person; no robot was resumed.
             NotUnderstood: Several are stopped, and it was not said which.
             Expired: It is backlog, too old, or was received before the stop it would undo: stops
@@ -81,6 +85,8 @@ class ResumeHandler:
         """
         caller = asked.caller
         stopped = self._stopped(caller, line)
+        if stopped and not line.named and not is_said_to_us(asked.inbound):
+            raise self._organiser.why_stopped.refusal(caller.principal, stopped)
         for robot in stopped:
             self._check_may(asked, robot)
             # Before the time is looked at: said again, it would be refused again.

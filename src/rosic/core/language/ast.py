@@ -79,9 +79,11 @@ class Resume(msgspec.Struct, frozen=True):
     Attributes:
         robots: Empty when none was named and none is selected: the one that is stopped, if it is
             only one; else the person has to say which.
+        named: The line names them: they are not merely what is chosen in that chat, or all.
     """
 
     robots: tuple[RobotId, ...] = ()
+    named: bool = False
 
 
 class Start(msgspec.Struct, frozen=True):

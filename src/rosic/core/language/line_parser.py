@@ -328,24 +328,27 @@ class LineReader:
 
     def status(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``status`` and the names after it."""
-        return self._several(callee, at, Status)
+        return self._several(callee, at, lambda robots, _: Status(robots))
 
     def resume(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``resume`` and the names after it."""
         return self._several(callee, at, Resume)
 
     def _several(
-        self, callee: NameTarget | None, at: int, make: Callable[[tuple[RobotId, ...]], Line]
+        self,
+        callee: NameTarget | None,
+        at: int,
+        make: Callable[[tuple[RobotId, ...], bool], Line],
     ) -> Line:
         if len(self._low) > MOST_WORDS:
             return self._trouble().too_many_words(MOST_WORDS)
         meant = dict.fromkeys(robot.id for robot in callee.robots) if callee is not None else {}
         while (at := self._past_fillers(at)) < len(self._low):
             if self._low[at] in EVERYTHING:
-                return make(self._everybody())
+                return make(self._everybody(), False)
             named, after = self._callee(at)
             if named is None and self._low[at] in EVERYTHING_ELSEWHERE:
-                return make(self._everybody())
+                return make(self._everybody(), False)
             if named is None and self._low[at] in ALONG_ELSEWHERE:
                 at += 1
                 continue
@@ -353,9 +356,10 @@ class LineReader:
                 return self._trouble().no_such_robot(at)
             meant.update(dict.fromkeys([robot.id for robot in named.robots]))
             at = after
-        if not meant and (chosen := self._chosen()) is not None:
+        named_one = bool(meant)
+        if not named_one and (chosen := self._chosen()) is not None:
             meant = dict.fromkeys(robot.id for robot in chosen.robots)
-        return make(tuple(meant))
+        return make(tuple(meant), named_one)
 
     def help(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``help`` and the name after it."""

@@ -21,7 +21,7 @@ from rosic.features.fleet import pause_messages as words
 from rosic.gateway import cancel_messages
 from rosic.gateway.commands import Reply
 from rosic.gateway.message_context import MessageContext
-from rosic.gateway.requests import check_command_fresh
+from rosic.gateway.requests import check_command_fresh, is_said_to_us
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -111,7 +111,7 @@ class PauseCommands:
             Expired: Robots would move because of it, and it was not sent just now.
             RecordUnavailable: A task stays paused; the sentence says which went on before it.
         """
-        addressed = _addressed(asked)
+        addressed = is_said_to_us(asked.inbound)
         try:
             who, robots = asked.caller.principal, self._named(asked)
         except NotUnderstood:
@@ -176,7 +176,7 @@ class PauseCommands:
         said = MessageContext(
             asked.messenger, asked.inbound, asked.caller, 0, self._hooks.stepped_up
         )
-        return Reply(await self._resuming.resume(said, Resume(stopped), asked.cid))
+        return Reply(await self._resuming.resume(said, Resume(stopped, named=True), asked.cid))
 
     def _begin_by_themselves(self, who: PrincipalId, stopped: Sequence[RobotId]) -> Reply | None:
         """Return the question whether robots may be resumed that begin a task then; mostly None."""
@@ -220,10 +220,3 @@ class PauseCommands:
 
     def _shown(self, robot: RobotId) -> str:
         return self._rooms.profiles[robot].shown
-
-
-def _addressed(asked: CommandContext) -> bool:
-    """Whether something was said to us, and not perhaps to others in a group."""
-    inbound = asked.inbound
-    tapped = inbound.nonce is not None
-    return asked.private or tapped or inbound.addressed or inbound.text.startswith("/")
