@@ -7,7 +7,7 @@
 #   make pictures      draw the chats in docs/pictures anew, from what is said today
 #   make campaign      the long runs; hours, not minutes
 #   make mutants       change safety code at random, and see which tests notice; hours, goes on where it was cut off
-#   make texts         collect what ROSIC says for its translators, and compile it; write the table of commands
+#   make texts         collect what ROSIC says for its translators, and compile it; write what docs show of the source
 #   make requirements  work out the pinned versions anew (UPGRADE=1: the newest that fit)
 #   make clean         remove the environment and whatever was built
 #
@@ -115,6 +115,7 @@ compile = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --gene
 texts: $(VENV)/.dev
 	@$(BIN)/python -m tests.texts $(LANGUAGE)
 	@$(BIN)/python -m tests.commands
+	@$(BIN)/python -m tests.architecture
 
 requirements:
 	@test -x $(BIN)/uv || $(MAKE) $(VENV)/.dev
