@@ -81,6 +81,7 @@ SECONDS = {
     "tests/stores/test_sifting.py": 35,
     "tests/real/ros2/test_topics.py": 30,
     "tests/journeys/test_single_ros2.py": 30,
+    "tests/journeys/test_walk.py": 25,
     "tests/journeys/test_kills_ros2.py": 30,
     "tests/rosic_sim/robots/machines/test_swarm.py": 30,
     "tests/cli/test_demo.py": 30,
