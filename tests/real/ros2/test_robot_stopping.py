@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import signal
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 from msgspec.structs import replace
@@ -14,6 +15,7 @@ from rosic.core.order import OrderEnding, Outcome, Stop
 from rosic.errors import OrderVoid, RobotOffline, RobotUnreachable
 from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS
 from rosic.robots.ros2.client.runtime import RosRuntime
+from rosic.robots.ros2.goal_watch import LOOK_EVERY_S
 from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
@@ -21,25 +23,27 @@ from tests.pace import pace, patience
 from tests.real.ros2.simulated import Simulated, opened, set_fault, shipped, simulated, until
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
+    from collections.abc import AsyncIterator, Callable, Iterator
     from pathlib import Path
 
     from rosic.core.order import StageReport
-    from rosic.core.robot.profile import Profile
     from rosic.core.robot.skill import Argument
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.services import ServiceLink
     from rosic.robots.ros2.client.topics import LatestMessage
     from rosic.robots.ros2.messages.encode import Values
+    from rosic.robots.ros2.profile import Ros2Profile
     from tests.real.ros2.simulated import TriedRobot
 
 FAR: dict[str, Argument] = {"direction": "forward", "distance": 4.0, "speed": 0.5}
 # Longer than any machine takes for what is asked meanwhile.
-LONG: dict[str, Argument] = {"direction": "forward", "distance": 4.0, "speed": 0.05}
+LONG_M_S = 0.05
+LONG: dict[str, Argument] = {"direction": "forward", "distance": 4.0, "speed": LONG_M_S}
 NEAR: dict[str, Argument] = {"direction": "back", "distance": 0.5, "speed": 0.25}
 ODOMETRY = "nav_msgs/msg/Odometry"
 AT_REST_M_S = 0.005
 FAST_M_S = 0.3
+ROUNDED = 0.1
 TRIES = 5
 
 
@@ -315,27 +319,139 @@ async def test_a_refusal_carries_the_robots_reason(omni: Simulated, clock: Syste
 # ---- the robot's side goes away ----
 
 
-def impatient() -> Profile:
+def impatient() -> Ros2Profile:
     profile = shipped("omni")
     return replace(profile, link=replace(profile.link, heartbeat_s=0.5), rest_timeout_s=1.0)
 
 
-async def test_a_robot_that_disappears_at_work_leaves_doubt_and_cannot_confirm_a_stop(
-    graph: RosGraph, clock: SystemClock, tmp_path: Path
+def at_once(profile: Ros2Profile) -> Disappearance:
+    """It disappears as soon as it moves, before its software has told of that again and again."""
+    return Disappearance(profile)
+
+
+def told_of_often(profile: Ros2Profile) -> Disappearance:
+    """Its software has told of the motion so often that its silence says something."""
+    return Disappearance(profile, told=8)
+
+
+def held_up(profile: Ros2Profile) -> Disappearance:
+    """ROSIC itself stands still meanwhile, as on a machine that is too busy for it."""
+    assert profile.watchdog_s is not None
+    return Disappearance(profile, held_up_s=profile.watchdog_s + LOOK_EVERY_S + 0.3)
+
+
+def looked_at_late(profile: Ros2Profile) -> Disappearance:
+    """Its silence is longer than rest may go unmeasured before anybody asks for its last word."""
+    return Disappearance(replace(profile, link=replace(profile.link, heartbeat_s=3.0)))
+
+
+class Disappearance(NamedTuple):
+    """What comes before and after a robot's side is killed: each order of events is legitimate.
+
+    Attributes:
+        told: So often its software has told of the motion before.
+        held_up_s: For so long ROSIC stands still after it.
+    """
+
+    profile: Ros2Profile
+    told: int = 0
+    held_up_s: float = 0.0
+
+
+# Whichever deadline is noticed first is named. All of them are over, so all of this is true.
+DOUBT = r"omni was sent zero and told to stop; whether it rests could not be measured\."
+TRUE_OF_IT = re.compile(
+    r"omni has not answered for (?P<unanswered>\d+(\.\d)?) s\."
+    r"|omni: moved (?P<metres>\d\.\d\d) m by its odometry; then ("
+    r"it was not heard for (?P<unheard>\d+\.\d) s"
+    r"|its motion was not measured for (?P<unmeasured>\d+\.\d) s"
+    r"|its software told nothing of it for (?P<untold>\d+\.\d) s"
+    rf"|ROSIC itself stood still for (?P<late>\d+\.\d) s): ended\. {DOUBT}"
+)
+
+
+def assert_true_of_it(
+    said: str, profile: Ros2Profile, *, gone_s: float, under_way_s: float
 ) -> None:
+    """See that what was said of a robot that disappeared is so, its numbers as well.
+
+    Args:
+        said: What was said.
+        profile: The robot's, with the deadlines.
+        gone_s: For how long it had been gone when it was said.
+        under_way_s: How long before it was said the order was given.
+    """
+    found = TRUE_OF_IT.fullmatch(said)
+    assert found is not None, said
+    numbers = {name: float(number) for name, number in found.groupdict().items() if number}
+    metres = numbers.pop("metres", 0.0)
+    assert metres <= LONG_M_S * under_way_s + ROUNDED, said
+    ((what, seconds),) = numbers.items()
+    assert profile.at_rest is not None
+    assert profile.watchdog_s is not None
+    heartbeat_s, within_s = profile.link.heartbeat_s, profile.at_rest.within_s
+    over_s = {
+        "unanswered": heartbeat_s,
+        "untold": heartbeat_s,
+        "unheard": within_s,
+        "unmeasured": within_s,
+        "late": profile.watchdog_s,
+    }
+    # It moved by something heard at most `within_s` before it disappeared.
+    assert over_s[what] - ROUNDED <= seconds <= gone_s + within_s + ROUNDED, said
+
+
+@pytest.mark.parametrize("order", [at_once, told_of_often, held_up, looked_at_late])
+async def test_a_robot_that_disappears_at_work_leaves_doubt_and_cannot_confirm_a_stop(
+    order: Callable[[Ros2Profile], Disappearance],
+    graph: RosGraph,
+    clock: SystemClock,
+    tmp_path: Path,
+) -> None:
+    profile, told, held_up_s = order(impatient())
+    told_of: list[StageReport] = []
     with simulated(graph, tmp_path, "omni") as simulation:
-        async with opened(impatient(), clock) as robot:
-            running = await moving(robot)
-            simulation.process.kill()
+        async with opened(profile, clock) as robot:
+            await until(lambda: robot.presence().at_rest is True)
+            given = time.monotonic()
+            move = robot.execute(robot.order("move", LONG), told_of.append)
+            running = asyncio.create_task(move)
+            await until(lambda: robot.presence().at_rest is False or running.done())
+            await until(lambda: len(told_of) >= told or running.done())
+            assert not running.done(), running
             begun = time.monotonic()
-            with pytest.raises(RobotUnreachable, match=r"omni has not answered for \d+\.\d s"):
+            simulation.process.kill()
+            time.sleep(held_up_s)  # noqa: ASYNC251 - it is the loop itself that is held up
+            with pytest.raises(RobotUnreachable) as raised:
                 await asyncio.wait_for(running, 60 * pace())
+            now = time.monotonic()
+            assert_true_of_it(
+                str(raised.value), profile, gone_s=now - begun, under_way_s=now - given
+            )
+            assert now - begun < 6.0 * patience()
+            await until(lambda: robot.presence().online is False)
             assert time.monotonic() - begun < 6.0 * patience()
-            assert robot.presence().online is False
             rest = await robot.stop(Stop("omni", 1))
             assert not rest.confirmed
             assert 0.9 < rest.seconds < 2.5 * patience()
             assert robot.gate.latched
+
+
+@pytest.mark.parametrize(
+    "lie",
+    [
+        "omni is not there. Nothing was sent.",
+        "omni has not answered for 0.1 s.",
+        "omni has not answered for 9.0 s.",
+        f"omni: moved 3.90 m by its odometry; then it was not heard for 1.1 s: ended. {DOUBT}",
+        f"omni: moved 0.01 m by its odometry; then it came to rest by itself: ended. {DOUBT}",
+        f"omni: moved 0.01 m by its odometry; then it was not there any more: ended. {DOUBT}",
+        "omni was sent zero and told to stop, and still moves.",
+    ],
+)
+def test_what_is_not_so_is_not_taken_for_the_truth(lie: str) -> None:
+    with pytest.raises(AssertionError):
+        assert_true_of_it(lie.replace("\\", ""), impatient(), gone_s=1.5, under_way_s=3.0)
 
 
 async def test_a_robot_that_hangs_does_not_confirm(
