@@ -7,6 +7,7 @@ import json
 import time
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
+from unicodedata import combining
 
 import msgspec
 
@@ -39,6 +40,13 @@ HANDLED_WITHIN_S = 60.0
 TURNS = 20
 
 LIGATURE = "\ufdfa"
+MARKS = (
+    "a" + "".join(chr(code) * 50 for code in range(0x5BE, 0x590, -1) if combining(chr(code))),
+    "a" + "\u0301" * 2_047 + "\u0316" * 2_047,
+    "a" + "\u0344\u0316" * 2_047,
+    "a" + ("\u0301" * 30 + "\uff9e") * 132,
+)
+"""Each has one letter with marks on it that canonical order moves past very many others."""
 PIECES = (
     LIGATURE,
     LIGATURE + " ",
@@ -266,7 +274,8 @@ def texts() -> Iterator[str]:
     for head in HEADS:
         for piece in PIECES:
             yield filled(head, piece)
-        yield head + NAMED[: LONGEST - len(head)]
+        for text in (NAMED, *MARKS):
+            yield head + text[: LONGEST - len(head)]
 
 
 def filled(head: str, piece: str, tail: str = "") -> str:
@@ -280,6 +289,8 @@ def mixed(chance: Random) -> str:
     parts: list[str] = []
     while sum(map(len, parts)) < LONGEST:
         some = "".join(chance.choice(PIECES) for _ in range(chance.randint(1, 4)))
+        if chance.random() < 0.1:
+            some = "".join(chance.choices(MARKS[0], k=chance.choice((40, 400, 4_000))))
         parts.append(chance.choice(HEADS) if chance.random() < 0.2 else "")
         parts.append(some * chance.choice((1, 3, 50, 2_000)) + chance.choice(("", "\n")))
     return "".join(parts)[: LONGEST - 12] + chance.choice(TAILS)

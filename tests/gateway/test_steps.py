@@ -18,6 +18,7 @@ from tests.gateway.received import (
     BO,
     LIGATURE,
     LONGEST,
+    MARKS,
     STRANGER,
     Receiving,
     filled,
@@ -96,6 +97,8 @@ KNOWN = [
     filled("", "\u3316\n"),
     "\n".join(f"@{n}bot stop" for n in range(300)),
     NAMED[:LONGEST],
+    *MARKS,
+    *(f"/grant {text}"[:LONGEST] for text in MARKS),
     "\n".join(["/authenticator", "/slots", "/status", "help"] * 5),
 ]
 
@@ -282,9 +285,9 @@ def test_of_strangers_words_no_stop_is_looked_for() -> None:
     run(act)
 
 
-def odd(place: Receiving) -> list[dict[str, Any]]:
+def odd(place: Receiving, long: str = LIGATURE * 20_000) -> list[dict[str, Any]]:
     """Return updates whose other parts are as long and as deep as they can be, and longer."""
-    long, deep = LIGATURE * 20_000, json_deep(400)
+    deep = json_deep(400)
     person = {"id": BO, "is_bot": False, "first_name": long, "language_code": long}
     chat = {"id": BO, "type": "private", "title": long, "first_name": long}
     group = {"id": GROUP, "type": "supergroup", "title": long}
@@ -293,7 +296,7 @@ def odd(place: Receiving) -> list[dict[str, Any]]:
     left = {"user": person, "status": "left"}
     return [
         place.message(BO, "status", **{"from": person, "chat": chat}),
-        place.message(BO, "", caption=filled("", LIGATURE + "\n"), document=document),
+        place.message(BO, "", caption=f"{long[: LONGEST - 1]}\n", document=document),
         place.message(BO, "status", entities=[{"type": "bold", "offset": n} for n in range(5_000)]),
         place.message(BO, "status", photo=deep, location=deep, via_bot=None, left_chat_member=deep),
         place.message(BO, "x", reply_to_message={"message_id": 1, "chat": chat, "from": deep}),
@@ -341,8 +344,10 @@ def json_deep(levels: int) -> object:
 def test_no_other_part_of_an_update_makes_a_step_long() -> None:
     async def act(place: Receiving) -> None:
         for number in range(len(odd(place))):
-            step = await too_long(place, lambda number=number: [odd(place)[number]])  # type: ignore[misc]
-            assert step is None, (number, step)
+            for text in (LIGATURE, *MARKS):
+                long = text * (20_000 // len(text))
+                step = await too_long(place, lambda n=number, long=long: [odd(place, long)[n]])  # type: ignore[misc]
+                assert step is None, (number, text[:3], step)
 
     run(act)
 

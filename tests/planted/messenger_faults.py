@@ -21,9 +21,16 @@ MESSENGER_FAULTS = (
     Fault(
         name="I15 a sign that stands for a sentence is written out wherever it is read",
         file="core/language/sanitise.py",
-        guard='unicodedata.normalize("NFKC", text.translate(_SENTENCES))',
-        without='unicodedata.normalize("NFKC", text)',
+        guard="_bounded_marks(text.translate(_SENTENCES))",
+        without="_bounded_marks(text)",
         caught_by=(f"{STOP_WORDS}::test_a_sign_that_is_a_whole_sentence_hides_no_stop",),
+    ),
+    Fault(
+        name="I15 however many marks on one letter are put in order",
+        file="core/language/sanitise.py",
+        guard="_MAY_BE_MARKS.sub(lambda found: _first_marks(found[0]), text)",
+        without="text",
+        caught_by=(f"{STEPS}::test_what_once_made_a_step_long_does_so_no_more",),
     ),
     Fault(
         name="I15 a chat's messages are one step",

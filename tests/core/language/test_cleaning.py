@@ -1,11 +1,19 @@
 # ruff: noqa: RUF001 - people type what is ambiguous
 from __future__ import annotations
 
+import sys
+from time import thread_time
+from unicodedata import combining, normalize
+
 import pytest
 
 from rosic.app.commands import command_table
-from rosic.core.language import clean, clean_name, inert_text, without_codes
-from rosic.core.language.sanitise import fold_word, quote
+from rosic.bench.steps import pace_of_machine
+from rosic.core.language import clean, clean_name, hears_stop, inert_text, without_codes
+from rosic.core.language.sanitise import MOST_MARKS, drawn, fold_word, normalised, quote
+
+ABOVE, BELOW = "\u0301", "\u0316"
+"""Canonical order puts the second before the first."""
 
 
 def test_what_cannot_be_seen_goes() -> None:
@@ -45,6 +53,41 @@ def test_a_word_is_folded_without_changing_its_number() -> None:
     assert fold_word("10²") == "10²"
     assert fold_word("1½") == "1½"
     assert fold_word("①") == "①"
+
+
+def test_of_the_marks_on_a_letter_the_first_thirty_are_kept() -> None:
+    """As many as Unicode's Stream-Safe Text has room for; no language needs as many."""
+    thirty = (ABOVE + BELOW) * 15
+    thirty_sorted = BELOW * 15 + ABOVE * 15
+    assert normalised("x" + thirty) == "x" + thirty_sorted
+    for beyond in (ABOVE, BELOW, BELOW * 4_000, "\uff9e" * 40):
+        assert normalised(f"x{thirty}{beyond}y") == normalised(f"x{thirty}y")
+    assert normalised(f"x{thirty}yx{thirty}") == normalised(f"x{thirty}yx") + thirty_sorted
+    signs = "\U0001f916\u2265" * 40
+    assert normalised(signs) == signs
+
+
+def test_there_is_no_mark_of_which_more_are_kept() -> None:
+    """Of every character that canonical order moves; each is three marks at most."""
+    for character in map(chr, range(sys.maxunicode + 1)):
+        apart = normalize("NFKD", character)
+        if combining(apart[0]):
+            found = normalised("x" + character * 100)
+            assert len(normalize("NFD", found)) <= 1 + 3 * MOST_MARKS, hex(ord(character))
+
+
+@pytest.mark.parametrize("read", [normalised, drawn])
+def test_marks_out_of_order_take_no_time(read: object) -> None:
+    """To sort them took 0.1 s; of four times as many, half a second."""
+    assert callable(read)
+    read("x" + ABOVE * 2 + BELOW)  # what is made once is made
+    began_s = thread_time()
+    read("x" + ABOVE * 2_047 + BELOW * 2_047)
+    assert thread_time() - began_s < 0.020 * pace_of_machine()
+
+
+def test_a_stop_is_heard_beneath_marks() -> None:
+    assert hears_stop("s" + (ABOVE + BELOW) * 40 + "top") == ()
 
 
 def test_no_command_is_made_of_what_a_robot_says() -> None:

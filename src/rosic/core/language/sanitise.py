@@ -31,9 +31,42 @@ _SIGNS = str.maketrans(
 _SENTENCES = str.maketrans({"\ufdfa": "\ufffd", "\ufdfb": "\ufffd"})
 
 
+# To put marks in canonical order takes time with the square of how many stand on one letter. No
+# language needs more than 30 (UAX 15, Stream-Safe Text). What is beyond is left out: that format
+# would go on behind a joiner. To `re` no mark is a letter, but for the two of half-width katakana.
+MOST_MARKS = 30
+_MAY_BE_MARKS = re.compile(rf"(?:[^\w\s\x00-\x7f]|[\uff9e\uff9f]){{{MOST_MARKS + 1},}}")
+
+
 def normalised(text: str) -> str:
-    """Return the text in NFKC, at most six times as long: a sign for a sentence is one sign."""
-    return text if text.isascii() else unicodedata.normalize("NFKC", text.translate(_SENTENCES))
+    """Return the text in NFKC, at most six times as long: a sign for a sentence is one sign.
+
+    Of the marks on one letter the first 30 are kept.
+    """
+    if text.isascii():
+        return text
+    return unicodedata.normalize("NFKC", _bounded_marks(text.translate(_SENTENCES)))
+
+
+def _bounded_marks(text: str) -> str:
+    """Return the text without what stands behind the first 30 marks of a letter."""
+    return _MAY_BE_MARKS.sub(lambda found: _first_marks(found[0]), text)
+
+
+def _first_marks(run: str) -> str:
+    kept: list[str] = []
+    marks = 0
+    for character in run:
+        marks = marks + 1 if _is_mark(character) else 0
+        if marks <= MOST_MARKS:
+            kept.append(character)
+    return "".join(kept)
+
+
+@lru_cache(maxsize=4_096)
+def _is_mark(character: str) -> bool:
+    """Whether a character is, or is decomposed into, what canonical order moves."""
+    return unicodedata.combining(unicodedata.normalize("NFKD", character)[0]) != 0
 
 
 # Letters of other scripts, and digits, that are drawn like a Latin letter.
@@ -89,7 +122,9 @@ def drawn(name: str) -> str:
     Accents, spaces and signs are no difference, nor is the script of a letter that is drawn like a
     Latin one.
     """
-    plain = name if name.isascii() else unicodedata.normalize("NFKD", clean(name))
+    plain = name
+    if not name.isascii():
+        plain = unicodedata.normalize("NFKD", _bounded_marks(clean(name)))
     letters = _NO_LETTERS.sub("", plain.translate(_DRAWN_LIKE)).casefold()
     return letters.replace("rn", "m").replace("vv", "w")
 
