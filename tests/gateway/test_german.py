@@ -6,6 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 import pytest
+from msgspec.structs import replace
 
 from rosic.app.commands import command_table
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
@@ -273,6 +274,20 @@ async def test_the_right_to_resume_is_named_and_asked_for_in_german() -> None:
         ("/auftrag aus 1", "/mission off 1"),
         ("/wunsch aus 1", "/wish off 1"),
         ("/tafel aus", "/card off"),
+        ("/tafel loslösen", "/card unpin"),
+        ("/tafel bild omni", "/card picture omni"),
+        ("/daten exportieren", "/mydata export"),
+        ("/vergessen mich", "/forget me"),
+        ("/werte omni", "/data omni"),
+        ("/archiv ein 30 Tage", "/archive on 30 days"),
+        ("/archiv an", "/archive on"),
+        ("/archiv löschen", "/archive erase"),
+        ("/archiv aus", "/archive off"),
+        ("/robot deaktivieren omni", "/robot disable omni"),
+        ("/robot aktivieren omni", "/robot enable omni"),
+        ("/robot ausmustern omni", "/robot retire omni"),
+        ("/robot aufnehmen omni", "/robot add omni"),
+        ("/robot aufnehmen rover.yaml als fellow", "/robot add rover.yaml as fellow"),
         ("/quiet omni aus", "/quiet omni off"),
         ("/aufgabe abbrechen 7", "/task cancel 7"),
     ],
@@ -280,8 +295,38 @@ async def test_the_right_to_resume_is_named_and_asked_for_in_german() -> None:
 async def test_what_german_says_of_a_command_does_what_english_does(
     german: str, english: str
 ) -> None:
-    async with Place().open() as place:
-        assert await place.say(german) == await place.say(english)
+    told = []
+    for line in (german, english):
+        async with Place().open() as place:
+            told.append(await place.say(line))
+    assert told[0] == told[1]
+
+
+@pytest.mark.parametrize(
+    ("offer", "german"),
+    [
+        ("/archive on", "/archiv ein"),
+        ("/archive export text", "/archiv exportieren text"),
+        ("/mydata export", "/daten exportieren"),
+        ("/robot add omni", "/robot aufnehmen omni"),
+        ("/card off", "/tafel aus"),
+        ("/forget me", "/vergessen mich"),
+        ("/data", "/werte"),
+    ],
+)
+def test_what_a_button_says_behind_a_command_is_german_and_means_the_same(
+    offer: str, german: str
+) -> None:
+    assert label_of(offer, VOCABULARY) == offer
+    assert in_language(label_of(offer, VOCABULARY), GERMAN) == german
+
+
+@pytest.mark.parametrize("word", ["aufnehmen", "bild"])
+async def test_a_robot_that_is_called_as_a_german_verb_is_meant(word: str) -> None:
+    called = replace(FLEET[0], id=word, title=word)
+    async with Place(fleet=(*FLEET, called)).open() as place:
+        assert (await place.say(f"/robot {word}")).startswith(f"{word} ")
+        assert f"{word}:" in await place.say(f"/card {word}")
 
 
 def test_a_german_word_of_ours_is_understood_where_a_skill_has_the_english_one() -> None:

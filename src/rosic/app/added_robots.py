@@ -19,6 +19,7 @@ from rosic.config.profiles import read_profile_text
 from rosic.core import messages as core_words
 from rosic.core.i18n import joined
 from rosic.core.language.compiled import fold
+from rosic.core.language.option_words import option_typed
 from rosic.core.policy.scope import FLEET, GRANT
 from rosic.core.records import Fact
 from rosic.errors import NotPermitted, NotUnderstood
@@ -278,7 +279,7 @@ def _read(said: str) -> tuple[str, str, str]:
     if len(words_said) > 1 and _DIGEST.fullmatch(words_said[-1]):
         digest = words_said.pop().casefold()
     *name, last_but_one, last = ("", "", *words_said)
-    if any(name) and last_but_one.casefold() == AS and "." not in last:
+    if any(name) and option_typed(last_but_one.casefold()) == AS and "." not in last:
         words_said, role = words_said[:-2], last
     return " ".join(words_said), role, digest
 

@@ -25,6 +25,15 @@ _SET: Final = {
     "robot": said("robot"),
     "none": said("none"),
 }
+_VERBS: Final = {
+    "on": said("on"),
+    "off": said("off"),
+    "add": said("add"),
+    "erase": said("erase"),
+    "export": said("export"),
+    "me": said("me"),
+}
+"""What is to be done by a command, where it is the first word behind it."""
 _DATE: Final = re.compile(r"(\d{4})-(\d\d)-(\d\d)\Z", re.ASCII)
 
 
@@ -51,12 +60,14 @@ def offered(command: str, named: Callable[[str], str], commands: CommandTable) -
     typed = commands.find(verb.removeprefix("/")) if verb.startswith("/") else None
     if typed is None or not typed.typed:
         return command
-    return joined(" ", filter(None, (typed.typed, _settings(follows))))
+    return joined(" ", filter(None, (typed.typed, _follows(follows))))
 
 
-def _settings(rest: str) -> str:
-    """Return the words of a setting as the reader types them: ``units imperial``."""
-    return joined(" ", (_SET.get(word) or word for word in rest.split(" ")))
+def _follows(rest: str) -> str:
+    """Return what follows a command as the reader types it: ``units imperial``, ``export``."""
+    first, *others = rest.split(" ")
+    shown = _VERBS.get(first) or _SET.get(first) or first
+    return joined(" ", (shown, *(_SET.get(word) or word for word in others)))
 
 
 def _day_shown(word: str) -> str:

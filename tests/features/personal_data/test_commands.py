@@ -130,6 +130,7 @@ async def test_an_admin_decides_everybody_may_ask_and_the_chat_is_told() -> None
         assert text.splitlines()[0] == "Sender ID: 2, Sender Username: Bo, Message: omni wave"
         assert text.splitlines()[1].startswith("Sender ID: rosic, Sender Username: ROSIC")
         assert '"text":"omni wave"' in await ward.file("archive", "export jsonl", kind=GROUP)
+        assert '"text":"omni wave"' in await ward.file("archive", "exportieren jsonl", kind=GROUP)
         book = (await ward.ask("archive", "export xlsx", kind=GROUP)).attachment
         assert book is not None
         assert (book.name, book.content[:2]) == ("messages.xlsx", b"PK")

@@ -36,18 +36,43 @@ OPTIONS: Final[Mapping[str, str]] = MappingProxyType(
 )
 
 
-_OF_MISSIONS: Final = {
-    "starten": "start",
-    "pausieren": "pause",
-    "beenden": "cancel",
-    "weiter": "go",
-    "aus": "off",
-}
+_VERBS: Final[Mapping[str, Mapping[str, str]]] = MappingProxyType(
+    {
+        "archive": {
+            "an": "on",
+            "ein": "on",
+            "aus": "off",
+            "löschen": "erase",
+            "exportieren": "export",
+        },
+        "card": {
+            "anheften": "pin",
+            "loslösen": "unpin",
+            "bild": "picture",
+            "aus": "off",
+        },
+        "mission": {
+            "starten": "start",
+            "pausieren": "pause",
+            "beenden": "cancel",
+            "weiter": "go",
+            "aus": "off",
+        },
+        "mydata": {"exportieren": "export"},
+        "robot": {
+            "deaktivieren": "disable",
+            "aktivieren": "enable",
+            "ausmustern": "retire",
+            "aufnehmen": "add",
+            "hinzufügen": "add",
+        },
+    }
+)
 
 
-def mission_verb(word: str) -> str:
-    """Return what is to be done with a mission, by a word in small letters."""
-    return _OF_MISSIONS.get(word, word)
+def verb_typed(command: str, word: str) -> str:
+    """Return what is to be done by a command, by the word in small letters that follows it."""
+    return _VERBS[command].get(word, word)
 
 
 def option_typed(word: str) -> str:

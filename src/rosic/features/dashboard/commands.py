@@ -8,7 +8,7 @@ from rosic.core.i18n import said
 from rosic.core.language.command import Command, HelpEntry, HelpPage
 from rosic.core.language.compiled import fold
 from rosic.core.language.keywords import FILLERS
-from rosic.core.language.option_words import option_typed
+from rosic.core.language.option_words import verb_typed
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.message import Button
 from rosic.core.messages import NOTHING_VISIBLE
@@ -75,7 +75,9 @@ class DashboardCommands:
         """
         said = asked.rest.strip().rstrip(_ENDS).translate(_BETWEEN).split()
         verb = fold(said[0]) if said else ""
-        if option_typed(verb) == "off" and len(said) == 1:
+        if verb not in self._vocabularies.current.callees:
+            verb = verb_typed("card", verb)
+        if verb == "off" and len(said) == 1:
             return await self._off(asked)
         if verb == "picture" and len(said) > 1:
             return self._picture(asked, said[1:])

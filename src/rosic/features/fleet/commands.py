@@ -53,6 +53,7 @@ COMMANDS: Final = (
     ),
     Command(
         name="robot",
+        typed=said("/robot"),
         summary="add, disable or take a robot out of service",
     ),
     Command(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.core import messages as core_words
 from rosic.core.fleet import events as e
 from rosic.core.fleet.task import FleetMembership
+from rosic.core.language.option_words import verb_typed
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.messages import no_robot
 from rosic.core.policy.scope import FLEET, RESUME
@@ -72,9 +73,12 @@ class RobotCommands:
             NotPermitted: Not theirs to decide.
         """
         low = asked.rest.casefold().split()
-        if self.newcomer is not None and low[:1] == ["add"] and low[1:] and _is_file(low):
-            return await self.newcomer(asked, asked.rest.strip()[len("add") :])
-        verb = low[0] if low[:1] and (low[0] in OUT or low[0] in IN) else ""
+        verb = low[0] if low else ""
+        if self._rooms.vocabulary.robot(" ".join(low)) is None:
+            verb = verb_typed("robot", verb)
+        if self.newcomer is not None and verb == "add" and low[1:] and _is_file(low):
+            return await self.newcomer(asked, asked.rest.strip()[len(low[0]) :])
+        verb = verb if verb in OUT or verb in IN else ""
         robot = self._named(asked, " ".join(low[1:] if verb else low))
         if not verb:
             return self._about(robot)

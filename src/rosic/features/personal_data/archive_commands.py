@@ -9,6 +9,7 @@ from rosic.container import archive_records, export
 from rosic.container.archive import DAYS
 from rosic.container.messages import NOT_ON
 from rosic.core.i18n import joined
+from rosic.core.language.option_words import verb_typed
 from rosic.core.message import Attachment, Button
 from rosic.core.records import Decided
 from rosic.errors import (
@@ -82,6 +83,7 @@ def newest(lines: Sequence[str], room: int, command: str) -> str:
 SURE = b"erase this archive"
 PAGE: Final = 500
 TEXT = "text"
+DAYS_TYPED: Final = frozenset({"", "day", "days", "tag", "tage", "tagen"})
 
 
 class ArchiveCommands:
@@ -102,13 +104,14 @@ class ArchiveCommands:
             return self._state(asked)
         if not self._data_context.may_archive(asked.caller.principal):
             raise NotPermitted(words.NOT_YOURS)
-        if said[0] == "on":
+        verb = verb_typed("archive", said[0])
+        if verb == "on":
             return await self._begin(asked, said[1:])
-        if said[0] == "off" and len(said) == 1:
+        if verb == "off" and len(said) == 1:
             return await self._end(asked)
-        if said == ["erase"]:
+        if verb == "erase" and len(said) == 1:
             return await self._erase(asked, sure=asked.act == SURE)
-        if said[0] == "export" and len(said) <= 2:  # noqa: PLR2004 - the word and the form
+        if verb == "export" and len(said) <= 2:  # noqa: PLR2004 - the word and the form
             return await self._export(asked, said[1] if len(said) > 1 else TEXT)
         raise NotUnderstood(words.HOW_TO_ARCHIVE, offers=("/archive",))
 
@@ -183,7 +186,7 @@ def _days(said: Sequence[str]) -> int:
     if not said:
         return DAYS
     unit = " ".join(said[1:])
-    if not (said[0].isascii() and said[0].isdecimal()) or unit not in {"", "day", "days"}:
+    if not (said[0].isascii() and said[0].isdecimal()) or unit not in DAYS_TYPED:
         raise NotUnderstood(words.HOW_TO_ARCHIVE, offers=("/archive on",))
     return int(said[0][:6])
 

@@ -19,6 +19,7 @@ from rosic.container import (
 from rosic.container.files import PART
 from rosic.core.i18n import said
 from rosic.core.language.command import Command, HelpEntry, HelpPage
+from rosic.core.language.option_words import verb_typed
 from rosic.core.message import Button
 from rosic.errors import ConfigurationError, NotUnderstood, RecordUnavailable, StoreFault
 from rosic.features.personal_data import erasure as erasing_of
@@ -59,6 +60,8 @@ COMMANDS: Final = (
     ),
     Command(
         name="forget",
+        aliases=("vergessen",),
+        typed=said("/forget"),
         summary="have everything erased that is kept of oneself",
     ),
     Command(
@@ -70,10 +73,14 @@ COMMANDS: Final = (
     ),
     Command(
         name="archive",
+        aliases=("archiv",),
+        typed=said("/archive"),
         summary="keep the messages of a chat, for who may",
     ),
     Command(
         name="data",
+        aliases=("werte",),
+        typed=said("/data"),
         summary="small data kept with a robot or oneself",
     ),
     Command(
@@ -177,7 +184,7 @@ class MyDataCommands:
         """
         check_private(asked)
         verb, *forms = asked.rest.casefold().split() or [""]
-        form = forms[0] if forms else "jsonl"
+        verb, form = verb_typed("mydata", verb), forms[0] if forms else "jsonl"
         if verb not in {"", EXPORT} or len(forms) > 1 or form not in export.ENDINGS:
             raise NotUnderstood(words.HOW_TO_FORGET, offers=("/mydata", f"/mydata {EXPORT}"))
         if verb == EXPORT:
