@@ -86,12 +86,8 @@ $(VENV)/.core $(VENV)/.dev: $(shell test -x $(BIN)/python || echo anew)
 .PHONY: anew
 anew: ;
 
-# Hashes hold for everything that comes from outside. The project itself is then built with what was just installed.
-define install
-echo "Installing requirements/$(1).txt into $(VENV) (the first time takes a minute or two)"; \
-$(BIN)/python -m pip install --quiet --require-hashes --requirement requirements/$(1).txt </dev/null && \
-$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable . </dev/null
-endef
+# Shows how far that is: it takes a minute or two.
+install = $(BIN)/python -m tests.install $(1)
 
 # Half an environment, one of an older Python, or one whose interpreter has gone is made anew. A name on the path proves
 # nothing (version managers leave names for Pythons that are not installed), so each candidate is asked to run.
@@ -100,7 +96,10 @@ candidates = $(or $(PYTHON),python3.13 python3.12 python3.11 python3 python pyth
 define environment
 if $(BIN)/python $(usable) && $(BIN)/python -m pip --version >/dev/null 2>&1; then exit 0; fi; \
 for candidate in $(candidates); do \
-    if "$$candidate" $(usable); then exec "$$candidate" -m venv --clear $(VENV); fi; \
+    if "$$candidate" $(usable); then \
+        echo "Making an environment in $(VENV) with $$candidate"; \
+        exec "$$candidate" -m venv --clear $(VENV); \
+    fi; \
 done; \
 echo "No Python 3.11 or later with venv, ssl and sqlite3 was found. Install one, or name it with PYTHON=/path/to/python." >&2; \
 exit 1
