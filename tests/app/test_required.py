@@ -7,41 +7,45 @@ import inspect
 import msgspec
 import pytest
 
-from rosic.app.access import AccessFeature
-from rosic.app.data_feature import DataFeature
-from rosic.app.features import FeatureSetup
 from rosic.app.maintenance import Maintenance
-from rosic.app.policy import PolicyEnforcer, PolicyService
 from rosic.authoriser.button_tokens import ButtonTokens
 from rosic.config.profiles import known_units
+from rosic.container.container import Containers
 from rosic.core.policy.query import PolicyState
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
 from rosic.features.access.approve import ApprovalCommands
 from rosic.features.access.newcomer_chat import NewcomerChat
-from rosic.features.alerts.actions import AlertActions
+from rosic.features.alerts.actions import ActionQueries
+from rosic.gateway.access_registry import AccessRegistry
 from rosic.gateway.delivery.notifier import Notifier
 from rosic.gateway.delivery.redaction import SecretRedaction
 from rosic.gateway.delivery.sender import ChatSender
+from rosic.gateway.feature import Kernel
+from rosic.gateway.policy_service import PolicyEnforcer, PolicyService
 from rosic.gateway.stop import StopLane
 from rosic.linker.linker import Linker
+from rosic.organiser.calendar import Calendar
 from rosic.organiser.organiser import AccessState, Organiser
 from rosic.testing.clock import ManualClock
 
 DECIDED_BY = [
     (Organiser, "policy"),
     (Linker, "policy"),
-    (DataFeature, "enforcer"),
-    (FeatureSetup, "enforcer"),
-    (Maintenance, "enforcer"),
+    (Kernel, "enforcer"),
+    (Kernel, "access"),
+    (Maintenance, "kernel"),
+    (Containers, "usual"),
+    (Calendar, "names"),
     (PolicyEnforcer, "changes"),
-    (AccessFeature, "board"),
+    (AccessRegistry, "board"),
     (AccessState, "calendar"),
     (Notifier, "outbox"),
     (StopLane, "outbox"),
     (ChatSender, "gone"),
     (SecretRedaction, "note"),
     (ButtonTokens, "count"),
-    (AlertActions, "author_of"),
+    (ActionQueries, "author_of"),
+    (ActionQueries, "tasks"),
     (NewcomerChat, "count"),
     (ApprovalCommands, "forget"),
     (SecretRedaction, "is_good"),

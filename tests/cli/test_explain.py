@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import load_config
-from rosic.app.data_feature import preferences_of
-from rosic.app.people import person_of
+from rosic.app.containers import preferences_of
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
+from rosic.gateway.access_registry import person_of
 from rosic.stores.database import DatabaseStore
 from rosic.system import SystemClock
 from tests.cli.offline import MEMORY, Place

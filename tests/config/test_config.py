@@ -9,12 +9,11 @@ import pytest
 from rosic.app.builder import settings_of
 from rosic.app.config import load_config, read_config
 from rosic.config.gateway_file import LogLevel
-from rosic.config.missions import fleet_of
 from rosic.config.profiles import known_units
 from rosic.container.files import FileQuota
 from rosic.core.identity import Address
 from rosic.core.policy.limits import unit_converter
-from rosic.core.policy.permissions import Permissions
+from rosic.core.policy.permissions import Permissions, fleet_of
 from rosic.core.policy.roles import Grant
 from rosic.core.rate_limit import RateLimit
 from rosic.core.secret import Secret

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.app.access import AccessFeature, authoriser_of
-from rosic.app.policy import PolicyService
 from rosic.authoriser.invitations import InvitedRights
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.profiles import known_units
@@ -13,8 +11,11 @@ from rosic.core.deferred import Deferred
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
 from rosic.core.stop_registry import StopRegistry, not_known_yet
 from rosic.errors import RobotStopped
+from rosic.gateway.access_registry import AccessRegistry, PlaceNames, authoriser_of
+from rosic.gateway.policy_service import PolicyService
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock, SeededEntropy
+from tests.organiser.booking import UNNAMED
 
 
 def test_until_it_is_bound_it_refuses_and_it_is_bound_once() -> None:
@@ -40,5 +41,6 @@ def test_nobody_is_let_in_before_it_is_known_who_may_let_them() -> None:
     rulebook = RoleRules(roles=DEFAULT_ROLES)
     authority = PolicyService(rulebook, (), known_units(), clock, lambda _who: ())
     board = StopRegistry([], {}, not_known_yet())
-    access = AccessFeature(authoriser, authority, MemoryStore(), entropy, "lab", board)
+    called = PlaceNames("lab", UNNAMED)
+    access = AccessRegistry(authoriser, authority, MemoryStore(), entropy, board, called)
     assert not access.enrolment.may_invite("p-1", InvitedRights(roles=("viewer",)))

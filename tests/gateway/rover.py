@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.added_robots import ProfileDraft
 from rosic.core.identity import OPERATOR
 from rosic.core.records import Decided
 from rosic.errors import ConfigurationError, Refusal
+from rosic.features.alerts import AlertFeature
+from rosic.features.robot_to_robot import RobotToRobotFeature
+from rosic.gateway.robot_registry import ProfileDraft
 from rosic.robots.memory import MemoryRobot
 from tests.gateway.place import Place, SlowStore
 
@@ -123,7 +125,7 @@ def snapshot(gateway: Gateway) -> tuple[object, ...]:
         tuple(rooms.board),
         rooms.vocabulary.names,
         gateway.authority.rights.epoch,
-        dict(gateway.alarms.alerting.following),
-        dict(gateway.among.inboxes),
+        dict(gateway.features.get(AlertFeature).alerting.following),
+        dict(gateway.features.get(RobotToRobotFeature).messaging.inboxes),
         tuple(gateway._opened),
     )

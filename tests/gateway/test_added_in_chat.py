@@ -10,6 +10,7 @@ import pytest
 from rosic.core.identity import ROBOT, Address
 from rosic.core.message import ChatKind
 from rosic.core.records import Decided
+from rosic.features.files import FilesFeature
 from tests.features.robot_to_robot.peers import PeerRobots
 from tests.gateway.place import ADA, BO, PEOPLE, VI, Place
 from tests.gateway.rover import CAN, ROVER
@@ -44,7 +45,7 @@ async def send(
     before = len(place.chat.told)
     place.chat.enclose(name, content.encode(), account=account, chat=account)
     await place.quiet()
-    receiving = place.gateway.data_feature.receiving
+    receiving = place.gateway.features.get(FilesFeature).receiving
     assert receiving is not None
     async with asyncio.timeout(60 * pace()):
         while receiving._coming:  # noqa: ASYNC110 - a task of its own

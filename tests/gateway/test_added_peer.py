@@ -14,7 +14,7 @@ from tests.gateway.place import BO, PEOPLE
 from tests.gateway.rover import add, draft, refused
 
 if TYPE_CHECKING:
-    from rosic.app.added_robots import ProfileDraft
+    from rosic.gateway.robot_registry import ProfileDraft
 
 
 class Alone(PeerRobots):

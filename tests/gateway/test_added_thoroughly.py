@@ -9,6 +9,7 @@ from msgspec.structs import replace
 from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.benchmark import DEVIATION
 from rosic.features.benchmarks import BenchmarkFeature
+from rosic.features.media import MediaFeature
 from tests.gateway.place import ADA, BO, Place
 from tests.gateway.rover import ROVER, add, draft
 
@@ -63,7 +64,9 @@ async def test_what_it_reports_is_sampled_though_nobody_did() -> None:
         for _ in range(6):
             await place.clock.advance(0.5)
         now_s = place.clock.monotonic_ns() / 1e9
-        assert place.gateway.media_feature.sampler.samples.points("rover", "battery", now_s)
+        assert place.gateway.features.get(MediaFeature).sampler.samples.points(
+            "rover", "battery", now_s
+        )
 
 
 async def test_it_is_held_against_its_benchmarks_though_nobody_was() -> None:
@@ -72,11 +75,9 @@ async def test_it_is_held_against_its_benchmarks_though_nobody_was() -> None:
         await add(place, draft(**{TIMES: TIMES + benchmark}))
         assert "done" in await place.say("rover wiggle")
         assert "Wiggle" in await place.say("/benchmark rover")
-        [evaluation] = [
-            f.evaluation for f in place.gateway.features.plugged if isinstance(f, BenchmarkFeature)
-        ]
+        evaluation = place.gateway.features.get(BenchmarkFeature).evaluation
         assert "wiggle" in evaluation.verdicts["rover"]
-        seen = place.gateway.features.assessment.presence("rover", place.robot("rover").presence())
+        seen = place.gateway.kernel.assessment.presence("rover", place.robot("rover").presence())
         assert DEVIATION in seen.values
 
 

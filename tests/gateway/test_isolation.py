@@ -113,7 +113,7 @@ async def test_a_container_that_is_erased_changes_nothing_for_others() -> None:
 async def test_what_somebody_keeps_is_read_by_others_only_if_they_were_let() -> None:
     async with Place().open() as place:
         await place.say("/data plan = mine alone", account=BO, chat=BO)
-        data_context = place.gateway.data_feature.data_context
+        data_context = place.gateway.kernel.containers
         assert data_context is not None
         shelf = data_context.shelf
         directory = place.gateway.rooms.authoriser.directory

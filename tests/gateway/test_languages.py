@@ -78,7 +78,7 @@ async def test_whoever_is_told_reads_their_own_language() -> None:
         await ask(place, ADA, "/lock Bo")
         await ask(place, ADA, "/unlock Bo")
         assert told_to(place, BO).startswith("Ada hat deine Sperre aufgehoben.")
-        place.gateway.features.reach.tell(both, you_are_unlocked("Ada"))
+        place.gateway.kernel.reach.tell(both, you_are_unlocked("Ada"))
         await place.quiet()
         assert told_to(place, VI).startswith("Ada unlocked you.")
         assert told_to(place, BO).startswith("Ada hat deine Sperre aufgehoben.")

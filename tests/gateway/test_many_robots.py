@@ -14,8 +14,11 @@ from rosic.core.messages import NAMED_AT_MOST
 from rosic.core.order import RestReport, Stop
 from rosic.core.robot.alert_config import AlertConfig
 from rosic.core.robot.profile import Busy, Link, Profile, Telemetry
+from rosic.features.dashboard import DashboardFeature
 from rosic.features.dashboard.rendering import ROBOTS_AT_MOST
+from rosic.features.fleet import FleetFeature
 from rosic.features.fleet.monitor import at_once
+from rosic.features.media import MediaFeature
 from rosic.gateway.replies import OFFERED_AT_MOST
 from rosic.gateway.scheduling import AT_ONCE, go_round
 from rosic.messengers.telegram.formatting import MESSAGE_UNITS
@@ -82,7 +85,7 @@ async def test_a_thousand_robots_appear_at_once_and_orders_pass_in_between() -> 
         await here.clock.advance(5.0)
         await here.quiet()
         assert len(here.chat.told) == before, "robots that are as they should be tell nobody"
-        samples = here.gateway.media_feature.sampler.samples
+        samples = here.gateway.features.get(MediaFeature).sampler.samples
         seen = [n for n in range(ROBOTS) if samples.names(f"r{n}")]
         assert len(seen) == ROBOTS
 
@@ -130,7 +133,7 @@ async def test_a_card_looks_at_those_that_it_shows_alone() -> None:
         assert "988 more" in await here.say("/card")
         await here.clock.advance(10.0)
         await here.quiet()
-        cards = here.gateway.features.live_cards
+        cards = here.gateway.features.get(DashboardFeature).robots
         assert len(cards._snapshots._seen) == ROBOTS_AT_MOST
 
 
@@ -143,7 +146,7 @@ async def test_more_tasks_than_are_weighed_at_once_are_all_done() -> None:
     async with warehouse() as here:
         for _ in range(at_once(ROBOTS) + 5):
             await here.say("/task any wave")
-        fleet = here.gateway.features.fleet.dispatching.fleet
+        fleet = here.gateway.features.get(FleetFeature).dispatching.fleet
         assert len(fleet.waiting) == at_once(ROBOTS) + 5, "nobody is there yet"
         here.appear()
         await here.clock.advance(5.0)

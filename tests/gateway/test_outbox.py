@@ -44,8 +44,8 @@ async def dies(store: MemoryStore, clock: ManualClock, text: str, *, urgent: boo
     """Run a gateway that owes Ada a sentence and cannot say it before it is gone."""
     async with Place(store, clock=clock).open() as place:
         place.chat.down = True
-        ada = place.gateway.features.admins()
-        place.gateway.features.reach.tell(ada, text, urgent=urgent)
+        ada = place.gateway.kernel.admins()
+        place.gateway.kernel.reach.tell(ada, text, urgent=urgent)
         await place.quiet()
 
 
@@ -76,8 +76,8 @@ async def test_a_notice_without_an_offer_is_kept_as_well() -> None:
 async def test_what_was_said_is_owed_no_more() -> None:
     store = MemoryStore()
     async with Place(store).open() as place:
-        place.gateway.features.reach.tell(("nobody",), "nothing", urgent=True)
-        place.gateway.features.reach.tell(place.gateway.features.admins(), "now", urgent=True)
+        place.gateway.kernel.reach.tell(("nobody",), "nothing", urgent=True)
+        place.gateway.kernel.reach.tell(place.gateway.kernel.admins(), "now", urgent=True)
         await place.quiet()
         assert heard(place, ADA) == ["now"]
     assert await owed(store) == 0
@@ -97,7 +97,7 @@ async def test_a_broken_disk_holds_up_no_alarm() -> None:
     store = BrokenStore()
     async with Place(store).open() as place:
         store.broken = True
-        place.gateway.features.reach.tell(place.gateway.features.admins(), "now", urgent=True)
+        place.gateway.kernel.reach.tell(place.gateway.kernel.admins(), "now", urgent=True)
         await place.quiet()
         assert heard(place, ADA) == ["now"]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
+from rosic.features.fleet import FleetFeature
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
 from tests.features.access.access_gateway import ADA, BO, EVE, VI, House
@@ -54,7 +55,7 @@ async def test_a_task_is_due_on_the_clocks_of_whoever_gives_it() -> None:
         await place.line(BO, "/settings zone Asia/Tokyo")
         told = await place.line(BO, "/task omni wave by 20:00")
         assert "20:00" in told, told
-        [task] = place.gateway.features.fleet.dispatching.fleet.open()
+        [task] = place.gateway.features.get(FleetFeature).dispatching.fleet.open()
         assert task.until_ns == NOW_NS + 3_600 * 10**9
 
 

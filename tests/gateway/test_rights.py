@@ -286,7 +286,7 @@ async def test_an_archive_forgets_when_it_said_it_would() -> None:
     async with lab(rules()) as place:
         await place.say("/archive on 1 days")
         await place.say("omni wave")
-        kept = place.gateway.data_feature.archive
+        kept = place.gateway.archive
         assert not kept.outdated()
         place.clock.jump_wall(3 * 86_400)
         assert kept.outdated()

@@ -69,7 +69,7 @@ async def test_five_minutes_are_five_minutes_and_no_more(later_s: float, told: s
         await place.say("omni wave", account=BO, chat=BO)
         agree, _ = place.button("I agree")
         command = place.gateway.rooms.authoriser.buttons._bound[agree.nonce].command
-        [request] = place.gateway.features.confirmation._requests.values()
+        [request] = place.gateway.pipeline.confirmation._requests.values()
         passed_s = (place.clock.monotonic_ns() - request.asked.monotonic_ns) / 1e9
         await place.clock.advance(300.0 - 0.001 - passed_s + later_s)  # and 1 ms as it is said
         assert told in await place.say(command)
@@ -217,7 +217,7 @@ async def test_an_agreement_counts_once_though_its_button_came_back() -> None:
 async def test_what_waits_for_a_second_person_is_bounded_and_the_oldest_goes_first() -> None:
     async with lab(rules(SkillPrecondition(scopes=("omni:wave",), second_person=True))) as place:
         await place.say("omni wave", account=BO, chat=BO)
-        requests = place.gateway.features.confirmation._requests
+        requests = place.gateway.pipeline.confirmation._requests
         (first, request), *_ = requests.items()
         requests.update({f"s{number}": request for number in range(ASKED_AT_MOST - 2)})
         await place.say("omni wave", account=BO, chat=BO)

@@ -92,7 +92,7 @@ async def test_whoever_has_never_written_is_named_in_one_sentence(
         place.chat.not_begun.add(ADA)
         with caplog.at_level(logging.INFO, "rosic.telling"):
             for _ in range(2):
-                place.gateway.features.reach.tell(
+                place.gateway.kernel.reach.tell(
                     (who(place, ADA),), "Which?", ((Button("help", "help"),),)
                 )
                 await place.quiet()
@@ -107,7 +107,7 @@ async def test_what_somebody_has_never_written_for_goes_to_an_admin() -> None:
     async with Place().open() as place:
         place.chat.not_begun.add(BO)
         before = len(place.chat.told)
-        place.gateway.features.reach.tell((who(place, BO),), "omni: battery 9 %", urgent=True)
+        place.gateway.kernel.reach.tell((who(place, BO),), "omni: battery 9 %", urgent=True)
         await place.quiet()
         [told] = list(place.chat.told)[before:]
         assert (told.outbound.chat.id, told.outbound.text) == (
@@ -144,7 +144,7 @@ async def test_an_alarm_that_somebody_cannot_be_told_goes_to_the_other_admins() 
     async with Place().open() as place:
         place.chat.gone.add(BO)
         before = len(place.chat.told)
-        place.gateway.features.reach.tell((who(place, BO),), "omni: battery 9 %", urgent=True)
+        place.gateway.kernel.reach.tell((who(place, BO),), "omni: battery 9 %", urgent=True)
         await place.quiet()
         ((chat, text),) = [
             (t.outbound.chat.id, t.outbound.text) for t in list(place.chat.told)[before:]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.local_time import LocalTime
-from rosic.organiser.calendar import Calendar
+from rosic.organiser.calendar import Calendar, CalendarNames
 from rosic.organiser.timezones import zone_named
 from rosic.testing.clock import ManualClock
 
@@ -24,14 +24,19 @@ NOW = VIENNA.instant(LocalTime(2026, 11, 21, 10)).start_ns
 NAMES = {"ann": "Ann", "ben": "Ben", "kuka1": "KUKA iiwa"}
 
 
+IN_VIENNA = CalendarNames(
+    lambda who: NAMES.get(who, who),
+    lambda robot: NAMES.get(robot, robot),
+    lambda _: "Europe/Vienna",
+)
+UNNAMED = CalendarNames(str, str, lambda _: "UTC")
+
+
 def a_calendar(
     now_ns: int = NOW, limits: SeriesLimits | None = None
 ) -> tuple[Calendar, ManualClock]:
     clock = ManualClock(now_ns)
-    calendar = Calendar(clock, limits)
-    calendar.name_of = calendar.shown_of = lambda key: NAMES.get(key, key)
-    calendar.zone_of = lambda _: "Europe/Vienna"
-    return calendar, clock
+    return Calendar(clock, IN_VIENNA, limits), clock
 
 
 def write(calendar: Calendar, facts: Iterable[Fact]) -> tuple[BookedSlot, ...]:

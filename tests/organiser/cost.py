@@ -13,7 +13,7 @@ import msgspec
 from rosic.core.slot import BookedSlot
 from rosic.organiser.calendar import Calendar
 from rosic.testing.clock import ManualClock
-from tests.organiser.booking import MIN, NOW, S
+from tests.organiser.booking import MIN, NOW, UNNAMED, S
 
 if TYPE_CHECKING:
     from rosic.core.records import Fact
@@ -43,7 +43,7 @@ def facts(many: int) -> list[Fact]:
 
 def restored(written: list[Fact]) -> Calendar:
     """Return a calendar that starts from facts of its own."""
-    calendar = Calendar(ManualClock(NOW))
+    calendar = Calendar(ManualClock(NOW), UNNAMED)
     calendar.restore(msgspec.structs.replace(fact) for fact in written)
     return calendar
 

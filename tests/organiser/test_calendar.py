@@ -18,7 +18,7 @@ from rosic.errors import (
 from rosic.organiser.calendar import Calendar
 from rosic.organiser.calendar_conflicts import OutsideSlot, SlotTaken
 from rosic.organiser.recurrence import SeriesLimits, occasion
-from tests.organiser.booking import HOUR, MIN, NOW, VIENNA, S, a_calendar, booked, write
+from tests.organiser.booking import HOUR, MIN, NOW, UNNAMED, VIENNA, S, a_calendar, booked, write
 
 # ---- booking ----
 
@@ -288,7 +288,7 @@ def test_where_a_slot_is_required_somebody_elses_is_named() -> None:
 def test_a_restart_is_a_replay() -> None:
     calendar, clock = a_calendar()
     slots = [booked(calendar, NOW + n * HOUR, who=who) for n, who in ((2, "ann"), (0, "ben"))]
-    again = Calendar(clock)
+    again = Calendar(clock, UNNAMED)
     again.restore([*(slot.fact() for slot in slots), Fact(kind="grant", key="g", body=b"x")])
     assert again.on("kuka1", 0, NOW * 2) == calendar.on("kuka1", 0, NOW * 2)
     assert again.present("kuka1", NOW) == slots[1]
@@ -297,7 +297,7 @@ def test_a_restart_is_a_replay() -> None:
 def test_the_newest_fact_of_a_slot_counts() -> None:
     calendar, clock = a_calendar()
     one, two = booked(calendar, NOW), booked(calendar, NOW + HOUR)
-    again = Calendar(clock)
+    again = Calendar(clock, UNNAMED)
     again.restore([one.fact(), two.fact(), one.no_more()])
     assert again.of("ann") == (two,)
 
@@ -308,7 +308,7 @@ def test_what_cannot_be_read_is_left_out_and_the_rest_stands(
 ) -> None:
     calendar, clock = a_calendar()
     slot = booked(calendar, NOW)
-    again = Calendar(clock)
+    again = Calendar(clock, UNNAMED)
     again.restore([Fact(kind=SLOT, key="s9", body=body), slot.fact()])
     assert again.of("ann") == (slot,)
     assert "cannot be read" in caplog.text

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from rosic.organiser.calendar import Calendar
 from rosic.testing.clock import ManualClock
-from tests.organiser.booking import HOUR, MIN, NOW, S, a_calendar, booked, write
+from tests.organiser.booking import HOUR, MIN, NOW, UNNAMED, S, a_calendar, booked, write
 
 if TYPE_CHECKING:
     from rosic.core.slot import BookedSlot
@@ -90,7 +90,7 @@ def test_after_a_restart_the_past_is_not_told_again() -> None:
     calendar, clock = a_calendar()
     slots = [booked(calendar, NOW), booked(calendar, NOW + HOUR)]
     clock.jump_wall(56 * 60)
-    again = Calendar(clock)
+    again = Calendar(clock, UNNAMED)
     again.restore(slot.fact() for slot in slots)
     assert again.due(NOW + 56 * MIN) == ()
     assert told(again.due(NOW + HOUR)) == [("warning", 60), ("end", 0), ("start", 3600)]
@@ -200,7 +200,7 @@ def test_whatever_happens_each_is_told_once(steps: list[tuple[str, int]]) -> Non
 def test_nobody_listens_to_a_manual_clock_by_itself() -> None:
     """The calendar sets no timer: `next_event_ns` is for the caller's."""
     clock = ManualClock(NOW)
-    calendar = Calendar(clock)
+    calendar = Calendar(clock, UNNAMED)
     assert calendar.next_event_ns() is None
     booked(calendar, NOW + HOUR)
     assert calendar.next_event_ns() == NOW + HOUR

@@ -19,7 +19,7 @@ from rosic.organiser.calendar import Calendar
 from rosic.organiser.calendar_conflicts import SlotTaken
 from rosic.organiser.calendar_index import Timeline
 from rosic.testing.clock import ManualClock
-from tests.organiser.booking import MIN, NOW, VIENNA, S
+from tests.organiser.booking import MIN, NOW, UNNAMED, VIENNA, S
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -229,7 +229,7 @@ def id_of(slot: BookedSlot) -> str:
 @settings(max_examples=250, deadline=None)
 @given(OPS)
 def test_the_calendar_agrees_with_a_list(ops: list[tuple[Any, ...]]) -> None:
-    Judge(Calendar).run(ops)
+    Judge(lambda clock: Calendar(clock, UNNAMED)).run(ops)
 
 
 # ---- calendars that have to be found out ----
@@ -326,7 +326,7 @@ def test_a_calendar_with_a_fault_is_found_out(fault: type[Calendar]) -> None:
     )
     @given(OPS)
     def search(ops: list[tuple[Any, ...]]) -> None:
-        Judge(fault).run(ops)
+        Judge(lambda clock: fault(clock, UNNAMED)).run(ops)
 
     with pytest.raises(AssertionError):
         search()

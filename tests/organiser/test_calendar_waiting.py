@@ -16,7 +16,7 @@ from tests.organiser.booking import HOUR, MIN, NOW, VIENNA, S
 
 def a_list(*people: str, limits: WaitingLimits | None = None) -> tuple[WaitingList, ManualClock]:
     clock = ManualClock(NOW)
-    waiting = WaitingList(clock, limits)
+    waiting = WaitingList(clock, str, limits)
     for who in people:
         write(waiting, waiting.join(who, "kuka1"))
     return waiting, clock
@@ -131,7 +131,7 @@ def test_a_restart_keeps_the_queue_and_asks_the_first_again() -> None:
     waiting, clock = a_list()
     facts = [f for who in ("cem", "ann", "ben") for f in write(waiting, waiting.join(who, "kuka1"))]
     offered(waiting)
-    again = WaitingList(clock)
+    again = WaitingList(clock, str)
     again.restore([facts[2], facts[0], Fact(kind="waiting", key="x", body=b"\xc1"), facts[1]])
     assert again.queue("kuka1") == ("cem", "ann", "ben")
     assert offered(again) == "cem"

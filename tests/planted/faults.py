@@ -303,7 +303,7 @@ FAULTS = (
     ),
     Fault(
         name="I8 what somebody locked out moves goes on",
-        file="app/policy.py",
+        file="gateway/policy_service.py",
         guard="if locked or gone or lost:",
         without="if gone or lost:",
         caught_by=(RIGHTS,),

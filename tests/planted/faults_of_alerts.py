@@ -76,9 +76,11 @@ OF_ALERTS = (
     ),
     Fault(
         name="a display name stands for the author of a rule",
-        file="app/alert_feature.py",
+        file="features/alerts/__init__.py",
         guard="lambda name: named.get(name.casefold())",
-        without=("lambda name: next((p.id for p in rooms.authoriser.directory.named(name)), None)"),
+        without=(
+            "lambda name: next((p.id for p in kernel.rooms.authoriser.directory.named(name)), None)"
+        ),
         caught_by=(f"{RUNS}::test_a_name_means_the_person_of_the_configuration_alone",),
     ),
     Fault(

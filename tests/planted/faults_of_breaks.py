@@ -168,7 +168,7 @@ OF_BREAKS = (
     ),
     Fault(
         name="I7 nobody is told that a stopped robot moves all the same",
-        file="app/alert_feature.py",
+        file="features/alerts/__init__.py",
         guard=", self.broken_stops.run()",
         without="",
         caught_by=(
@@ -177,7 +177,7 @@ OF_BREAKS = (
     ),
     Fault(
         name="I7 nobody is told that a robot at work is not there any more",
-        file="app/alert_feature.py",
+        file="features/alerts/__init__.py",
         guard=", self.absences.run()",
         without="",
         caught_by=(

@@ -86,8 +86,8 @@ OF_CANCELLING = (
     ),
     Fault(
         name="a cancel leaves tasks, which take the next robot",
-        file="app/fleet_feature.py",
-        guard="        pipeline.cancels.also(pausing.cancel)\n",
+        file="features/fleet/__init__.py",
+        guard="    pipeline.cancels.also(pausing.cancel)\n",
         without="",
         caught_by=(f"{CANCEL}::test_tasks_end_and_nobody_else_takes_them",),
     ),

@@ -17,8 +17,8 @@ OF_CARDS = (
     ),
     Fault(
         name="I11 a card goes on for somebody who is locked",
-        file="app/features.py",
-        guard="if principal in organiser.locked or self._access.keys.current(principal) is None:",
+        file="features/dashboard/__init__.py",
+        guard="if principal in organiser.locked or kernel.access.keys.current(principal) is None:",
         without="if False:",
         caught_by=(f"{OWNED}::test_a_lock_and_a_revocation_end_it_at_once",),
     ),

@@ -30,7 +30,7 @@ OF_DISPATCH = (
     ),
     Fault(
         name="a booking leaves what was admitted before as it was",
-        file="app/access.py",
+        file="gateway/access_registry.py",
         guard="calendar.apply(fact)\n        self._authority.moved()",
         without="calendar.apply(fact)",
         caught_by=(f"{BETWEEN}::test_a_slot_that_is_given_back_by_somebody_else",),

@@ -228,9 +228,9 @@ OF_KEEPING = (
     ),
     Fault(
         name="digests of robots bypass the archive",
-        file="app/robot_to_robot_feature.py",
-        guard="chat_sender, reach.messengers)",
-        without="chat_sender, parts.messengers)",
+        file="features/robot_to_robot/__init__.py",
+        guard="chat_sender, kernel.messengers)",
+        without="chat_sender, [m._messenger for m in kernel.messengers])",
         caught_by=(
             "tests/features/robot_to_robot/test_shared_state.py::test_a_digest_is_in_the_archive_of_the_chat_that_reads_it",
         ),

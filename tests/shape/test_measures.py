@@ -10,7 +10,7 @@ from tests.shape import measures
 from tests.shape.tree import source
 
 # What is left of an older house. A figure may fall, never rise; at nought its line goes.
-AT_MOST = {"set_from_outside": 256, "wired_late": 11, "small": 13}
+AT_MOST = {"set_from_outside": 245, "small": 13}
 
 
 def parsed(**texts: str) -> dict[str, ast.Module]:
@@ -28,6 +28,10 @@ def test_no_class_name_stands_for_two_things(found: measures.Figures) -> None:
 
 def test_no_modules_import_each_other_in_a_circle(found: measures.Figures) -> None:
     assert found.circles == []
+
+
+def test_the_composition_root_sets_nothing_into_what_is_made(found: measures.Figures) -> None:
+    assert found.wired_late == []
 
 
 @pytest.mark.parametrize("figure", AT_MOST)

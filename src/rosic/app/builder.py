@@ -7,9 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 from zoneinfo import ZoneInfo
 
-from rosic.app.alert_feature import renderer
 from rosic.app.commands import command_table
-from rosic.app.runtime import face_of
+from rosic.app.runtime import face_of, renderer
 from rosic.app.settings import GatewayParts, GatewaySettings
 from rosic.config.plugins import demand_good, messenger_factory, robot_factory, shared_spaces
 from rosic.config.profiles import known_units

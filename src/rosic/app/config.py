@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 from msgspec import inspect
 
-from rosic.app.alert_feature import author_findings
 from rosic.app.people import ConfiguredPerson
-from rosic.app.robot_to_robot_feature import robot_findings
 from rosic.config.gateway_file import (
     ConfigFile,
     Keep,
     LogLevel,
     PrincipalTable,
+    author_findings,
     config_rules,
+    robot_findings,
     rule_findings,
     said_addresses,
     said_roles,

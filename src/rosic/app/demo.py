@@ -8,13 +8,12 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 from rosic.app.admin.dispatch import AdminDispatcher
-from rosic.app.alert_feature import renderer
 from rosic.app.closing import close_in_time, on_signals
 from rosic.app.commands import command_table
 from rosic.app.console import console_of, mind_console, read_at
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.app.people import ConfiguredPerson
-from rosic.app.runtime import PIPED, face_of, until_done, until_quiet
+from rosic.app.runtime import PIPED, face_of, renderer, until_done, until_quiet
 from rosic.config.plugins import robot_factory
 from rosic.config.profiles import known_units, read_profile, shipped_profiles
 from rosic.config.translations import of_locale

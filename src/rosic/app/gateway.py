@@ -7,37 +7,42 @@ import logging
 from functools import partial
 from typing import TYPE_CHECKING
 
-from rosic.app.access import AbuseResponse, AccessFeature, admins_of, authoriser_of
 from rosic.app.added_robots import KIND as ADDED
-from rosic.app.added_robots import newcomers_of, settings_with_added
-from rosic.app.alert_feature import robot_seen, set_up_media
+from rosic.app.added_robots import settings_with_added
 from rosic.app.commands import command_table
-from rosic.app.data_feature import DataFeature, OwnDataQueries, preferences_of
-from rosic.app.features import FeatureSetup
-from rosic.app.gateway_parts import RunningGateway
+from rosic.app.containers import (
+    preferences_of,
+    recorded,
+)
+from rosic.app.features import Features
+from rosic.app.gateway_parts import RunningGateway, kernel_of
 from rosic.app.maintenance import Maintenance, rates_of, save, save_now_and_then
 from rosic.app.messenger_setup import take_in
 from rosic.app.people import remember, seed
-from rosic.app.policy import PolicyEnforcer, PolicyService
-from rosic.app.record_monitor import record_watch_of
+from rosic.app.record_monitor import RecordMonitor
 from rosic.app.retention import Retention
 from rosic.app.robot_opening import RobotStartup, warn_of_thieves
 from rosic.app.robot_provisioning import RobotProvisioning
 from rosic.app.robot_startup import board_of, robots_of
-from rosic.app.robot_to_robot_feature import groups_of, messaging_of
 from rosic.app.settings import GatewayParts, GatewaySettings
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.translations import LANGUAGES, catalogue, whose
+from rosic.container.archive import Archive
 from rosic.container.container import Containers
-from rosic.container.messages import SETTINGS_DAMAGED
 from rosic.contracts.console import SupportsCompletion
-from rosic.contracts.store import AuditStore, ContainerStore
+from rosic.contracts.store import AuditStore
 from rosic.core.deferred import Deferred
 from rosic.core.language import Vocabulary, VocabularyHolder, inert_text
 from rosic.core.message import Outbound
 from rosic.errors import ConfigurationError
-from rosic.features.media.snapshot import DashboardCamera
 from rosic.gateway import Pipeline
+from rosic.gateway.access_registry import (
+    AbuseResponse,
+    AccessRegistry,
+    PlaceNames,
+    admins_of,
+    authoriser_of,
+)
 from rosic.gateway.components import Components
 from rosic.gateway.confirmation import Confirmation
 from rosic.gateway.delivery.notifier import Notifier, UndeliverableHandler, nobody_to_tell
@@ -46,11 +51,13 @@ from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 from rosic.gateway.delivery.translation import ChatLanguages
 from rosic.gateway.hooks import PipelineHooks
 from rosic.gateway.order_execution import inert_words
+from rosic.gateway.policy_service import PolicyEnforcer, PolicyService
 from rosic.gateway.recovery import Recovery
 from rosic.gateway.resume import ResumeHandler
 from rosic.gateway.robot_registry import RobotRegistry
 from rosic.gateway.stop import StopLane
 from rosic.linker.linker import Linker
+from rosic.organiser.calendar import CalendarNames
 from rosic.organiser.organiser import Organiser
 
 if TYPE_CHECKING:
@@ -114,7 +121,9 @@ class Gateway(RunningGateway):
             if self._know_added(memory):
                 vocabulary = self._vocabulary()
             await self._compose(memory, vocabulary)
-            opening = RobotStartup(self._robot_says, self.features, self._opened)
+            await self.features.restore()
+            tell = partial(self._tell_admins, urgent=False)
+            opening = RobotStartup(self._robot_says, tell, self._opened)
             await opening.all(self.robots.values())
             await self._recover(memory)
         except BaseException:
@@ -130,15 +139,7 @@ class Gateway(RunningGateway):
     def _tell_of_robots(self) -> None:
         """Have whoever keeps something per robot told of each that is added, in this order."""
         self.registry = RobotRegistry(self.rooms, self.profiles, self.robots)
-        for told in (
-            self.pipeline.robot_added,
-            self._robot_added,
-            self.data_feature.robot_added,
-            self.alarms.robot_added,
-            self.features.robot_added,
-            partial(robot_seen, self.media_feature, self.pipeline),
-            self.among.robot_added,
-        ):
+        for told in (self.pipeline.robot_added, self._robot_added, self.features.robot_added):
             self.registry.added.connect(told)
 
     def _robot_added(self, newcomer: AddedRobot) -> None:
@@ -165,11 +166,15 @@ class Gateway(RunningGateway):
         self.robots = robots_of(parts, profiles, numbers, board)
         time = MonotonicWallClock(parts.clock)
         authoriser = authoriser_of(time, parts.clock, parts.entropy)
-        preferences = preferences_of(profiles.values(), parts.units, parts.clock, memory)
-        self._own = OwnDataQueries(preferences, settings.room)
+        self.preferences = preferences_of(profiles.values(), parts.units, parts.clock, memory)
         authority = await self._authority(authoriser, memory)
-        self.access = AccessFeature(
-            authoriser, authority, parts.store, parts.entropy, settings.place, board
+        self.access = AccessRegistry(
+            authoriser,
+            authority,
+            parts.store,
+            parts.entropy,
+            board,
+            PlaceNames(settings.place, self._names(authoriser)),
         )
         self._leaves.append(self._leave_access)
         rights = authority.draw_up()
@@ -183,10 +188,13 @@ class Gateway(RunningGateway):
             lease_idle_s=settings.lease_idle_s,
         )
         self.access.restore(memory, organiser)
-        organiser.name_of = lambda principal: inert_words(authoriser.directory.name(principal))
         organiser.remember_fences({robot: fence for robot, (_, fence) in numbers.items()})
         container = Containers(
-            vocabularies, parts.store, parts.clock, {robot: n for robot, (n, _) in numbers.items()}
+            vocabularies,
+            parts.store,
+            parts.clock,
+            {robot: n for robot, (n, _) in numbers.items()},
+            usual=lambda principal: self.preferences.of(principal).robot,
         )
         for choice in memory.selected:
             container.restore_selection(choice.principal, choice.chat, choice.robot)
@@ -199,6 +207,14 @@ class Gateway(RunningGateway):
         self._leaves.insert(0, self._save_rates)
         self.authority = authority
         await self._set_up(memory)
+
+    def _names(self, authoriser: Authoriser) -> CalendarNames:
+        profiles, place_zone, preferences = self.profiles, self._settings.zone, self.preferences
+        return CalendarNames(
+            name_of=lambda principal: inert_words(authoriser.directory.name(principal)),
+            shown_of=lambda robot: profiles[robot].shown,
+            zone_of=lambda principal: preferences.of(principal).zone or place_zone,
+        )
 
     def _speaking(self) -> tuple[ChatSender, Notifier]:
         """Make what speaks to people, and what it takes to stop robots and to say so."""
@@ -217,47 +233,35 @@ class Gateway(RunningGateway):
         self.enforcer = PolicyEnforcer(
             self.authority, self.rooms, self.stop_lane, self.access.changes
         )
-        self.data_feature = DataFeature(
-            self.rooms, self.access, self.enforcer, parts.clock, languages, self._own
-        )
-        self._leaves.append(self.data_feature.leave)
-        self._messengers = self.data_feature.record(parts.messengers, parts.store)
+        self.archive = Archive(parts.clock)
+        codes_in = self.access.enrolment.invitations.shown_in
+        self._messengers = recorded(parts, self.archive, self.rooms, codes_in)
         reach = Notifier(authoriser, chat_sender, self._messengers, self.outbox)
         gone.bind(self._elsewhere(reach).gone)
         return chat_sender, reach
 
     async def _set_up(self, memory: Memory) -> None:
         """Put a pipeline through the rooms, and everything in its place beside it."""
-        parts = self._parts
-        time = self.access.time
+        parts, time = self._parts, self.access.time
         chat_sender, reach = self._speaking()
         self.pipeline = self._pipeline(chat_sender, reach)
         self._ends.append(self._end_orders)
-        self.features = FeatureSetup(
-            self.rooms, self.pipeline, self.access, self.stop_lane, chat_sender, self.enforcer
-        )
-        self.media_feature = set_up_media(
-            self.rooms, self.pipeline, chat_sender, parts.renderer, parts.clock
-        )
-        self._closes.append(self.media_feature.render_queue.close)
-        self._ends.append(self._end_sampling)
-        camera = DashboardCamera(self.media_feature)
-        self.features.set_up(reach, time, parts.entropy, self._settings.zone, memory, camera)
-        self.alarms = self.features.alarms(memory, self._settings, time, parts.face)
-        self.alarms.watch(self._messengers)
-        groups_feature = groups_of(self, chat_sender, parts.clock, self._settings.place)
-        groups_feature.gather(self._messengers, memory)
-        self.among = messaging_of(self, parts, chat_sender, memory)
-        self.record_watch = record_watch_of(parts.store, parts.latch, parts.clock, self.features)
+        self.kernel = kernel_of(self, parts, self._settings, memory, chat_sender, reach)
+        self.features = Features(self.kernel)
+        self._leaves.append(self.features.leave)
+        self.record_watch = RecordMonitor(parts.store, parts.latch, parts.clock, self._warn)
         self._tell_of_robots()
         self.robot_adder = RobotProvisioning(self, parts, memory, self._robot_says)
+        self.kernel.shared.robot_adder.provide(self.robot_adder)
         self._closes.append(self.robot_adder.close)
         settled, now_ns = self.pipeline.backlog.settled, time.wall_ns()
         await take_in(self._messengers, memory, parts.store, self.rooms, settled, now_ns)
-        if isinstance(parts.store, ContainerStore):
-            await self.data_feature.set_up(self.pipeline, self.features, parts.store, memory, parts)
-            self.features.reach.tell(self.data_feature.preferences.damaged(), SETTINGS_DAMAGED)
-            newcomers_of(self, self.robot_adder)
+
+    def _tell_admins(self, text: str, *, urgent: bool) -> None:
+        self.kernel.reach.tell(self.kernel.admins(), text, urgent=urgent)
+
+    def _warn(self, text: str) -> None:
+        self._tell_admins(text, urgent=True)
 
     def _elsewhere(self, reach: Notifier) -> UndeliverableHandler:
         admins, directory = (
@@ -296,7 +300,7 @@ class Gateway(RunningGateway):
             settings.profiles,
             parts.units,
             authoriser.keys.time,
-            self._own.preferences.limits,
+            self.preferences.limits,
         )
         authority.restore(memory, roles)
         return authority
@@ -308,10 +312,9 @@ class Gateway(RunningGateway):
         recovery = Recovery(parts.store, linker, self._chat_sender, parts.clock, messengers, ends)
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
         linker.watch_stopped()
-        await self.features.fleet.settle(memory, parts.store)
-        self.features.retracting.begin(self._messengers, memory.facts)
-        warn_of_thieves(parts.messengers, self.features)
-        self.outbox.restore(memory.facts, messengers, self.features.reach.dress)
+        await self.features.recover()
+        warn_of_thieves(parts.messengers, self._warn)
+        self.outbox.restore(memory.facts, messengers, self.kernel.reach.dress)
         if count:
             log.warning("interrupted commands that were settled: %d", count)
 
@@ -324,26 +327,14 @@ class Gateway(RunningGateway):
         self._listening = [
             asyncio.create_task(m.run(partial(self.pipeline.receive, m))) for m in self._messengers
         ]
-        access, rates, parts = self.access, self.rooms.organiser.rates, self._parts
-        maintenance = Maintenance(
-            access,
-            self.enforcer,
-            self.features,
-            self.data_feature,
-            access.time,
-            self._daily,
-        )
+        rates, parts = self.rooms.organiser.rates, self._parts
+        maintenance = Maintenance(self.kernel, self.features, self._daily)
         keeping = [
-            asyncio.create_task(self.features.scheduler.run()),
+            asyncio.create_task(self.features.run()),
             asyncio.create_task(maintenance.run()),
-            asyncio.create_task(self.media_feature.sampler.run()),
-            asyncio.create_task(self.alarms.run()),
-            asyncio.create_task(self.among.run()),
             asyncio.create_task(self.record_watch.run()),
-            *(asyncio.create_task(feature.run()) for feature in self.features.plugged),
             asyncio.create_task(save_now_and_then(rates, parts.store, parts.clock)),
         ]
-        self.features.fleet.run()
         try:
             done, _ = await asyncio.wait(self._listening, return_when=asyncio.FIRST_EXCEPTION)
             for task in done:
@@ -351,7 +342,7 @@ class Gateway(RunningGateway):
         finally:
             for task in keeping:
                 task.cancel()
-            await asyncio.gather(self.features.close(), self.alarms.close())
+            await self.features.close()
             await self._fall_deaf()
 
     async def _daily(self) -> None:
@@ -363,7 +354,7 @@ class Gateway(RunningGateway):
             store if isinstance(store, AuditStore) else None,
             self.access.time.wall_ns,
         )
-        await self.data_feature.tidy()
+        await self.features.each_day()
         await retention.forget()
 
     async def _fall_deaf(self) -> None:
@@ -408,7 +399,7 @@ class Gateway(RunningGateway):
         told = self._chat_sender is None or self._chat_sender.quiet
         told = (
             told
-            and self.media_feature.render_queue.quiet
+            and self.features.quiet
             and self.pipeline.backlog.quiet
             and self.pipeline.cancels.quiet
         )
@@ -483,9 +474,6 @@ class Gateway(RunningGateway):
     async def _end_orders(self) -> None:
         self.rooms.linker.pursuit.close()  # each adapter brings its robot to rest itself
         await asyncio.gather(self.pipeline.close(), self.stop_lane.close())
-
-    async def _end_sampling(self) -> None:
-        self.media_feature.sampler.close()
 
     def _idle(self) -> list[Robot]:
         """Return the robots that carry out nothing; none while a stop is being measured."""

@@ -15,16 +15,14 @@ from rosic.organiser.refusals import CLOCK_SET_BACK
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
 
-    from rosic.app.access import AccessFeature
-    from rosic.app.data_feature import DataFeature
-    from rosic.app.features import FeatureSetup
-    from rosic.app.policy import PolicyEnforcer
+    from rosic.app.features import Features
     from rosic.app.settings import GatewaySettings
     from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
     from rosic.core.policy.permissions import Permissions
     from rosic.core.records import Fact
     from rosic.core.robot.profile import Profile, RobotId
+    from rosic.gateway.feature import Kernel
 
 EVERY_S = 60.0
 # A right that ends ends what moves under it within a second.
@@ -34,31 +32,25 @@ log = logging.getLogger("rosic.minding")
 
 
 class Maintenance:
-    """One task for all of it."""
+    """One task for all of it.
+
+    Args:
+        daily: Done once a day.
+    """
 
     def __init__(
-        self,
-        access: AccessFeature,
-        enforcer: PolicyEnforcer,
-        features: FeatureSetup,
-        data_feature: DataFeature,
-        clock: Clock,
-        daily: Callable[[], Awaitable[None]],
+        self, kernel: Kernel, features: Features, daily: Callable[[], Awaitable[None]]
     ) -> None:
-        self._daily = daily
-        self._data_feature = data_feature
-        self._day_ns = clock.monotonic_ns()
-        self._access = access
-        self._authority, self._enforcer = enforcer.policy, enforcer
-        self._features = features
-        self._clock = clock
+        self._kernel, self._features, self._daily = kernel, features, daily
+        self._access, self._clock = kernel.access, kernel.clock
+        self._enforcer, self._authority = kernel.enforcer, kernel.enforcer.policy
+        self._day_ns = self._clock.monotonic_ns()
         self._behind = False
         self._woken = asyncio.Event()
-        enforcer.policy.when_changed.connect(self._woken.set)
+        self._authority.when_changed.connect(self._woken.set)
 
     async def run(self) -> None:
         """Mind until cancelled. What fails is logged and tried again."""
-        self._features.live_cards.run()
         while True:
             self._woken.clear()
             try:
@@ -101,10 +93,8 @@ class Maintenance:
                     *access.counters.due(),
                 )
             )
-        self._features.granting.announce(over)
-        await self._features.admitting.lapse()
-        await self._features.request_commands.lapse()
-        await self._data_feature.finish()
+        self._kernel.shared.grants_ended.emit(over)
+        await self._features.each_minute()
         if self._clock.monotonic_ns() >= self._day_ns:
             await self._daily()
             self._day_ns = self._clock.monotonic_ns() + DAY_NS
@@ -118,8 +108,7 @@ class Maintenance:
                 "what has ended stays ended, and nothing new moves. See: rosic clock",
                 behind_s,
             )
-            features = self._features
-            features.reach.tell(features.admins(), CLOCK_SET_BACK, urgent=True)
+            self._kernel.reach.tell(self._kernel.admins(), CLOCK_SET_BACK, urgent=True)
         self._behind = behind
 
 

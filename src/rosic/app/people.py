@@ -16,6 +16,7 @@ from rosic.core.identity import (
     PrincipalId,
 )
 from rosic.core.records import Enrolled, KeyIssued, Letter, Memory, PersonRecord, Record, Seeded
+from rosic.gateway.access_registry import person_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
 
 _encode_card = msgspec.msgpack.Encoder().encode
-_decode_card = msgspec.msgpack.Decoder(PersonRecord).decode
 
 
 class ConfiguredPerson(msgspec.Struct, frozen=True):
@@ -45,14 +45,6 @@ def remember(authoriser: Authoriser, memory: Memory) -> dict[PrincipalId, tuple[
         authoriser.directory.add_key(key)
     good = authoriser.directory.has_good_key
     return {entry.principal: entry.roles for entry in memory.enrolled if good(entry.principal)}
-
-
-def person_of(entry: Enrolled) -> Principal:
-    """Return who became known."""
-    card = _decode_card(entry.letter.content)
-    return Principal(
-        id=entry.principal, name=card.name, roles=entry.roles, addresses=card.addresses
-    )
 
 
 async def seed(

@@ -13,7 +13,6 @@ from rosic.errors import RosicError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rosic.app.features import FeatureSetup
     from rosic.contracts.clock import Clock
 
 LOOK_EVERY_S: Final = 2.0
@@ -89,14 +88,3 @@ class RecordMonitor:
         else:
             log.warning("the files of the record are all there again")
         self._tell(lost(file) if file else BACK)
-
-
-def record_watch_of(
-    store: object, latch: object, clock: Clock, features: FeatureSetup
-) -> RecordMonitor:
-    """Return what tells the admins when a file of the record is gone."""
-
-    def tell(text: str) -> None:
-        features.reach.tell(features.admins(), text, urgent=True)
-
-    return RecordMonitor(store, latch, clock, tell)

@@ -10,7 +10,6 @@ from rosic.core.i18n import joined, said
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from rosic.app.features import FeatureSetup
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.robot import Robot
     from rosic.core.robot.profile import Profile
@@ -22,18 +21,18 @@ class RobotStartup:
 
     Args:
         says: What becomes of a robot's words once people are heard.
-        features: Knows who looks after people here, and how to reach them.
+        tell_admins: Tells whoever looks after people here.
         opened: Every robot that was opened is put here, in order.
     """
 
     def __init__(
         self,
         says: Callable[[Profile, str], None],
-        features: FeatureSetup,
+        tell_admins: Callable[[str], object],
         opened: list[Robot],
     ) -> None:
         self._says = says
-        self._features = features
+        self._tell_admins = tell_admins
         self._opened = opened
         self._waiting = True
         self._told = False
@@ -51,9 +50,6 @@ class RobotStartup:
         if self._told:
             self._tell_admins(said("All robots are prepared. From now on I listen."))
 
-    def _tell_admins(self, text: str) -> None:
-        self._features.reach.tell(self._features.admins(), text)
-
     def _mouth(self, profile: Profile) -> Callable[[str], None]:
         def says(text: str) -> None:
             if not self._waiting:
@@ -69,7 +65,7 @@ class RobotStartup:
         return says
 
 
-def warn_of_thieves(messengers: Iterable[Messenger], features: FeatureSetup) -> None:
+def warn_of_thieves(messengers: Iterable[Messenger], tell: Callable[[str], object]) -> None:
     """Have the admins told wherever they are reached that somebody else acts for a messenger.
 
     Through that messenger too: whoever has its token may take the words away again, but not from
@@ -77,7 +73,7 @@ def warn_of_thieves(messengers: Iterable[Messenger], features: FeatureSetup) -> 
     """
 
     def warn(fault: MessengerFault) -> None:
-        features.reach.tell(features.admins(), fault.sentence, urgent=True)
+        tell(fault.sentence)
 
     for messenger in messengers:
         alarm_to(messenger, warn)

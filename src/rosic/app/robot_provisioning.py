@@ -13,7 +13,6 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app.added_robots import KIND, AddRobotRequest, check_distinct, check_draft, fact_of
-from rosic.app.alert_feature import read_rules
 from rosic.app.people import ConfiguredPerson, admitted
 from rosic.app.robot_startup import stops_of
 from rosic.config.plugins import demand_good
@@ -26,21 +25,23 @@ from rosic.core.language import Vocabulary
 from rosic.core.order_gate import OrderGate
 from rosic.core.records import Decided
 from rosic.errors import ConfigurationError, NotUnderstood, RosicError
+from rosic.features.alerts.evaluator import read_rules
+from rosic.features.fleet import FleetFeature, robot_messages
 from rosic.features.fleet import added_robot_messages as words
-from rosic.features.fleet import robot_messages
+from rosic.features.robot_to_robot import RobotToRobotFeature
 from rosic.gateway.robot_registry import AddedRobot
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from rosic.app.added_robots import ProfileDraft
     from rosic.app.gateway_parts import RunningGateway
-    from rosic.app.policy import PolicyPreview
     from rosic.app.settings import GatewayParts
     from rosic.contracts.robot import Robot
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Memory, Record
     from rosic.core.robot.profile import Profile, RobotId
+    from rosic.gateway.policy_service import PolicyPreview
+    from rosic.gateway.robot_registry import ProfileDraft
 
 OPENS_WITHIN_S = 30.0
 CLOSES_WITHIN_S = 0.5
@@ -131,7 +132,7 @@ class RobotProvisioning:
         return profile, advice
 
     def _standing(self, robot: str) -> FleetMembership:
-        return self._gateway.features.fleet.dispatching.fleet.standing(robot)
+        return self._gateway.features.get(FleetFeature).dispatching.fleet.standing(robot)
 
     async def close(self) -> None:
         """Add nobody any more. What is on the record is added by the next start."""
@@ -237,7 +238,7 @@ class RobotProvisioning:
         Raises:
             NotUnderstood: Why not.
         """
-        profile, among = robot.profile, self._gateway.among
+        profile, among = robot.profile, self._gateway.features.get(RobotToRobotFeature).messaging
         if isinstance(robot, PeerRobot):
             among.stand_by(profile.id, robot)
         try:

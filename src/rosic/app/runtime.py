@@ -5,20 +5,25 @@ from __future__ import annotations
 import asyncio
 import gc
 from datetime import datetime, tzinfo
-from typing import TYPE_CHECKING, Any, TypeVar
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from rosic.core.fleet.candidates import fits
 from rosic.core.fleet.task import FleetMembership
 from rosic.core.rate_limit import RateLimit
 from rosic.core.time_units import SECOND_NS
+from rosic.features.fleet import FleetFeature
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine
 
     from rosic.app.gateway import Gateway
     from rosic.contracts.clock import Clock
+    from rosic.contracts.renderer import Renderer
     from rosic.core.fleet.task import Task
     from rosic.core.order_status import Face
+    from rosic.core.robot.view import Drawing, Scene, Subject
 
 
 # ---- whether all has ended ----
@@ -63,13 +68,13 @@ async def _until(holds: Callable[[], bool], clock: Clock, seconds: float) -> boo
 
 def tasks_go_on(gateway: Gateway) -> bool:
     """Whether a task is carried out, or could be without anybody saying anything more."""
-    fleet = gateway.features.fleet.dispatching.fleet
+    fleet = gateway.features.get(FleetFeature).dispatching.fleet
     return bool(fleet.holds) or any(_begins(gateway, fleet.tasks[key]) for key in fleet.waiting)
 
 
 def _begins(gateway: Gateway, task: Task) -> bool:
     """Whether some robot will begin a task once it is free; one that is stopped never is."""
-    rooms, fleet = gateway.rooms, gateway.features.fleet
+    rooms, fleet = gateway.rooms, gateway.features.get(FleetFeature)
     state, candidate = fleet.dispatching.fleet, fleet.watching.candidate
     return state.ready(task) and any(
         not rooms.board[robot].latched
@@ -141,3 +146,24 @@ def face_of(zone: tzinfo | None = None) -> Face:
         return shown
 
     return face
+
+
+# ---- pictures ----
+
+
+def renderer() -> Renderer | None:
+    """Return who draws; None where Pillow is not installed.
+
+    Nothing of it is loaded before the first picture is drawn.
+    """
+    return None if find_spec("PIL") is None else _draw
+
+
+def _draw(subject: Subject, *, low: bool = False, say: Callable[[str], str] = str) -> Drawing:
+    draw = cast("Renderer", import_module("rosic.rendering.draw").draw)
+    return draw(subject, low=low, say=say)
+
+
+def jpeg_drawer() -> Callable[[Scene], bytes] | None:
+    """Return what draws the frames of simulated cameras; None where Pillow is not installed."""
+    return None if renderer() is None else lambda scene: _draw(scene, low=True).content

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.added_robots import AddRobotRequest, ProfileDraft
+from rosic.app.added_robots import AddRobotRequest
 from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.app.admin.control_client import NotRunning
 from rosic.app.setup.discovery import LOOK_S, discover
@@ -22,6 +22,7 @@ from rosic.config.profiles import check_profile, find_profile, known_units, read
 from rosic.config.source_map import read_text
 from rosic.config.yaml_source import read_yaml
 from rosic.errors import ConfigurationError, Fault
+from rosic.gateway.robot_registry import ProfileDraft
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
-from rosic.config.missions import fleet_of, rulebook_of
+from rosic.config.missions import rulebook_of
 from rosic.config.profile_fields import NAMED
 from rosic.container.file_messages import MB
 from rosic.container.files import FILES_MOST, PERSON_BYTES, PLACE_BYTES, FileQuota
@@ -20,8 +20,9 @@ from rosic.contracts.file_rules import (
     ValidationFinding,
     nearest,
 )
-from rosic.core.identity import Address
+from rosic.core.identity import ROBOT, Address
 from rosic.core.policy.limits import unit_converter
+from rosic.core.policy.permissions import fleet_of
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, SkillPrecondition
 from rosic.core.policy.validation import rulebook_mistakes
 from rosic.core.rate_limit import RateLimit, parse_rate
@@ -364,3 +365,31 @@ def rule_findings(
         if place and place[0] == "preempt":
             place = ("gateway", *place)
         yield ValidationFinding(place, mistake.sentence, mistake.hint)
+
+
+def author_findings(file: ConfigFile, robots: Iterable[Profile]) -> Iterator[ValidationFinding]:
+    """Find rules that run something as somebody whom the configuration does not name."""
+    known = {person.name.casefold() for person in file.principal}
+    for index, profile in enumerate(robots):
+        for alert in profile.alerts:
+            if alert.author and alert.author.casefold() not in known:
+                yield ValidationFinding(
+                    ("robot", index, "profile"),
+                    f"The rule {alert.name!r} of {profile.id} runs as {alert.author}, and nobody "
+                    "here is called so.",
+                    "Give 'as' the name of a [[principal]].",
+                )
+
+
+def robot_findings(file: ConfigFile, robots: Iterable[Profile]) -> Iterator[ValidationFinding]:
+    """Find principals that are robots which are not there."""
+    known = {profile.id for profile in robots}
+    for index, person in enumerate(file.principal):
+        for address in (person.address, *person.addresses):
+            platform, _, robot = address.partition(":")
+            if platform == ROBOT and robot not in known:
+                yield ValidationFinding(
+                    ("principal", index),
+                    f"{person.name} is to be the robot {robot}, and there is no such [[robot]].",
+                    f"There are: {', '.join(sorted(known)) or 'none'}.",
+                )

@@ -14,10 +14,9 @@ from rosic.config.yaml_source import read_yaml
 from rosic.contracts.file_rules import Field, FieldForm, NumberBounds, Rules, ValidationFinding
 from rosic.core.fleet.mission import InvalidMission, Mission, MissionPart, lay_out
 from rosic.core.fleet.task import PRIORITIES
-from rosic.core.language import Vocabulary, skills_of
+from rosic.core.language import Vocabulary
 from rosic.core.language.command import NO_COMMANDS
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
-from rosic.core.policy.scope import Fleet
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -110,17 +109,6 @@ class Missions:
 
 
 # ---- the configured policy ----
-
-
-def fleet_of(profiles: Iterable[Profile]) -> Fleet:
-    """Return the robots there are, as rights see them."""
-    groups: dict[str, list[str]] = {}
-    skills = {}
-    for profile in profiles:
-        skills[profile.id] = skills_of(profile)
-        for group in profile.groups:
-            groups.setdefault(group, []).append(profile.id)
-    return Fleet(skills=skills, groups={name: tuple(some) for name, some in groups.items()})
 
 
 def rulebook_of(

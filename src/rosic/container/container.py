@@ -129,7 +129,7 @@ class Containers:
     """One container per principal and per robot, and the record behind them.
 
     Attributes:
-        usual: Returns the robot that somebody means where they chose none; None: nobody has any.
+        usual: Returns the robot that somebody means where they chose none; empty for none.
         here: Returns the robot that a part of a chat is about; empty for none.
     """
 
@@ -139,13 +139,14 @@ class Containers:
         store: Store,
         clock: Clock,
         numbers: Mapping[RobotId, int],
+        usual: Callable[[PrincipalId], str],
     ) -> None:
         self._vocabularies = vocabularies
         self._store = store
         self._bounded = BoundedWriter(store, clock)
         self._clock = clock
         self.here: Deferred[[Chat], str] = Deferred(_nowhere)
-        self.usual: Callable[[PrincipalId], str] | None = None
+        self.usual = usual
         self._people: dict[PrincipalId, PersonContainer] = {}
         self._there: Counter[bytes] = Counter()
         self._unwritten: OrderedDict[CommandId, None] = OrderedDict()
@@ -344,7 +345,7 @@ class Containers:
         container = self._people.get(principal)
         chosen = container.selected(chat_digest(chat)) if container is not None else ""
         chosen = chosen or (self.here(chat) if chat.topic else "")
-        return chosen or ("" if self.usual is None else self.usual(principal))
+        return chosen or self.usual(principal)
 
     def forget(self, principal: PrincipalId) -> None:
         """Let somebody's choices go: they are erased."""

@@ -10,7 +10,7 @@ from rosic.core.order import Order, Outcome, RestReport, StageReport, Stop
 if TYPE_CHECKING:
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.file_transfer import FileForRobot, Receipt
-    from rosic.core.robot.profile import Presence, Profile, RobotId
+    from rosic.core.robot.profile import Files, Presence, Profile, RobotId
     from rosic.core.robot.view import View, ViewKind
 
 
@@ -194,4 +194,30 @@ class DescribesTelemetry(Protocol):
 
     def guessed(self) -> tuple[str, ...]:
         """Return which values were taken for per cent, as they are no fractions of 1."""
+        ...
+
+
+class FileFolders(Protocol):
+    """Inboxes and outboxes of robots: folders that profiles name. Each raises RobotUnreachable."""
+
+    def add_robot(self, robot: RobotId, files: Files) -> None:
+        """Know the folders of one more robot."""
+        ...
+
+    def path(self, robot: RobotId, name: str) -> str:
+        """Return where a file of an inbox lies; empty where there is none."""
+        ...
+
+    async def put(
+        self, robot: RobotId, name: str, pieces: AsyncGenerator[bytes], digest: bytes
+    ) -> bool:
+        """Put a file there, whole; False when there is one of that name."""
+        ...
+
+    async def names(self, robot: RobotId, most: int) -> tuple[tuple[str, int, int], ...]:
+        """Return name, size and time (ns) of what there is, the newest first."""
+        ...
+
+    def read(self, robot: RobotId, name: str) -> AsyncGenerator[bytes]:
+        """Yield a file's content, piece by piece."""
         ...

@@ -286,9 +286,8 @@ class BuiltinCommands:
         """Return what somebody chose here themselves; empty where only a usual one is meant."""
         container = self._container
         chosen = container.selected(principal, chat)
-        meant_anyhow = (container.here(chat) if chat.topic else "") or (
-            "" if container.usual is None else container.usual(principal)
-        )
+        here = container.here(chat) if chat.topic else ""
+        meant_anyhow = here or container.usual(principal)
         return "" if chosen == meant_anyhow else chosen
 
     def _shown(self, caller: Caller, chat: Chat, name: str) -> Reply:

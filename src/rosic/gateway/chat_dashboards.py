@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable
 from hashlib import blake2b
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeAlias
+
+from rosic.core.message import Outbound
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
     from rosic.core.message import Chat
     from rosic.core.records import Fact
     from rosic.core.robot.profile import RobotId
+    from rosic.gateway.commands import CommandContext
 
 
 class ChatDashboard(Protocol):
@@ -84,6 +88,48 @@ class ChatDashboards(Protocol):
         Raises:
             RecordUnavailable: It is not over.
         """
+        ...
+
+
+Deliver: TypeAlias = Callable[[int, Outbound], Awaitable[None]]
+
+
+class CameraPreview(Protocol):
+    """Looks at robots that may be looked at."""
+
+    def offers(self, robot: RobotId) -> bool:
+        """Whether its profile opens its camera to people, and pictures can be drawn here."""
+        ...
+
+    def look(
+        self, asked: CommandContext, robot: RobotId, deliver: Deliver, *, unasked: bool = False
+    ) -> None:
+        """Begin to make a picture, and hand over when it was taken (wall clock), and how it looks.
+
+        Only if whoever asked may still look then.
+
+        Args:
+            asked: By whom, where.
+            robot: At which robot.
+            deliver: Takes it.
+            unasked: Nobody has asked for just this one: where there is none, nothing is said, and
+                it keeps nobody's from being made.
+
+        Raises:
+            Refusal: Not now; nothing was begun.
+        """
+        ...
+
+
+class FleetStatus(Protocol):
+    """What is known of a fleet: its robots, and the tasks they have."""
+
+    def settled(self, robots: Sequence[RobotId]) -> tuple[object, ...]:
+        """Return what does not change all the time: while it is the same, so is the fleet."""
+        ...
+
+    def lines(self, robots: Sequence[RobotId], wall_ns: int, who: PrincipalId) -> Iterable[str]:
+        """Return what there is to say about some robots and their tasks, for somebody to read."""
         ...
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rosic.core.i18n import said
 from rosic.organiser.organiser import NOTHING, AuthContext
 
 if TYPE_CHECKING:
-    from rosic.core.identity import Caller
+    from rosic.core.identity import Caller, PrincipalId
     from rosic.core.order_status import Face
+    from rosic.core.robot.profile import RobotId
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.delivery.sender import ChatSender
     from rosic.gateway.end_buttons import EndButtons
@@ -28,6 +29,24 @@ class OrderServices(NamedTuple):
     reach: Notifier
     face: Face
     ends: EndButtons
+
+
+class AlertTasks(Protocol):
+    """Whoever keeps the tasks of a fleet. A refusal says that nothing was changed."""
+
+    async def pause(self, robot: RobotId, by: PrincipalId, why: str) -> bool:
+        """Pause the task of a robot; it comes to rest. False: it has none.
+
+        Raises:
+            Refusal: Why not.
+        """
+
+    async def reallocate(self, robot: RobotId, by: PrincipalId, why: str) -> None:
+        """Give the task of a robot to another, which was stopped first.
+
+        Raises:
+            Refusal: It has none, or nobody else can.
+        """
 
 
 class AutomatedRequester:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rosic.core.i18n import said
 from rosic.core.language.compiled import fold
@@ -49,6 +49,20 @@ class RobotArgumentContext(Protocol):
     @property
     def sides(self) -> RobotArgumentQueries:
         """Return what other rooms say."""
+
+
+class RoomQueries(NamedTuple):
+    """What the rooms say of who asks."""
+
+    visible: Callable[[PrincipalId], frozenset[RobotId]]
+    selected: Callable[[PrincipalId, Chat], str]
+
+
+class RobotArgumentParts(NamedTuple):
+    """What names are found with, as the rooms know it."""
+
+    vocabularies: VocabularyHolder
+    sides: RoomQueries
 
 
 class RobotArgument:

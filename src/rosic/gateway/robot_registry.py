@@ -7,7 +7,8 @@ signal and is told when every room knows.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Final, Protocol
 
 import msgspec
 
@@ -16,9 +17,16 @@ from rosic.core.robot.profile import Profile
 from rosic.core.signal import Signal
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosic.core.identity import PrincipalId
     from rosic.core.language import Vocabulary
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.components import Components
+
+
+TEXT_BYTES: Final = 131_072
+DIGEST_BYTES: Final = 16
 
 
 class AddedRobot(msgspec.Struct, frozen=True, kw_only=True):
@@ -36,6 +44,52 @@ class AddedRobot(msgspec.Struct, frozen=True, kw_only=True):
     number: int
     fence: int
     stop: tuple[int, bool]
+
+
+class ProfileDraft(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+    """A profile as it was handed over; also the body of the fact.
+
+    Attributes:
+        text: What stands in the file.
+        name: Of the file, without its folder, for saying where something is wrong.
+        link: Reach the robot by this adapter, whatever the file says; empty: as it says.
+    """
+
+    text: str
+    name: str
+    link: str = ""
+
+    @property
+    def digest(self) -> bytes:
+        """What stands for it in the log of decisions."""
+        return blake2b(self.encoded(), digest_size=DIGEST_BYTES).digest()
+
+    def encoded(self) -> bytes:
+        """Return the body of the fact that makes the robot known to every later start."""
+        return _encode(self)
+
+
+_encode = msgspec.msgpack.Encoder().encode
+
+
+class RobotAdder(Protocol):
+    """Adds robots to a gateway that runs."""
+
+    async def check(self, draft: ProfileDraft, role: str = "") -> tuple[Profile, Sequence[str]]:
+        """Return the robot of a profile that nobody would take for another, and advice about it.
+
+        Raises:
+            NotUnderstood: Everything that is wrong with it.
+        """
+        ...
+
+    async def add(self, draft: ProfileDraft, by: PrincipalId, role: str = "") -> str:
+        """Add a robot. Return what is said of it.
+
+        Raises:
+            Refusal: Why not. Nothing was changed.
+        """
+        ...
 
 
 class RobotRegistry:

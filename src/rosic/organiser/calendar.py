@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from hashlib import blake2b
 from itertools import chain, count, islice
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import msgspec
 
@@ -33,22 +33,34 @@ if TYPE_CHECKING:
 Named: TypeAlias = Callable[[str], str]
 
 
+class CalendarNames(NamedTuple):
+    """What is called how in sentences about times.
+
+    Attributes:
+        name_of: A principal's name.
+        shown_of: A robot's title.
+        zone_of: The IANA zone in which a principal reads times.
+    """
+
+    name_of: Named
+    shown_of: Named
+    zone_of: Named
+
+
 class Calendar(CalendarIndex):
     """The slots of all robots, and what may be booked or moved by whom.
 
     Attributes:
         limits: What may be booked.
-        name_of: A principal's name, for sentences.
-        shown_of: A robot's title, for sentences.
-        zone_of: The IANA zone in which a principal reads times.
+        name_of, shown_of, zone_of: As in `CalendarNames`.
     """
 
-    def __init__(self, clock: Clock, limits: SeriesLimits | None = None) -> None:
+    def __init__(
+        self, clock: Clock, names: CalendarNames, limits: SeriesLimits | None = None
+    ) -> None:
         self.limits = limits or SeriesLimits()
         super().__init__(clock, self.limits.warnings_s)
-        self.name_of: Named = str
-        self.shown_of: Named = str
-        self.zone_of: Named = lambda _: UNIVERSAL
+        self.name_of, self.shown_of, self.zone_of = names
         self._count = count()
 
     # ---- booking ----

@@ -14,7 +14,6 @@ import msgspec
 from msgspec.structs import replace as renewed
 
 from rosic.contracts.clock import Clock
-from rosic.core.i18n import said
 from rosic.core.identity import Caller, KeyId, PrincipalId
 from rosic.core.lease import Lease, Leases
 from rosic.core.order import FOREVER_NS, Order, Permit, Request
@@ -23,6 +22,7 @@ from rosic.core.policy.query import Deny, PolicyState, Query
 from rosic.core.policy.roles import Assurance, StepRequired
 from rosic.core.robot.skill import Argument
 from rosic.errors import NotPermitted, RobotStopped, TimeInDoubt
+from rosic.organiser.calendar_messages import moment
 from rosic.organiser.rate_limits import person_full
 from rosic.organiser.refusals import CLOCK_SET_BACK, LOCKED, RefusalBuilder
 
@@ -101,8 +101,6 @@ class AccessState(NamedTuple):
 
 # ---- CHECKPERMISSIONS of Algorithm 1 ----
 
-Moment: TypeAlias = Callable[[PrincipalId, int], str]
-NameOf: TypeAlias = Callable[[PrincipalId], str]
 ArgumentsOf: TypeAlias = Callable[[Request], Mapping[str, Argument]]
 AuthContextOf: TypeAlias = Callable[[], AuthContext]
 
@@ -113,6 +111,7 @@ class Organiser:
     Attributes:
         locked, narrow, key_of, own_limits: As in `AccessState`.
         calendar: Whose time it is.
+        name_of: How somebody is called in sentences.
         leases: Who has each robot.
         lease_idle_s: How long a robot stays somebody's after the last order ended.
         rates: How much may be asked of and by whom.
@@ -135,8 +134,7 @@ class Organiser:
         self.own_limits = access.own_limits
         self._locked_out, self._released = access.locked_out, access.released
         self.lease_idle_s, self.wall_ns = lease_idle_s, clock.wall_ns
-        self.name_of: NameOf = str
-        self.moment: Moment = lambda _who, _at_ns: said("some time ago")
+        self.name_of = access.calendar.name_of
         self._slots: dict[RobotId, SlotRule] = {}  # of every robot
         self._stops, self._clock = stops, clock
         self.rates, self._idle_ns = rates, int(lease_idle_s * 1e9)
@@ -152,6 +150,10 @@ class Organiser:
     def rights(self) -> Permissions:
         """Return the present snapshot of the policy in force."""
         return self._policy.rights
+
+    def moment(self, who: PrincipalId, at_ns: int) -> str:
+        """Return a time as it is said to somebody today, in their zone."""
+        return moment(at_ns, self.wall_ns(), self.calendar.zone(who))
 
     @property
     def in_doubt(self) -> bool:

@@ -156,9 +156,11 @@ class WaitingList:
         shown_of: A robot's title, for sentences.
     """
 
-    def __init__(self, clock: Clock, limits: WaitingLimits | None = None) -> None:
+    def __init__(
+        self, clock: Clock, shown_of: Callable[[RobotId], str], limits: WaitingLimits | None = None
+    ) -> None:
         self.limits = limits or WaitingLimits()
-        self.shown_of: Callable[[RobotId], str] = str
+        self.shown_of = shown_of
         self._clock = clock
         self._keys: dict[str, QueueEntry] = {}
         self._queues: dict[RobotId, list[QueueEntry]] = {}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet.mission import Mission, MissionPart
+from rosic.features.fleet import FleetFeature
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.scenarios.robots import several
 from rosic_sim.scenarios.scenario import Person, Scenario
@@ -41,7 +42,7 @@ async def _script(stage: ScenarioRunner) -> None:
     stage.aside("A warehouse manager has three carriers, and four errands for any that can.")
     for number, task in enumerate(TASKS, 1):
         await stage.says(MANAGER, f"/task carriers {task}", hears=f"Task {number}: ")
-    tasks = stage.gateway.features.fleet.dispatching.fleet.tasks
+    tasks = stage.gateway.features.get(FleetFeature).dispatching.fleet.tasks
     victim = await stage.until(
         lambda: tasks["2"].robot if tasks["2"].done == 1 else "", "Task 2 did not get on"
     )

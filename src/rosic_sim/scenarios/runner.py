@@ -14,12 +14,11 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import msgspec
 
 from rosic.app.admin.dispatch import AdminDispatcher
-from rosic.app.alert_feature import renderer
 from rosic.app.closing import close_in_time, on_signals
 from rosic.app.console import read_at
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.app.people import ConfiguredPerson
-from rosic.app.runtime import PIPED, face_of, until_done, until_quiet
+from rosic.app.runtime import PIPED, face_of, renderer, until_done, until_quiet
 from rosic.config.plugins import robot_factory
 from rosic.config.profiles import known_units
 from rosic.core.identity import ROBOT, Address

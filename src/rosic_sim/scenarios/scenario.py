@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
 from rosic.app.admin.dispatch import AdminDispatcher
 from rosic.app.runtime import until_quiet
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
+from rosic.features.fleet import FleetFeature
 from rosic.messengers.memory import MemoryMessenger
 from rosic_sim.robots.simulation_loop import simulation_of
 from rosic_sim.scenarios.recording_store import counted
@@ -272,7 +273,7 @@ class ScenarioRunner:
         yield from (f"  {line}" for line in AdminDispatcher(self.gateway).status())
 
     def _tasks(self) -> Iterator[str]:
-        fleet = self.gateway.features.fleet
+        fleet = self.gateway.features.get(FleetFeature)
         for task in fleet.dispatching.fleet.tasks.values():
             steps = f"{task.done} of {counted(task.steps, 'step')} done"
             moved = f", moved {counted(task.moves, 'time')}" if task.moves else ""

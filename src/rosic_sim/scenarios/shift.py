@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
+from rosic.features.fleet import FleetFeature
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.scenarios.robots import several
 from rosic_sim.scenarios.scenario import Person, Scenario
@@ -33,7 +34,7 @@ async def _script(stage: ScenarioRunner) -> None:
     stage.aside("What is not theirs does not exist for them. Tasks find a robot that is free.")
     await stage.says(SOUTH, "/task south goto x=1 y=-0.6 then goto x=0 y=-0.6", hears="Task 1: ")
     await stage.says(NORTH, LONG, hears="Task 2: ")
-    tasks = stage.gateway.features.fleet.dispatching.fleet.tasks
+    tasks = stage.gateway.features.get(FleetFeature).dispatching.fleet.tasks
     await stage.until(lambda: tasks["2"].robot, "Task 2 did not begin")
     stage.aside(
         "The day is over. The south manager could do nothing with the north's task, so it is not "

@@ -6,6 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
+from rosic.features.fleet import FleetFeature
 from rosic_sim.robots.machines.field_robots import Rover
 from rosic_sim.scenarios.robots import several, shipped
 from rosic_sim.scenarios.scenario import Person, Scenario
@@ -38,7 +39,7 @@ async def _script(stage: ScenarioRunner) -> None:
     stage.aside("The rovers have a look, each on its own way.")
     await stage.says(LEADER, "/task rovers goto x=3.5 y=0.5", hears="Task 1: ")
     await stage.says(LEADER, "/task rovers goto x=3.5 y=-0.5", hears="Task 2: ")
-    tasks = stage.gateway.features.fleet.dispatching.fleet.tasks
+    tasks = stage.gateway.features.get(FleetFeature).dispatching.fleet.tasks
     stuck = await stage.until(lambda: tasks["1"].robot, "Task 1 did not begin")
     helper = await stage.until(lambda: tasks["2"].robot, "Task 2 did not begin")
     await _gets_help(stage, stuck, helper)

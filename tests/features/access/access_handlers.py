@@ -12,10 +12,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.access import AccessFeature, authoriser_of, nothing_kept
 from rosic.app.commands import command_table
 from rosic.app.people import remember
-from rosic.app.policy import PolicyService
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.profiles import known_units
 from rosic.container.container import Containers
@@ -34,9 +32,10 @@ from rosic.features.access.context import AccessContext
 from rosic.features.access.invite import InviteCommands
 from rosic.features.access.join import JoinHandler
 from rosic.features.access.newcomer_chat import NewcomerChat
-from rosic.features.access.profile_commands import AccountCommands
+from rosic.features.access.profile_commands import AccountCommands, PendingRequests
 from rosic.features.access.revoke_lock import AccessNotices, RevokeLockCommands
 from rosic.features.access.second_factor import SecondFactorCommands
+from rosic.gateway.access_registry import AccessRegistry, PlaceNames, authoriser_of, nothing_kept
 from rosic.gateway.agreement import ActPart, ResolvedAct
 from rosic.gateway.commands import CommandContext, CommandRegistry, Reply
 from rosic.gateway.confirmation import Confirmation
@@ -44,6 +43,7 @@ from rosic.gateway.delivery.notifier import Notifier, nobody_to_tell
 from rosic.gateway.delivery.outbox import Outbox
 from rosic.gateway.delivery.redaction import SecretRedaction
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
+from rosic.gateway.policy_service import PolicyService
 from rosic.gateway.replies import LEAVE
 from rosic.messengers.memory import MemoryMessenger
 from rosic.organiser.grants import GRANT
@@ -52,6 +52,7 @@ from rosic.organiser.rate_limits import RateLimits
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock, SeededEntropy, settle
 from tests.gateway.place import FLEET, BrokenStore
+from tests.organiser.booking import UNNAMED
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
@@ -118,8 +119,13 @@ class Hall:
         rulebook = RoleRules(roles=ROLES)
         self.authority = PolicyService(rulebook, FLEET, known_units(), self.clock, lambda _who: ())
         self.board = StopRegistry([profile.id for profile in FLEET], {}, not_known_yet())
-        self.access = AccessFeature(
-            self.authoriser, self.authority, self.store, entropy, "lab", self.board
+        self.access = AccessRegistry(
+            self.authoriser,
+            self.authority,
+            self.store,
+            entropy,
+            self.board,
+            PlaceNames("lab", UNNAMED),
         )
         self.changes, self.time = self.access.changes, self.access.time
         self.counters, self.locks, self.keys = (
@@ -138,7 +144,7 @@ class Hall:
             lease_idle_s=30.0,
         )
         vocabularies = VocabularyHolder(Vocabulary.build(FLEET, known_units(), command_table()))
-        containers = Containers(vocabularies, self.store, self.clock, {})
+        containers = Containers(vocabularies, self.store, self.clock, {}, usual=lambda _: "")
         self.chat_sender = ChatSender(containers, self.clock, nobody_to_tell)
         self.outbox = Outbox(self.store, self.clock, entropy, self.chat_sender)
         self.reader = LanguageReader(vocabularies)
@@ -191,7 +197,7 @@ class Hall:
         about = AccountCommands(
             registry,
             self.admin_policy,
-            self.admitting,
+            PendingRequests(self.admitting, None),
             slots=lambda _: self.slots,
             shown=lambda robot: robot.upper(),
         )

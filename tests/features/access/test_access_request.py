@@ -6,6 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.authoriser.invitations import InvitedRights
+from rosic.features.access import AccessFeature
 from rosic.organiser.access_requests import MOST_AN_HOUR, MOST_OPEN
 from rosic.stores.memory import MemoryStore
 from tests.features.access.access_gateway import ADA, BO, EVE, TIM, VI, House, house
@@ -74,7 +75,7 @@ async def test_who_gives_rights_on_a_part_of_a_group_is_not_asked_for_all_of_it(
     async with house() as place:
         rights = place.gateway.authority.rights
         tim = place.gateway.rooms.authoriser.directory.named("Tim")[0].id
-        admin_policy = place.gateway.features.request_commands._admin_policy
+        admin_policy = place.gateway.features.get(AccessFeature).request_commands._admin_policy
         one = InvitedRights(scopes=("kuka1:wave",))
         assert admin_policy.may_give(tim, one)
         assert rights.fleet.robots("*") != ("kuka1",)
@@ -382,7 +383,7 @@ async def test_what_is_allowed_is_what_was_asked_about() -> None:
             "Vi can ask again."
         )
         assert not place.gateway.authority.grants_book.grants_of(access_request.principal)[1:]
-        await place.gateway.features.request_commands.lapse()
+        await place.gateway.features.get(AccessFeature).request_commands.lapse()
         await place.quiet()
         assert place.newest(VI).text.startswith("What you asked for is void: ")
         assert not place.gateway.access.access_requests.open()
@@ -395,7 +396,7 @@ async def test_what_an_older_version_wrote_is_void_and_that_is_said() -> None:
         [access_request] = access_requests.open()
         access_requests._known[access_request.id] = replace(access_request, digest=b"")
         assert "Vi can ask again." in await place.press(ADA, "Allow 1 h")
-        await place.gateway.features.request_commands.lapse()
+        await place.gateway.features.get(AccessFeature).request_commands.lapse()
         await place.quiet()
         assert place.newest(VI).text == (
             "What you asked for is void: wave on omni, for 1 h. The roles or robots, or ROSIC "

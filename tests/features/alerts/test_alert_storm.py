@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.robot.alert_config import AlertConfig, Severity
 from rosic.core.robot.profile import Link, Profile, Telemetry
+from rosic.features.alerts import AlertFeature
 from rosic.features.alerts.recipients import ALONE, WINDOW_NS
 from rosic.stores.memory import MemoryStore
 from tests.features.alerts.test_alerts import heard, say
@@ -60,7 +61,7 @@ def low(here: Place, robots: int, battery: float = 10.0) -> None:
 
 
 def unseen(here: Place) -> set[str]:
-    following = here.gateway.alarms.alerting.following
+    following = here.gateway.features.get(AlertFeature).alerting.following
     return {f.rule.key for row in following.values() for f in row if f.unseen}
 
 
@@ -152,7 +153,7 @@ async def test_what_was_not_told_before_a_crash_is_told_after_it() -> None:
     async with first.open() as here:
         low(here, 30)
         await heard(here, 2)
-        here.gateway.alarms.alerting.telling.close = lambda: None  # type: ignore[method-assign]
+        here.gateway.features.get(AlertFeature).alerting.telling.close = lambda: None  # type: ignore[method-assign]
     second = Place(store, fleet=fleet(30))
     second.clock.jump_wall((first.clock.wall_ns() - second.clock.wall_ns()) / 1e9)
     async with second.open() as here:

@@ -11,6 +11,7 @@ from msgspec.structs import replace
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Reaction
 from rosic.errors import MessengerFault
+from rosic.features.alerts import AlertFeature
 from rosic.features.alerts.active_alerts import (
     TOLD,
     ActiveAlert,
@@ -123,7 +124,7 @@ async def test_it_counts_within_the_rights_of_who_reacted_at_that_moment() -> No
 async def test_who_may_only_look_is_told_once_why_it_does_not_count() -> None:
     async with alarmed() as here:
         chat, message = Chat("memory", VI), "m-vi"
-        alerting = here.gateway.alarms.alerting
+        alerting = here.gateway.features.get(AlertFeature).alerting
         told = alerting.telling.placed.of(here.chat, Chat("memory", BO), alarm_of(here, BO))
         assert told
         alerting.telling.placed.note(told, here.chat, chat, message)

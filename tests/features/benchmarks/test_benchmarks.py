@@ -13,6 +13,7 @@ from rosic.core.robot.benchmark import Benchmark, ErrorBound
 from rosic.core.robot.profile import Profile, Telemetry
 from rosic.core.robot.skill import Parameter, SkillClass
 from rosic.core.robot.view import Pose
+from rosic.features.alerts import AlertFeature
 from rosic.robots.ros2.profile import ParametersBinding, PoseSource, Ros2Skill, ServiceBinding
 from rosic.stores.memory import MemoryStore
 from tests.features.alerts.test_alerts import heard
@@ -200,7 +201,9 @@ async def test_a_rule_reallocates_where_there_are_tasks_and_says_so_where_there_
         told = await heard(here, 13)
         assert any("omni has no task that another robot could take." in t for t in told[ADA])
     async with place(rule).open() as here:
-        tasks = here.gateway.alarms.running.tasks = Tasks()
+        running, tasks = here.gateway.features.get(AlertFeature).alerting._running, Tasks()
+        assert running is not None
+        running._tasks = tasks
         await begin(here)
         told = await heard(here, 13)
         assert tasks.asked == [("reallocate", "omni")]

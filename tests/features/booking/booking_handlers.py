@@ -6,7 +6,6 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.app.access import authoriser_of
 from rosic.app.commands import command_table
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.profiles import known_units
@@ -22,6 +21,7 @@ from rosic.errors import NotPermitted, Refusal, RobotUnreachable, StoreFault
 from rosic.features.booking.commands import register_commands
 from rosic.features.booking.context import BookingContext, BookingQueries
 from rosic.features.booking.scheduler import BookingScheduler
+from rosic.gateway.access_registry import authoriser_of
 from rosic.gateway.cancel import BOOKING
 from rosic.gateway.commands import CommandContext, CommandRegistry
 from rosic.gateway.delivery.notifier import Notifier, nobody_to_tell
@@ -29,7 +29,7 @@ from rosic.gateway.delivery.outbox import Outbox
 from rosic.gateway.delivery.sender import ChatSender
 from rosic.gateway.transactions import Transactions
 from rosic.messengers.memory import MemoryMessenger
-from rosic.organiser.calendar import Calendar
+from rosic.organiser.calendar import Calendar, CalendarNames
 from rosic.organiser.planning.wishes import WISH, Wishes
 from rosic.organiser.wait_queue import WAITING, WaitingList
 from rosic.stores.memory import MemoryStore
@@ -134,16 +134,19 @@ class Lab:
             key = AuthorisationKey(id=f"k{who}", principal=who, issuer=ADA, issued_ns=0)
             self.authoriser.enrol(person, key)
         chat_sender = ChatSender(
-            Containers(vocabularies, self.store, clock, {}), clock, nobody_to_tell
+            Containers(vocabularies, self.store, clock, {}, usual=lambda _: ""),
+            clock,
+            nobody_to_tell,
         )
         outbox = Outbox(self.store, clock, SeededEntropy(), chat_sender)
         self.changes = Transactions(self.store)
-        self.calendar = Calendar(clock)
-        self.calendar.name_of = NAMES.__getitem__
-        self.calendar.shown_of = lambda robot: vocabularies.current.profiles[robot].shown
-        self.calendar.zone_of = lambda who: self.zone_of(who).name
-        self.waiting = WaitingList(clock)
-        self.waiting.shown_of = self.calendar.shown_of
+        names = CalendarNames(
+            name_of=NAMES.__getitem__,
+            shown_of=lambda robot: vocabularies.current.profiles[robot].shown,
+            zone_of=lambda who: self.zone_of(who).name,
+        )
+        self.calendar = Calendar(clock, names)
+        self.waiting = WaitingList(clock, names.shown_of)
         self.changes.keep(SLOT, self.calendar.apply)
         self.changes.keep(SERIES, self.calendar.apply)
         self.wishes = Wishes(clock.wall_ns)

@@ -10,6 +10,7 @@ import msgspec
 import pytest
 
 from rosic.core.message import SendPriority
+from rosic.features.dashboard import DashboardFeature
 from rosic.features.dashboard.dashboards import LOOK_S
 from rosic.features.dashboard.rendering import GROUP as IN_GROUPS
 from rosic.features.dashboard.rendering import PRIVATE
@@ -215,7 +216,7 @@ async def test_whose_message_was_deleted_is_over() -> None:
         await shown.pass_s(100)
         assert len(shown.cards()) == 1
         assert not [fact for fact in await store.facts("card", "", 10) if fact.body]
-        assert not len(shown.place.gateway.features.live_cards)
+        assert not len(shown.place.gateway.features.get(DashboardFeature).robots)
 
 
 async def test_off_ends_it_and_what_follows_it_costs_nothing() -> None:
@@ -299,7 +300,7 @@ async def test_ten_orders_between_two_looks_cost_one_edit() -> None:
 
 async def test_looking_at_hundreds_of_cards_takes_milliseconds() -> None:
     async with showing() as shown:
-        live = shown.place.gateway.features.live_cards
+        live = shown.place.gateway.features.get(DashboardFeature).robots
         for number in range(300):
             await shown.place.say("/card", chat=f"-{number + 10}", kind=GROUP["kind"])
         assert len(live) == 300

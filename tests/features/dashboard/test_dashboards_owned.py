@@ -6,6 +6,7 @@ import msgspec
 import pytest
 
 from rosic.core.robot.skill import Parameter, Skill
+from rosic.features.dashboard import DashboardFeature
 from rosic.stores.memory import MemoryStore
 from tests.gateway.place import BO, FLEET, VI
 from tests.gateway.shown_cards import GROUP, SlowMessenger, showing
@@ -83,7 +84,7 @@ async def test_a_lock_and_a_revocation_end_it_at_once(revoked: bool) -> None:
         seen = shown.place.chat.shown(shown.cards(BO)[-1])
         assert seen.text.startswith("This card has ended: whoever asked for it may see no robot")
         assert not seen.buttons
-        assert not len(shown.place.gateway.features.live_cards)
+        assert not len(shown.place.gateway.features.get(DashboardFeature).robots)
 
 
 async def test_it_goes_with_its_owner() -> None:

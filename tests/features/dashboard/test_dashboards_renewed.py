@@ -11,6 +11,7 @@ from rosic.core.message import ChatKind
 from rosic.core.robot.view import ViewKind
 from rosic.features.dashboard.dashboard import LOOKING_S, RENEWED_S
 from rosic.features.dashboard.rendering import PRIVATE
+from rosic.features.media import MediaFeature
 from rosic.stores.memory import MemoryStore
 from tests.features.dashboard.test_camera_preview import (
     Pictures,
@@ -37,7 +38,7 @@ async def pass_s(place: Booth, seconds: float) -> list[float]:
         await place.clock.advance(1.0)
         await place.quiet()
         for _ in range(30_000):  # a thread draws it
-            if place.gateway.media_feature.render_queue.quiet:
+            if place.gateway.features.get(MediaFeature).render_queue.quiet:
                 break
             await asyncio.sleep(0.001)
         await place.quiet()
@@ -130,7 +131,7 @@ async def test_whoever_asks_comes_first_and_has_as_many_as_ever() -> None:
             for _ in range(30):
                 await place.clock.advance(1.0)
                 await place.quiet()
-            assert len(place.gateway.media_feature.render_queue._tasks) == 2, (
+            assert len(place.gateway.features.get(MediaFeature).render_queue._tasks) == 2, (
                 "half of the places are left"
             )
         finally:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.container.file_content import pieces_of
 from rosic.container.files import PART
 from rosic.core.records import Fact, Letter
 from rosic.errors import ChatGone, MessengerFault
-from rosic.features.files.content import pieces_of
 from tests.features.files.test_transfer import asked, held, place, tapped
 from tests.features.files.test_upload import send
 from tests.features.personal_data.data_gateway import Ward, a_ward

@@ -6,6 +6,7 @@ from rosic.core.fleet.task import TaskState
 from rosic.core.message import ChatKind
 from rosic.core.order import OrderEnding
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules, SkillPrecondition
+from rosic.features.fleet import FleetFeature
 from rosic.stores.memory import MemoryStore
 from tests.features.fleet.test_tasks import (
     WAREHOUSE,
@@ -340,7 +341,7 @@ async def test_what_somebody_has_said_is_read_by_them_alone() -> None:
 async def test_what_somebody_has_said_goes_with_them() -> None:
     async with warehouse().open() as here:
         await here.say("/task w1 wave", account=BO)
-        fleet = here.gateway.features.fleet
+        fleet = here.gateway.features.get(FleetFeature)
         async with here.gateway.access.changes.turn() as turn:
             await turn.write(fleet.end_all(_id(here, "Bo")))
         assert fleet.dispatching.letters.get("1") is None

@@ -10,6 +10,7 @@ from rosic.core.fleet.mission import Late, Mission, MissionPart
 from rosic.core.fleet.task import TaskState
 from rosic.core.fleet.template import Quantity
 from rosic.core.order import OrderEnding
+from rosic.features.fleet import FleetFeature
 from rosic.stores.memory import MemoryStore
 from tests.features.fleet.test_tasks import heard, tasks, warehouse, worker
 from tests.gateway.place import VI
@@ -217,6 +218,6 @@ async def test_what_is_to_begin_later_is_planned_though_it_could_not_begin_now()
         assert told.startswith("2: timed begins by itself, next")
         assert "\nNow it could not begin: " in told
         assert told.endswith(" At its time that is asked again.")
-        assert len(here.gateway.features.fleet._timetable.plans) == 2
+        assert len(here.gateway.features.get(FleetFeature)._timetable.plans) == 2
         refused = await here.say("/mission start timed", account=VI, chat=VI)
         assert refused in told, "said as the start itself would say it"

@@ -16,6 +16,7 @@ from rosic.core.records import Fact
 from rosic.core.robot.profile import Busy
 from rosic.core.robot.view import Pose
 from rosic.errors import RobotBusy, StoreFault
+from rosic.features.fleet import FleetFeature
 from rosic.features.fleet.by_rule import RuleTasks
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.memory import MemoryStore
@@ -77,7 +78,7 @@ def later(store: MemoryStore) -> Place:
 
 
 def tasks(here: Place) -> dict[str, Task]:
-    return here.gateway.features.fleet.dispatching.fleet.tasks
+    return here.gateway.features.get(FleetFeature).dispatching.fleet.tasks
 
 
 def worker(here: Place, name: str) -> Worker:
@@ -368,7 +369,7 @@ async def test_a_task_whose_words_are_erased_is_carried_out_by_nobody() -> None:
     async with warehouse().open() as here:
         here.gateway.rooms.board["w1"].latched = True
         await here.say("/task w1 wave")
-        here.gateway.features.fleet.dispatching.letters._said.clear()
+        here.gateway.features.get(FleetFeature).dispatching.letters._said.clear()
         here.gateway.rooms.board["w1"].latched = False
         await heard(here, 3)
         assert tasks(here)["1"].state is TaskState.CANCELLED
@@ -377,7 +378,7 @@ async def test_a_task_whose_words_are_erased_is_carried_out_by_nobody() -> None:
 
 async def test_a_rule_gives_a_task_away_only_where_another_robot_could_take_it() -> None:
     async with warehouse().open() as here:
-        rules = RuleTasks(here.gateway.rooms, here.gateway.features.fleet.dispatching)
+        rules = RuleTasks(here.gateway.rooms, here.gateway.features.get(FleetFeature).dispatching)
         await here.say("/task warehouse wave")
         await rules.reallocate("w1", "", "")
         await heard(here, 2)

@@ -12,9 +12,11 @@ from rosic.core.fleet.task import TaskState
 from rosic.core.order import OrderEnding
 from rosic.core.records import Claimed, Concluded, Fact
 from rosic.core.robot.profile import Busy
+from rosic.features.fleet import FleetFeature
 from rosic.features.fleet.by_rule import RuleTasks
 from rosic.features.fleet.messages import ERASED
 from rosic.features.fleet.task_commands import OF_ONE_AT_MOST
+from rosic.features.robot_to_robot import RobotToRobotFeature
 from rosic.stores.memory import MemoryStore
 from tests.features.fleet.test_missions import lab
 from tests.features.fleet.test_tasks import WAREHOUSE, heard, later, tasks, warehouse, worker
@@ -61,7 +63,7 @@ async def test_two_people_at_once_give_two_tasks() -> None:
         await here.quiet()
         store.ready.set()
         await heard(here)
-        telling = here.gateway.features.fleet.telling
+        telling = here.gateway.features.get(FleetFeature).telling
         said = {task.among: telling.what(task, task.author) for task in tasks(here).values()}
         assert said == {("w1",): "wave", ("w2",): "move 1 m"}
 
@@ -147,7 +149,7 @@ async def test_whoever_is_erased_leaves_no_words_and_no_robot_moves_for_them() -
         await here.say("/task w1 wave", account=BO, chat=BO)
         await here.say("/task w1 move 1 m", account=BO, chat=BO)
         await here.say("/shared w1 follow", account=BO, chat=BO)
-        post = here.gateway.among.circle.around.post
+        post = here.gateway.features.get(RobotToRobotFeature).messaging.circle.around.post
         assert list(post.chats("w1", "road"))
         assert "2: move 1 m" in await here.say("/tasks", account=BO, chat=BO)
         await here.say("/forget me", account=BO, chat=BO)
@@ -155,7 +157,7 @@ async def test_whoever_is_erased_leaves_no_words_and_no_robot_moves_for_them() -
         await here.tap(button, under, account=BO)
         await heard(here, 15)
         assert {task.state for task in tasks(here).values()} == {TaskState.CANCELLED}
-        telling = here.gateway.features.fleet.telling
+        telling = here.gateway.features.get(FleetFeature).telling
         assert {telling.what(task, task.author) for task in tasks(here).values()} == {ERASED}
         assert not [fact for fact in await store.facts("shared-ear", "", 9) if fact.body]
         await here.say("resume w1")
@@ -218,7 +220,7 @@ async def test_nobody_keeps_the_others_from_giving_tasks() -> None:
 
 async def test_what_was_said_of_tasks_that_are_forgotten_is_forgotten_too() -> None:
     async with warehouse(fleet=WAREHOUSE[:1]).open() as here:
-        dispatching = here.gateway.features.fleet.dispatching
+        dispatching = here.gateway.features.get(FleetFeature).dispatching
         for _ in range(KEPT_OVER + 20):
             await here.say("/task w1 wave once")
             worker(here, "w1").end(OrderEnding.FAILED, "the gripper is open")
@@ -271,7 +273,7 @@ async def test_a_time_that_is_taken_back_as_it_comes_begins_nothing() -> None:
     store.ready.set()
     async with lab(store).open() as here:
         await here.say("/mission start loud every day 8:00")
-        timetable = here.gateway.features.fleet._timetable
+        timetable = here.gateway.features.get(FleetFeature)._timetable
         wait_ns = (timetable.next_ns(timetable.plans["1"]) or 0) - here.clock.wall_ns()
         store.ready.clear()
         here.chat.say("/mission off 1")
@@ -292,7 +294,7 @@ async def test_two_people_at_once_plan_two_times() -> None:
         await here.quiet()
         store.ready.set()
         await heard(here)
-        assert len(here.gateway.features.fleet._timetable.plans) == 2
+        assert len(here.gateway.features.get(FleetFeature)._timetable.plans) == 2
 
 
 async def test_a_rule_brings_a_robot_to_rest_although_nothing_can_be_written() -> None:
@@ -300,7 +302,7 @@ async def test_a_rule_brings_a_robot_to_rest_although_nothing_can_be_written() -
     async with warehouse(store).open() as here:
         await here.say("/task w1 wave")
         store.broken = True
-        rules = RuleTasks(here.gateway.rooms, here.gateway.features.fleet.dispatching)
+        rules = RuleTasks(here.gateway.rooms, here.gateway.features.get(FleetFeature).dispatching)
         assert await rules.pause("w1", "somebody", "it is too warm")
         await heard(here)
         assert not here.robot("w1").presence().doing

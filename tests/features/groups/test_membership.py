@@ -110,7 +110,7 @@ async def test_put_out_of_a_group_everything_for_it_ends_quietly() -> None:
         later = list(place.chat.told)[told:]
         assert [t.outbound.chat.id for t in later] == [ADA], "its author is told elsewhere, once"
         told = len(place.chat.told)
-        assert not place.gateway.data_feature.archive.keeps(LAB)
+        assert not place.gateway.archive.keeps(LAB)
         place.gateway._robot_says(place.robot("omni").profile, "hello")
         await place.quiet()
         assert len(place.chat.told) == told
@@ -140,6 +140,6 @@ async def test_what_was_chosen_and_what_is_kept_moves_with_a_group() -> None:
         await _pass(place, _passing(ChatEventKind.MOVED, new_id="-1005"))
         await place.say("wave", account=BO, chat="-1005", kind=ChatKind.GROUP)
         assert place.acted() == 1
-        archive = place.gateway.data_feature.archive
+        archive = place.gateway.archive
         assert archive.keeps(Chat("memory", "-1005", ChatKind.GROUP))
         assert not archive.keeps(LAB)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.robot.view import PathView, Pose, TimeSeries
+from rosic.features.media import MediaFeature
 from rosic.features.media.telemetry_buffer import (
     KEPT,
     WAY_POINTS,
@@ -125,9 +126,11 @@ async def test_what_cannot_be_drawn_is_said(place: Booth, line: str, words: str)
 async def test_a_robot_that_is_away_leaves_a_gap(place: Booth) -> None:
     await place.clock.advance(3.0)
     place.robot("omni").online = False
-    before = place.gateway.media_feature.sampler.samples.points("omni", "x", 0.0)
+    before = place.gateway.features.get(MediaFeature).sampler.samples.points("omni", "x", 0.0)
     await place.clock.advance(5.0)
-    assert place.gateway.media_feature.sampler.samples.points("omni", "x", 0.0) == before
+    assert (
+        place.gateway.features.get(MediaFeature).sampler.samples.points("omni", "x", 0.0) == before
+    )
 
 
 # ---- ways ----

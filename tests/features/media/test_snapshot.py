@@ -12,7 +12,7 @@ from msgspec.structs import replace
 
 from rosic.core.robot.view import Clip, Pose, ViewKind
 from rosic.errors import MessengerFault
-from rosic.features.media import render_queue
+from rosic.features.media import MediaFeature, render_queue
 from tests.features.media.media_gateway import FRAME, GRID, Booth, Sketcher, booth, without_files
 from tests.gateway.place import BO, STRANGER, VI
 from tests.pace import pace
@@ -218,7 +218,7 @@ async def test_a_painter_that_fails_is_told_of(place: Booth) -> None:
     def fails(*_: object, **__: object) -> None:
         raise ZeroDivisionError
 
-    place.gateway.media_feature.render_queue._renderer = fails  # type: ignore[assignment]
+    place.gateway.features.get(MediaFeature).render_queue._renderer = fails  # type: ignore[assignment]
     shown = await place.see("picture omni")
     assert shown.text == "The picture could not be made. The log says why."
 

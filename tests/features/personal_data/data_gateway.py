@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 from rosic.app.commands import command_table
-from rosic.app.data_feature import folders_of, handing_of
+from rosic.app.containers import folders_of
 from rosic.app.gateway import Gateway
 from rosic.config.profiles import known_units
 from rosic.container.archive import NOBODY, Archive, MessageAuthor
@@ -23,6 +23,7 @@ from rosic.core.policy.scope import FLEET
 from rosic.errors import Refusal
 from rosic.features.files.background import BackgroundTransfer
 from rosic.features.files.commands import FileCommands
+from rosic.features.files.transfer import FileTransfer, TransferWays
 from rosic.features.files.upload import FileUpload
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
 from rosic.features.personal_data.commands import register_commands, take_over
@@ -139,22 +140,19 @@ class Ward(Place):
             may_archive=lambda who: authority.rights.holds(who, FLEET, "archive", clock.wall_ns()),
             robots=frozenset(rooms.profiles),
             find=lambda name: tuple(person.id for person in directory.named(name)),
-            tell=gateway.features.reach.tell,
+            tell=gateway.kernel.reach.tell,
         )
         self.erasing = ErasureCommands(self.data_context, self.sides())
-        commands, filing = gateway.pipeline.hooks.commands, FileCommands(self.data_context)
+        commands, plain = gateway.pipeline.hooks.commands, gateway.pipeline.plain
         register_commands(commands, self.data_context, self.erasing)
-        filing.register(commands)
-        self.receiving = FileUpload(
-            self.data_context, gateway.pipeline.answer, gateway.pipeline.plain
-        )
+        self.receiving = FileUpload(self.data_context, gateway.pipeline.answer, plain)
         gateway.pipeline.hooks.enclosed = Deferred(self.receiving.take)
-        self.aside = BackgroundTransfer(gateway.pipeline.answer, gateway.pipeline.plain, clock)
-        filing.take_time(self.aside, gateway.pipeline.plain)
-        handing = handing_of(
-            rooms, self.data_context, gateway.pipeline, self.aside, folders_of(rooms)
+        self.aside = BackgroundTransfer(gateway.pipeline.answer, plain, clock)
+        ways = TransferWays(folders_of(rooms.profiles), rooms.linker.deliver, rooms.board)
+        handing = FileTransfer(
+            self.data_context, organiser, rooms.profiles, ways, plain, self.aside
         )
-        filing.hand_over(handing)
+        FileCommands(self.data_context, self.aside, handing, plain).register(commands)
         self.receiving.offer_too(handing.offer)
         take_over(self.kept.memory.facts, self.data_context, self.erasing)
         chosen = rooms.container.selected

@@ -31,7 +31,7 @@ async def test_what_was_kept_of_somebody_not_let_in_is_shredded(tmp_path: Path) 
         ward.kept.shred = shred  # type: ignore[method-assign]
         waits = await applies(ward, "79", "Zoe")
         assert await new_containers(ward, before) == {again, waits}
-        await ward.gateway.data_feature.tidy()
+        await ward.gateway.features.each_day()
         assert await new_containers(ward, before) == {waits}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import msgspec
 from msgspec.structs import replace
@@ -12,10 +12,15 @@ from rosic.core.identity import Address
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from rosic.core.robot.skill import Parameter
 from rosic.core.robot.strategy import Strategy
+from rosic.features.robot_to_robot import RobotToRobotFeature
 from tests.gateway.place import FLEET, PEOPLE, Place
 
 if TYPE_CHECKING:
+    from rosic.contracts.robot import RobotTasks
     from rosic.core.robot.profile import Profile
+    from rosic.features.robot_to_robot.service import RobotMessaging
+
+T = TypeVar("T", bound="RobotTasks | None")
 
 FELLOW = Role(scopes=("*:share", "*:ask", "*:help", "*:read", "*:strategy"))
 READER = Role(scopes=("cf2:share", "cf1:read"))
@@ -39,6 +44,16 @@ class PeerRobots(Place):
 
     rulebook = RoleRules(roles={**DEFAULT_ROLES, "fellow": FELLOW, "reader": READER})
     people = (*PEOPLE, robot("omni", "fellow"), robot("cf1", "fellow"), robot("cf2", "reader"))
+
+    @property
+    def messaging(self) -> RobotMessaging:
+        """Return what carries the words of robots."""
+        return self.gateway.features.get(RobotToRobotFeature).messaging
+
+    def keep_tasks(self, tasks: T) -> T:
+        """Let somebody keep the tasks of robots that help each other."""
+        self.messaging.circle.helping.tasks = lambda: tasks
+        return tasks
 
     def speaks(self, name: str, kind: str, **said: object) -> None:
         """Let a robot's own nodes say something."""

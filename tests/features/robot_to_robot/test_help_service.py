@@ -6,6 +6,7 @@ from msgspec.structs import replace
 
 from rosic.core.fleet.task import TaskState
 from rosic.core.records import Decided
+from rosic.features.fleet import FleetFeature
 from rosic.stores.memory import MemoryStore
 from tests.features.fleet.test_tasks import Worker
 from tests.features.robot_to_robot.peers import PeerRobots
@@ -40,7 +41,7 @@ async def told_to(here: PeerRobots, account: str, since: int) -> list[str]:
 
 async def test_another_robot_accepts_both_tasks_are_adjusted_and_operators_told() -> None:
     async with PeerRobots().open() as here:
-        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
+        tasks = here.keep_tasks(TwoTasks())
         before = len(here.chat.told)
         ident = await asked(here)
         [request] = here.heard("cf1", "help")
@@ -64,7 +65,7 @@ async def test_another_robot_accepts_both_tasks_are_adjusted_and_operators_told(
 
 async def test_the_same_help_is_accepted_once_whoever_comes_together() -> None:
     async with PeerRobots().open() as here:
-        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
+        tasks = here.keep_tasks(TwoTasks())
         ident = await asked(here)
         here.speaks("cf1", "accept", id=ident, ref="r")
         here.chat.say(f"/assist {ident}", account=BO, chat=BO)
@@ -87,7 +88,7 @@ async def test_while_the_disk_takes_its_time_nobody_else_gets_in_between() -> No
     store = SlowStore(Decided)
     store.ready.set()
     async with PeerRobots(store).open() as here:
-        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
+        tasks = here.keep_tasks(TwoTasks())
         ident = await asked(here)
         store.ready.clear()
         here.speaks("cf1", "accept", id=ident)
@@ -95,7 +96,7 @@ async def test_while_the_disk_takes_its_time_nobody_else_gets_in_between() -> No
         here.chat.say(f"/assist {ident} cf2", account=BO, chat=BO)
         await here.clock.advance(1)
         assert tasks.adjusted == []
-        assert here.gateway.among.circle.helping.book.find(ident).open, "not before it is on disk"
+        assert here.messaging.circle.helping.book.find(ident).open, "not before it is on disk"
         store.ready.set()
         await here.clock.advance(1)
         assert len(tasks.adjusted) == 1
@@ -103,7 +104,7 @@ async def test_while_the_disk_takes_its_time_nobody_else_gets_in_between() -> No
 
 async def test_a_person_helps_by_a_button_or_sends_a_robot_that_is_free() -> None:
     async with PeerRobots().open() as here:
-        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
+        tasks = here.keep_tasks(TwoTasks())
         ident = await asked(here)
         button, under = here.button("Send cf1")
         account = next(t.outbound.chat.id for t in reversed(here.chat.told) if t.message == under)
@@ -130,7 +131,7 @@ async def test_who_may_not_help_does_not() -> None:
         assert (await here.says("omni", "accept", id=ident))["why"] == (
             "A robot cannot help itself. Nothing was changed."
         )
-        assert here.gateway.among.circle.helping.book.find(ident).open
+        assert here.messaging.circle.helping.book.find(ident).open
 
 
 async def test_nobody_accepts_it_too_late_and_that_is_said_once() -> None:
@@ -198,7 +199,7 @@ async def test_what_was_accepted_stays_so_over_a_restart() -> None:
 async def test_what_cannot_be_written_is_not_accepted() -> None:
     store = BrokenStore()
     async with PeerRobots(store).open() as here:
-        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
+        tasks = here.keep_tasks(TwoTasks())
         ident = await asked(here)
         store.broken = True
         refused = await here.says("cf1", "accept", id=ident)
@@ -210,13 +211,13 @@ async def test_what_cannot_be_written_is_not_accepted() -> None:
 
 async def test_tasks_that_cannot_be_adjusted_are_said_and_the_help_stands() -> None:
     async with PeerRobots().open() as here:
-        here.gateway.among.circle.helping.tasks = TwoTasks(breaks=True)
+        here.keep_tasks(TwoTasks(breaks=True))
         ident = await asked(here)
         before = len(here.chat.told)
         await here.says("cf1", "accept", id=ident)
         [text] = await told_to(here, BO, before)
         assert text.endswith("Their tasks could not be adjusted; please look at both.")
-        here.gateway.among.circle.helping.tasks = None
+        here.keep_tasks(None)
         second = await asked(here, "no light")
         before = len(here.chat.told)
         await here.says("cf1", "accept", id=second)
@@ -232,7 +233,7 @@ class Warehouse(PeerRobots):
 async def test_the_tasks_of_both_go_on_with_others_and_neither_gets_one_meanwhile() -> None:
     fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
     async with Warehouse(fleet=fleet).open() as here:
-        tasks = here.gateway.features.fleet.dispatching.fleet.tasks
+        tasks = here.gateway.features.get(FleetFeature).dispatching.fleet.tasks
         for robot in ("omni", "cf1"):
             await here.say(f"/task {robot} wave", account=ADA, chat=ADA)
         await here.say("/task crew move 1 m", account=ADA, chat=ADA)
@@ -260,7 +261,7 @@ async def test_the_tasks_of_both_go_on_with_others_and_neither_gets_one_meanwhil
 async def test_whoever_helps_takes_over_what_the_other_did() -> None:
     fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
     async with Warehouse(fleet=fleet).open() as here:
-        tasks = here.gateway.features.fleet.dispatching.fleet.tasks
+        tasks = here.gateway.features.get(FleetFeature).dispatching.fleet.tasks
         for _ in fleet:
             await here.say("/task crew wave", account=ADA, chat=ADA)
         await here.clock.advance(2)
@@ -278,7 +279,7 @@ async def test_whoever_helps_takes_over_what_the_other_did() -> None:
 async def test_a_task_waits_for_whoever_helps_no_longer_than_the_help_lasts() -> None:
     fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
     async with Warehouse(fleet=fleet).open() as here:
-        tasks = here.gateway.features.fleet.dispatching.fleet.tasks
+        tasks = here.gateway.features.get(FleetFeature).dispatching.fleet.tasks
         await here.say("stop cf1 cf2", account=ADA, chat=ADA)
         await here.say("/task crew wave", account=ADA, chat=ADA)
         await here.clock.advance(2)
@@ -294,7 +295,7 @@ async def test_a_task_waits_for_whoever_helps_no_longer_than_the_help_lasts() ->
 
 async def test_help_that_was_accepted_long_ago_or_unheard_takes_no_robot_off_its_task() -> None:
     async with PeerRobots().open() as here:
-        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
+        tasks = here.keep_tasks(TwoTasks())
         ident = await asked(here)
         old_ns = here.clock.wall_ns() - 60 * 1_000_000_000
         told = await here.say(f"/assist {ident} cf1", account=BO, chat=BO, sent_ns=old_ns)
@@ -307,7 +308,7 @@ async def test_help_that_was_accepted_long_ago_or_unheard_takes_no_robot_off_its
 async def test_a_robot_is_called_as_people_read_it() -> None:
     fleet = (profile("omni"), replace(profile("rover2"), title="Rover 2"))
     async with PeerRobots(fleet=fleet).open() as here:
-        tasks = here.gateway.among.circle.helping.tasks = TwoTasks()
+        tasks = here.keep_tasks(TwoTasks())
         ident = await asked(here)
         assert "Rover 2 shares nothing now." in await here.say("/shared Rover 2")
         assert "read here what Rover 2 shares on road" in await here.say(
@@ -322,7 +323,7 @@ async def test_a_robot_is_called_as_people_read_it() -> None:
 async def test_no_task_waits_for_one_that_helps_and_takes_no_part() -> None:
     fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
     async with Warehouse(fleet=fleet).open() as here:
-        tasks = here.gateway.features.fleet.dispatching.fleet.tasks
+        tasks = here.gateway.features.get(FleetFeature).dispatching.fleet.tasks
         await here.say("/task crew wave", account=ADA, chat=ADA)
         await here.say("/robot retire cf1", account=ADA, chat=ADA)
         await here.clock.advance(2)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from rosic.features.personal_data import PersonalDataFeature
 from rosic.stores.database import DatabaseStore
 from tests.features.robot_to_robot.peers import PeerRobots
 from tests.features.robot_to_robot.test_storm import RealClock, until
@@ -43,7 +44,7 @@ async def test_it_is_sealed_on_disk_outlives_a_restart_and_is_erased(tmp_path: P
         assert "accepted already, by cf1" in str(again["why"])
         await answered(here, "omni", "share", topic="road", data="dry now")
         await until(lambda: bool(here.heard("cf1", "shared")))
-        erasing = here.gateway.data_feature.erasing
+        erasing = here.gateway.features.get(PersonalDataFeature).erasing
         assert erasing is not None
         await erasing.erase_other("omni", "operator")
         assert (await answered(here, "cf1", "get", robot="omni"))["found"] is False

@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING
 
 from rosic.contracts.robot import UTTERANCE_BYTES
 from rosic.core.robot.dialogue_protocol import DATA_BYTES, ROBOT_BYTES, TOPICS_A_ROBOT
+from rosic.features.access import AccessFeature
+from rosic.features.personal_data import PersonalDataFeature
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
+from rosic.features.robot_to_robot import RobotToRobotFeature
 from rosic.features.robot_to_robot.digest import EVERY_S
 from rosic.features.robot_to_robot.subscriptions import PAIR_PACE
 from rosic.stores.memory import MemoryStore
@@ -56,7 +59,7 @@ async def test_rights_are_checked_like_a_persons() -> None:
         assert (await here.says("cf2", "get", robot="cf1"))["found"] is True
         refused = await here.says("cf2", "help", what="stuck")
         assert (refused["ok"], refused["code"]) == (False, "not-permitted")
-        assert here.gateway.among.circle.board.of("kuka1") == ()
+        assert here.messaging.circle.board.of("kuka1") == ()
 
 
 async def test_a_robot_whose_key_is_taken_back_or_that_is_locked_is_heard_no_more() -> None:
@@ -89,7 +92,7 @@ async def test_data_of_10_mb_is_refused_in_a_sentence_and_nothing_is_kept() -> N
 
 async def test_topics_and_bytes_of_one_robot_are_bounded() -> None:
     async with PeerRobots().open() as here:
-        board = here.gateway.among.circle.board
+        board = here.messaging.circle.board
         for number in range(TOPICS_A_ROBOT):
             here.speaks("omni", "share", topic=f"t{number}", data=number)
             await here.clock.advance(0.06)
@@ -121,7 +124,7 @@ async def test_what_is_not_of_the_published_form_is_refused_with_what_is_wrong()
             await here.clock.advance(0.1)
             [answer] = here.heard("omni")
             assert (answer["ok"], answer["code"]) == (False, "not-understood"), words
-        assert here.gateway.among.circle.board.of("omni") == ()
+        assert here.messaging.circle.board.of("omni") == ()
 
 
 async def test_it_is_forgotten_when_it_is_too_old() -> None:
@@ -241,7 +244,7 @@ async def test_what_a_robot_shares_lies_in_its_own_container_and_goes_with_it() 
             b'"where I was"',
             b"stuck at the back door",
         }
-        erasing = here.gateway.data_feature.erasing
+        erasing = here.gateway.features.get(PersonalDataFeature).erasing
         assert erasing is not None
         await erasing.erase_other("omni", "operator")
         assert (await here.says("cf1", "get", robot="omni"))["found"] is False
@@ -266,6 +269,9 @@ async def test_a_digest_is_in_the_archive_of_the_chat_that_reads_it() -> None:
 async def test_whoever_speaks_to_chats_speaks_through_the_archive() -> None:
     async with PeerRobots().open() as here:
         gateway = here.gateway
-        digests, retracting = gateway.among.circle.digests, gateway.features.retracting
+        digests, retracting = (
+            gateway.features.get(RobotToRobotFeature).messaging.circle.digests,
+            gateway.features.get(AccessFeature).retracting,
+        )
         for speakers in (digests._messengers, retracting._messengers):
             assert all(isinstance(one, ArchivingMessenger) for one in speakers.values())

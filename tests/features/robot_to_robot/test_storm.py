@@ -42,7 +42,10 @@ class RealClock(ManualClock):
 
 async def test_ten_thousand_a_second_are_bounded_and_the_newest_gets_through() -> None:
     async with PeerRobots().open() as here:
-        robot, inbox = here.robot("omni"), here.gateway.among.inboxes["omni"]
+        robot, inbox = (
+            here.robot("omni"),
+            here.messaging.inboxes["omni"],
+        )
         total = 0
         for _ in range(200):
             for _ in range(A_SECOND // 100):
@@ -53,7 +56,7 @@ async def test_ten_thousand_a_second_are_bounded_and_the_newest_gets_through() -
         assert inbox.taken + inbox.dropped + WAITING_AT_MOST >= total
         await here.clock.advance(1)
         assert inbox.taken + inbox.dropped == total, "each is either taken or counted"
-        [shared] = here.gateway.among.circle.board.of("omni")
+        [shared] = here.messaging.circle.board.of("omni")
         assert shared.data == str(total).encode(), "the newest gets through"
         told = [t.outbound for t in here.chat.told if "says more to the other" in t.outbound.text]
         assert sorted(outbound.chat.id for outbound in told) == [ADA, BO], "once each"
@@ -80,7 +83,7 @@ async def test_what_an_adapter_has_dropped_already_counts_too() -> None:
     async with PeerRobots().open() as here:
         here.robot("omni").speak(words(1), 9_999)
         await here.clock.advance(1)
-        assert here.gateway.among.inboxes["omni"].dropped == 9_999
+        assert here.messaging.inboxes["omni"].dropped == 9_999
         assert any("says more to the other" in t.outbound.text for t in here.chat.told)
 
 
@@ -108,7 +111,7 @@ async def test_others_are_not_slower_in_a_storm(
             for what, row in rows.items()
         }
         record_property("latency", figures)
-        assert here.gateway.among.inboxes["omni"].dropped > 1_000, "there was a storm"
+        assert here.messaging.inboxes["omni"].dropped > 1_000, "there was a storm"
         for what, row in stormy.items():
             assert median(row) < 0.1, figures
             assert median(row) < 10 * median(calm[what]) + 0.02, figures

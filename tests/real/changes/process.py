@@ -23,6 +23,7 @@ from rosic.core.local_time import LocalTime
 from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Skill
 from rosic.core.slot import Pattern
+from rosic.features.access import AccessFeature
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.database import DatabaseStore
 from rosic.stores.stop_latch import MemoryLatch
@@ -119,7 +120,9 @@ class Admin:
                 name=f"Person {number}",
             )
             assert isinstance(answer, CodeRedeemed)
-            await turn.write(self._gateway.features.admitting.records(answer, self._ada))
+            await turn.write(
+                self._gateway.features.get(AccessFeature).admitting.records(answer, self._ada)
+            )
         self._say("joined", number)
         return answer.person.id
 

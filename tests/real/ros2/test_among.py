@@ -130,7 +130,7 @@ async def test_a_robot_cannot_speak_for_another_and_10_mb_are_refused(graph: Ros
         assert "at most 64 KiB" in refused["why"]
         await omni.say("share", topic="road", data=1, **{"from": "cf1"})
         assert (await omni.heard("result"))["code"] == "not-understood"
-        board = here.gateway.among.circle.board
+        board = here.messaging.circle.board
         assert (board.of("omni"), board.of("cf1")) == ((), ())
 
 
@@ -139,7 +139,10 @@ async def test_a_node_that_shares_10_000_times_a_second_hinders_nobody(
 ) -> None:
     async with OnRos().open() as here:
         omni, cf1 = await brains(graph)
-        inbox, opened_s = here.gateway.among.inboxes["omni"], time.monotonic()
+        inbox, opened_s = (
+            here.messaging.inboxes["omni"],
+            time.monotonic(),
+        )
         storm = asyncio.create_task(omni.do("flood", "2"))
         await until(lambda: inbox.dropped > 0)
         seconds: list[float] = []
@@ -154,7 +157,7 @@ async def test_a_node_that_shares_10_000_times_a_second_hinders_nobody(
             seconds.append(time.perf_counter() - begun)
             await asyncio.sleep(0.1)
         await storm
-        board = here.gateway.among.circle.board
+        board = here.messaging.circle.board
         await until(lambda: any(s.data == b'"last"' for s in board.of("omni")))
         taken, dropped = inbox.taken, inbox.dropped
         said = f"{taken} taken, {dropped} dropped; others {max(seconds):.3f} s"

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rosic.features.robot_to_robot import RobotToRobotFeature
 from tests.gateway.place import BO
 from tests.real.ros2.test_among import PATIENCE_S, Brain, OnRos, brains
 
@@ -72,7 +73,7 @@ async def what_one_shares_another_reads(here: OnRos, omni: Brain, cf1: Brain) ->
     assert await share(omni, **shared) == [GOOD] * len(shared)
     assert await get(cf1, *(f"omni.{name}" for name in shared)) == list(shared.values())
     assert await share(omni, road='{"wet": true, "at": [1, 2]}') == [GOOD]
-    board = here.gateway.among.circle.board
+    board = here.messaging.circle.board
     [data] = [one.data for one in board.of("omni") if one.topic == "road"]
     assert json.loads(data) == {"wet": True, "at": [1, 2]}
     road, age_s, at_s, newest, nothing = await get(
@@ -92,7 +93,7 @@ async def what_is_refused_says_why(here: OnRos, omni: Brain, cf1: Brain) -> None
     [(ok, why)] = await share(omni, **{"No Topic": 1})
     assert (ok, "form" in why) == (False, True)
     assert await get(cf1, "nobody.road", "NO", "omni.level") == [None, None, 0.5]
-    among, now_ns = here.gateway.among, here.clock.wall_ns()
+    among, now_ns = here.messaging, here.clock.wall_ns()
     await among.silence("cf1", BO, now_ns + 60 * 10**9)
     [(ok, why)] = await share(cf1, wet=True)
     assert (ok, "a person did that" in why) == (False, True)
@@ -102,6 +103,11 @@ async def what_is_refused_says_why(here: OnRos, omni: Brain, cf1: Brain) -> None
 async def a_call_for_help_is_answered(here: OnRos, omni: Brain, cf1: Brain) -> None:
     ok, ident = await answer(omni, "help", "-", "helped")
     assert ok is True
-    assert here.gateway.among.circle.helping.book.find(ident).what == "It cannot go on by itself."
+    assert (
+        here.gateway.features.get(RobotToRobotFeature)
+        .messaging.circle.helping.book.find(ident)
+        .what
+        == "It cannot go on by itself."
+    )
     request = await cf1.heard("help")
     assert request["id"] == ident

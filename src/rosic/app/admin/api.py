@@ -10,15 +10,15 @@ import msgspec
 from rosic.core.language import clean
 from rosic.core.policy.roles import ASSURANCES, Assurance
 from rosic.errors import OutOfBounds
+from rosic.features.access import AccessFeature
+from rosic.features.personal_data import PersonalDataFeature
 from rosic.organiser.calendar_messages import moment
 from rosic.organiser.timezones import UNIVERSAL, Zone, zone_named
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from rosic.app.access import AccessFeature
     from rosic.app.gateway import Gateway
-    from rosic.app.policy import PolicyService
     from rosic.authoriser.authoriser import Authoriser
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
@@ -27,7 +27,9 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.features.access.revoke_lock import AccessNotices
     from rosic.features.personal_data.erasure import ErasureCommands
+    from rosic.gateway.access_registry import AccessRegistry
     from rosic.gateway.container_context import ContainerContext
+    from rosic.gateway.policy_service import PolicyService
     from rosic.organiser.organiser import Organiser
 
 
@@ -47,7 +49,7 @@ class AdminContext(NamedTuple):
         erasing: Erases somebody; None while no gateway runs.
     """
 
-    access: AccessFeature
+    access: AccessRegistry
     authority: PolicyService
     enforce: Callable[[], object]
     authoriser: Authoriser
@@ -93,7 +95,7 @@ def books_of(
     messengers: Sequence[Messenger] = (),
 ) -> AdminContext:
     """Return the books of a gateway that is open."""
-    rooms = gateway.rooms
+    rooms, data = gateway.rooms, gateway.features.find(PersonalDataFeature)
     return AdminContext(
         access=gateway.access,
         authority=gateway.authority,
@@ -105,9 +107,9 @@ def books_of(
         clock=gateway.access.time,
         zone=zone_or_universal(zone),
         messengers=messengers,
-        notices=gateway.features.notices,
-        data_context=gateway.data_feature.data_context,
-        erasing=gateway.data_feature.erasing,
+        notices=gateway.features.get(AccessFeature).notices,
+        data_context=gateway.kernel.containers,
+        erasing=None if data is None else data.erasing,
         assurances={
             m.platform: ASSURANCES.get(m.assurance, Assurance.PROVIDER_READABLE) for m in messengers
         },

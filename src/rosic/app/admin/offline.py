@@ -8,16 +8,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
-from rosic.app.access import AccessFeature, authoriser_of
 from rosic.app.added_robots import KIND as ADDED
 from rosic.app.added_robots import with_added
 from rosic.app.admin.api import AdminContext, zone_or_universal
 from rosic.app.admin.dispatch import AdminApi
 from rosic.app.admin.naming import CONFIGURED, people_lines, people_listed
 from rosic.app.commands import command_table
-from rosic.app.data_feature import DataContext, data_context_of, preferences_of
+from rosic.app.containers import DataContext, data_context_of, preferences_of
 from rosic.app.people import remember, seed
-from rosic.app.policy import PolicyService
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.profiles import known_units
 from rosic.container.archive import Archive
@@ -31,6 +29,9 @@ from rosic.core.rate_limit import RateLimit
 from rosic.core.stop_registry import StopRegistry, not_known_yet
 from rosic.errors import ConfigurationError
 from rosic.features.personal_data.commands import books_kept
+from rosic.gateway.access_registry import AccessRegistry, PlaceNames, authoriser_of
+from rosic.gateway.policy_service import PolicyService
+from rosic.organiser.calendar import CalendarNames
 from rosic.organiser.organiser import Organiser
 from rosic.organiser.rate_limits import RateLimits
 from rosic.organiser.timezones import UNIVERSAL
@@ -158,13 +159,20 @@ class OfflineAdmin:
         stops = await self._stops(memory, profiles)
         place = "rosic" if config is None else config.name
         board = StopRegistry(profiles, stops, not_known_yet())
-        access = AccessFeature(authoriser, authority, store, entropy, place, board)
+        zone = UNIVERSAL if config is None else config.zone
+        names = CalendarNames(
+            name_of=lambda who: clean(authoriser.directory.name(who)),
+            shown_of=lambda robot: profiles[robot].shown if robot in profiles else robot,
+            zone_of=lambda who: preferences.of(who).zone or zone,
+        )
+        access = AccessRegistry(
+            authoriser, authority, store, entropy, board, PlaceNames(place, names)
+        )
         rights = authority.draw_up()
         rates = RateLimits(time, RateLimit(), {}, rights.rates, _nothing_is_asked, str)
         organiser = Organiser(
             authority.in_force, profiles, board, access.state, rates=rates, lease_idle_s=1.0
         )
-        organiser.name_of = lambda who: clean(authoriser.directory.name(who))
         access.restore(memory, organiser)
         around = DataContext(
             preferences,
@@ -186,7 +194,7 @@ class OfflineAdmin:
             vocabularies=around.vocabularies,
             profiles=profiles,
             clock=time,
-            zone=zone_or_universal(UNIVERSAL if config is None else config.zone),
+            zone=zone_or_universal(zone),
             assurances=LOCAL,
             data_context=self._data_context(around, store, memory),
         )

@@ -8,14 +8,13 @@ from rosic.app.admin.control_socket import socket_path
 from rosic.app.builder import messenger_of, nobodies
 from rosic.app.config import Config, read_config
 from rosic.config.file_permissions import open_to_others
-from rosic.config.missions import fleet_of
 from rosic.config.plugins import check_robot, robot_factory, shared_spaces
 from rosic.config.profiles import known_units
 from rosic.core.identity import ROBOT
 from rosic.core.language import Vocabulary
 from rosic.core.language.command import NO_COMMANDS
 from rosic.core.policy.limits import unit_converter
-from rosic.core.policy.permissions import Permissions
+from rosic.core.policy.permissions import Permissions, fleet_of
 from rosic.core.policy.roles import Grant
 from rosic.errors import ConfigurationError
 

@@ -50,6 +50,7 @@ def kinds_of(fleet: Fleet, care: Mapping[RobotId, Mapping[str, object]]) -> dict
 # ---- roles and grants ----
 
 NEVER_NS = 2**63 - 1
+FOR_GOOD_NS = NEVER_NS - 1  # only what has no end holds then
 
 
 class RightReason(msgspec.Struct, frozen=True, gc=False):

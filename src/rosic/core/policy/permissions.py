@@ -10,26 +10,38 @@ from __future__ import annotations
 from itertools import chain, islice
 from typing import TYPE_CHECKING
 
+from rosic.core.language.compiled import skills_of
 from rosic.core.policy.compiled import NEVER_NS, NO_CAUTION, Tables
 from rosic.core.policy.roles import priority_of
-from rosic.core.policy.scope import GRANT, RESUME
+from rosic.core.policy.scope import GRANT, RESUME, Fleet
 from rosic.core.policy.validation import given_by, grant_mistakes, rulebook_mistakes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from rosic.core.identity import PrincipalId
     from rosic.core.policy.compiled import HeldGrant, Precondition, Right, RightReason
     from rosic.core.policy.limits import Convert
     from rosic.core.policy.roles import Grant, RoleRules
-    from rosic.core.policy.scope import Fleet, Scope
+    from rosic.core.policy.scope import Scope
     from rosic.core.policy.validation import RoleMistake
     from rosic.core.rate_limit import RateLimit
-    from rosic.core.robot.profile import RobotId
+    from rosic.core.robot.profile import Profile, RobotId
 
 NOTHING: frozenset[str] = frozenset()
 MOST_NAMED = 3  # whoever is refused hears of so many people who can help
 MOST_LOOKED_AT = 1_000
+
+
+def fleet_of(profiles: Iterable[Profile]) -> Fleet:
+    """Return the robots there are, as rights see them."""
+    groups: dict[str, list[str]] = {}
+    skills = {}
+    for profile in profiles:
+        skills[profile.id] = skills_of(profile)
+        for group in profile.groups:
+            groups.setdefault(group, []).append(profile.id)
+    return Fleet(skills=skills, groups={name: tuple(some) for name, some in groups.items()})
 
 
 class Permissions:

@@ -11,7 +11,7 @@ from rosic.core.i18n import joined, said
 from rosic.core.language import clean_name
 from rosic.core.language.suggestions import MOST_SUGGESTIONS, did_you_mean
 from rosic.core.message import Button
-from rosic.core.policy.compiled import NEVER_NS
+from rosic.core.policy.compiled import FOR_GOOD_NS
 from rosic.core.policy.roles import priority_of
 from rosic.core.policy.scope import FLEET, GRANT
 from rosic.errors import NotPermitted, NotUnderstood
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 # ---- who may do what with people ----
 
 INVITE, LOCK, PEOPLE = "invite", "lock", "people"
-FOR_GOOD_NS = NEVER_NS - 1  # only what has no end holds then
 
 
 class AdminPolicy:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.i18n import joined
 from rosic.core.language import clean_name
@@ -37,26 +37,35 @@ def _no_slots(_: PrincipalId) -> Sequence[str] | None:
     return None
 
 
+class PendingRequests(NamedTuple):
+    """Who waits for an answer.
+
+    Attributes:
+        newcomers: Knows who waits to be let in.
+        rights: Knows who has asked for a right; None: nobody can here.
+    """
+
+    newcomers: ApprovalCommands
+    rights: AccessRequestCommands | None
+
+
 class AccountCommands:
     """Answers from memory. Others' rights are shown to admins alone (I11).
 
     Args:
         registry: Who knows people.
         admin_policy: Who may look.
-        admitting: Who waits.
+        asking: Who waits.
         slots: Returns somebody's next slots, a line each; None if there are no slots here.
         zone_of: Returns the zone whose clocks somebody reads.
         shown: Returns how a robot is shown.
-
-    Attributes:
-        request_commands: Knows who has asked for a right; None: nobody can here.
     """
 
     def __init__(
         self,
         registry: AccessContext,
         admin_policy: AdminPolicy,
-        admitting: ApprovalCommands,
+        asking: PendingRequests,
         *,
         slots: Callable[[PrincipalId], Sequence[str] | None] = _no_slots,
         zone_of: Callable[[PrincipalId], Zone] = lambda _: zone_named(UNIVERSAL),
@@ -64,11 +73,10 @@ class AccountCommands:
     ) -> None:
         self._registry = registry
         self._admin_policy = admin_policy
-        self._admitting = admitting
+        self._admitting, self._requests = asking
         self._slots = slots
         self._zone_of = zone_of
         self._shown = shown
-        self.request_commands: AccessRequestCommands | None = None
 
     # ---- myself ----
 
@@ -86,7 +94,7 @@ class AccountCommands:
         lines += self._robots(principal)
         lines += self._key(principal)
         lines.append(self._phone(asked))
-        lines += () if self.request_commands is None else self.request_commands.own(principal)
+        lines += () if self._requests is None else self._requests.own(principal)
         slots = self._slots(principal)
         if slots is not None:
             lines += messages.next_times(slots)
@@ -176,9 +184,7 @@ class AccountCommands:
             messages.waits(a.name, a.pending.given.words, a.words) for a in waiting[:MOST_LINES]
         ]
         rows = [buttons_for(a, a.name) for a in waiting]
-        for _, line, row in (
-            () if self.request_commands is None else self.request_commands.questions(by)
-        ):
+        for _, line, row in () if self._requests is None else self._requests.questions(by):
             lines.append(line)
             rows.append(row)
         return Reply(_cut(lines), tuple(rows[:MOST_BUTTONS]))

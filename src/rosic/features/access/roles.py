@@ -10,12 +10,13 @@ from rosic.core.language import clean
 from rosic.core.language.option_words import OPTIONS, option_typed
 from rosic.core.language.sanitise import fold_word
 from rosic.core.message import Button
+from rosic.core.policy.compiled import FOR_GOOD_NS
 from rosic.core.policy.roles import Role, chains
 from rosic.core.policy.scope import FLEET
 from rosic.core.role_names import role_typed
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access import messages, request_messages, roles_messages
-from rosic.features.access.admin_policy import FOR_GOOD_NS, asked_again, sure
+from rosic.features.access.admin_policy import asked_again, sure
 from rosic.features.access.limit_line import limit_typed
 from rosic.gateway.commands import Reply, check_length, check_private
 from rosic.gateway.replies import LEAVE

@@ -6,7 +6,7 @@ for nobody and confirms nothing: what would want a person's tap is not done, and
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.container.records import ReplyTo
 from rosic.core.alerts.rule import PAUSE, REALLOCATE
@@ -30,41 +30,29 @@ if TYPE_CHECKING:
     from rosic.core.identity import Caller, CommandId, PrincipalId
     from rosic.core.language import Do
     from rosic.core.order import Permit
-    from rosic.core.robot.profile import RobotId
     from rosic.features.alerts.active_alerts import AlertLog
     from rosic.gateway.components import Components
-    from rosic.gateway.order_services import OrderServices
+    from rosic.gateway.order_services import AlertTasks, OrderServices
     from rosic.gateway.transactions import Transactions
 
 
-class AlertTasks(Protocol):
-    """Whoever keeps the tasks of a fleet. A refusal says that nothing was changed."""
+class ActionQueries(NamedTuple):
+    """What the actions of rules ask of others.
 
-    async def pause(self, robot: RobotId, by: PrincipalId, why: str) -> bool:
-        """Pause the task of a robot; it comes to rest. False: it has none.
+    Attributes:
+        author_of: Returns who is called so in the configuration; None: nobody.
+        tasks: Keeps the tasks of a fleet; None: there are none.
+    """
 
-        Raises:
-            Refusal: Why not.
-        """
-        ...
-
-    async def reallocate(self, robot: RobotId, by: PrincipalId, why: str) -> None:
-        """Give the task of a robot to another, which was stopped first.
-
-        Raises:
-            Refusal: It has none, or nobody else can.
-        """
-        ...
+    author_of: Callable[[str], PrincipalId | None]
+    tasks: AlertTasks | None
 
 
 class AlertActions:
     """Gives the orders of rules: once an occurrence, and not more often than a rule says.
 
-    Attributes:
-        tasks: Keeps the tasks of a fleet; None: there are none.
-
     Args:
-        author_of: Returns who is called so in the configuration; None: nobody.
+        sides: What it asks.
     """
 
     def __init__(
@@ -74,10 +62,9 @@ class AlertActions:
         changes: Transactions,
         clock: Clock,
         book: AlertLog,
-        author_of: Callable[[str], PrincipalId | None],
+        sides: ActionQueries,
     ) -> None:
-        self.tasks: AlertTasks | None = None
-        self._author_of = author_of
+        self._author_of, self._tasks = sides
         self._rooms = rooms
         self._hands = hands
         self._changes = changes
@@ -155,16 +142,16 @@ class AlertActions:
     async def _pause(self, rule: AlertRule, author: PrincipalId) -> None:
         """Let a robot come to rest without latching anything; its task waits, if it has one."""
         why = words.paused(rule)
-        if self.tasks is None or not await self.tasks.pause(rule.robot, author, why):
+        if self._tasks is None or not await self._tasks.pause(rule.robot, author, why):
             await self._hands.executor.cut(rule.robot, why)
 
     async def _reallocate(self, rule: AlertRule, author: PrincipalId) -> None:
-        if self.tasks is None:
+        if self._tasks is None:
             raise NotPermitted(no_tasks(self._rooms.profiles[rule.robot].shown))
         refusal = self._rooms.organiser.why_not_move(author, rule.robot)
         if refusal is not None:
             raise refusal
-        await self.tasks.reallocate(rule.robot, author, words.paused(rule))
+        await self._tasks.reallocate(rule.robot, author, words.paused(rule))
 
     async def _admitted(
         self, rule: AlertRule, line: Do, caller: Caller, cid: CommandId

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import msgspec
 from msgspec.structs import replace
 
+from rosic.core.alerts.rule import read_run, rules_of
 from rosic.core.alerts.state import AlertEvent, AlertWatch
 from rosic.core.records import Decided
 from rosic.core.time_units import SECOND_NS
@@ -28,10 +29,10 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.alerts.rule import AlertRule
     from rosic.core.identity import PrincipalId
-    from rosic.core.language import Do
+    from rosic.core.language import Do, Vocabulary
     from rosic.core.message import Button
     from rosic.core.records import Record
-    from rosic.core.robot.profile import Presence, RobotId
+    from rosic.core.robot.profile import Presence, Profile, RobotId
     from rosic.features.alerts.actions import AlertActions
     from rosic.features.alerts.recipients import Recipients
     from rosic.gateway.components import Components
@@ -69,6 +70,14 @@ class ActiveRule:
         """Whether somebody means it: by its name, its beginning, or what it measures."""
         rule = self.rule
         return rule.alert.name.startswith(named) or rule.condition.name == named
+
+
+def read_rules(
+    profiles: Iterable[Profile], vocabulary: Vocabulary
+) -> tuple[list[AlertRule], dict[str, Do | None]]:
+    """Return the rules of robots, and what those run that run something, by the rule's key."""
+    rules = [rule for profile in profiles for rule in rules_of(profile, vocabulary.units)]
+    return rules, {rule.key: read_run(rule, vocabulary) for rule in rules if rule.alert.run}
 
 
 # ---- evaluating all rules ----

@@ -6,7 +6,6 @@ picture is renewed by itself, with edits of the card that may be made anyway.
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Final, Protocol, TypeAlias
 
@@ -18,47 +17,22 @@ from rosic.features.dashboard import messages as words
 from rosic.features.dashboard.dashboard import PreviewedCamera, PreviewViewer
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
     from rosic.core.message import Chat
     from rosic.core.robot.profile import RobotId
     from rosic.features.dashboard.dashboard import Dashboard
+    from rosic.gateway.chat_dashboards import CameraPreview
     from rosic.gateway.commands import CommandContext
 
-Deliver: TypeAlias = Callable[[int, Outbound], Awaitable[None]]
 Issue: TypeAlias = "Callable[[Button, PrincipalId, str], Button]"
 
 BUTTONS_AT_MOST: Final = 3
 """So many robots of a card can be looked at by a tap; more buttons than robots help nobody."""
 RENEWED_NS: Final = 20 * SECOND_NS
 """A button lives for a minute; a card that is edited after so long shows new ones."""
-
-
-class CameraPreview(Protocol):
-    """Looks at robots that may be looked at."""
-
-    def offers(self, robot: RobotId) -> bool:
-        """Whether its profile opens its camera to people, and pictures can be drawn here."""
-        ...
-
-    def look(
-        self, asked: CommandContext, robot: RobotId, deliver: Deliver, *, unasked: bool = False
-    ) -> None:
-        """Begin to make a picture, and hand over when it was taken (wall clock), and how it looks.
-
-        Only if whoever asked may still look then.
-
-        Args:
-            asked: By whom, where.
-            robot: At which robot.
-            deliver: Takes it.
-            unasked: Nobody has asked for just this one: where there is none, nothing is said, and
-                it keeps nobody's from being made.
-
-        Raises:
-            Refusal: Not now; nothing was begun.
-        """
-        ...
 
 
 class PreviewedDashboards(Protocol):

@@ -39,10 +39,9 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat, Outbound
     from rosic.core.records import Fact
     from rosic.core.robot.profile import RobotId
-    from rosic.features.dashboard.camera_preview import CameraPreview
     from rosic.features.dashboard.dashboard import RobotSnapshots
     from rosic.features.dashboard.rendering import DashboardQueries
-    from rosic.gateway.chat_dashboards import ChatDashboard
+    from rosic.gateway.chat_dashboards import CameraPreview, ChatDashboard
     from rosic.gateway.transactions import Transactions
 
 LOOK_S: Final = 1.0
@@ -66,11 +65,9 @@ class Dashboards:
 
     Attributes:
         kind: Of the facts of these cards.
-        others: Cards of another sort, which end, run and close with these.
     """
 
     kind = KIND
-    others: Dashboards | None = None
 
     def __init__(
         self,
@@ -130,9 +127,7 @@ class Dashboards:
 
     def end_all(self, principal: PrincipalId) -> tuple[Fact, ...]:
         """Return what ends every card of somebody."""
-        others = () if self.others is None else self.others.end_all(principal)
-        own = (card.no_fact() for card in self._cards.values() if card.owner == principal)
-        return (*own, *others)
+        return tuple(c.no_fact() for c in self._cards.values() if c.owner == principal)
 
     # ---- what people do ----
 
@@ -200,8 +195,6 @@ class Dashboards:
     def run(self) -> None:
         """Look from now on, as long as there are cards."""
         self._running = True
-        if self.others is not None:
-            self.others.run()
         if self._watching is None and self._all():
             self._snapshots.begin()
             self._watching = asyncio.create_task(self._watch())
@@ -217,8 +210,6 @@ class Dashboards:
     async def close(self) -> None:
         """Look no more. Cards stay as they are, and say by when they should have changed."""
         self._running = False
-        if self.others is not None:
-            await self.others.close()
         tasks = [card.task for card in self._all() if card.task is not None]
         tasks += [] if self._watching is None else [self._watching]
         for task in tasks:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import joined
 from rosic.core.message import ChatKind
@@ -12,7 +12,7 @@ from rosic.features.dashboard.dashboards import Dashboards
 from rosic.features.dashboard.rendering import ROBOTS_AT_MOST, DashboardRendering
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
@@ -20,21 +20,10 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat
     from rosic.core.robot.profile import RobotId
     from rosic.features.dashboard.rendering import DashboardQueries
+    from rosic.gateway.chat_dashboards import FleetStatus
     from rosic.gateway.transactions import Transactions
 
 FLEET_CARD: Final = "fleet-card"
-
-
-class FleetStatus(Protocol):
-    """What is known of a fleet: its robots, and the tasks they have."""
-
-    def settled(self, robots: Sequence[RobotId]) -> tuple[object, ...]:
-        """Return what does not change all the time: while it is the same, so is the fleet."""
-        ...
-
-    def lines(self, robots: Sequence[RobotId], wall_ns: int, who: PrincipalId) -> Iterable[str]:
-        """Return what there is to say about some robots and their tasks, for somebody to read."""
-        ...
 
 
 class FleetSnapshots(RobotSnapshots):

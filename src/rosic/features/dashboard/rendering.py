@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rosic.contracts.clock import Clock
-    from rosic.features.dashboard.camera_preview import CameraPreview
     from rosic.features.dashboard.dashboard import Dashboard, RobotSnapshots
+    from rosic.gateway.chat_dashboards import CameraPreview
 
 ROBOTS_AT_MOST: Final = 12
 """More do not fit into one message of every messenger."""

@@ -6,13 +6,13 @@ from functools import partial
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.container import file_messages as words
+from rosic.container.file_content import attachment_of
 from rosic.container.messages import age
 from rosic.core.i18n import said
 from rosic.core.language.command import Command, HelpEntry, HelpPage
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.features.files.background import send_file
-from rosic.features.files.content import attachment_of
 from rosic.gateway.button_rows import rows
 from rosic.gateway.commands import Reply, check_private
 
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from rosic.container.files import StoredFile
-    from rosic.core.message import Inbound
     from rosic.features.files.background import BackgroundTransfer
     from rosic.features.files.transfer import FileTransfer
     from rosic.features.files.upload import Plain
@@ -46,33 +45,40 @@ MOST_BUTTONS: Final = 8
 class FileCommands:
     """The handler of everybody's own files; in private alone.
 
+    Args:
+        aside: Brings large files beside the chat.
+        handing: Brings files to robots, and files of robots to people.
+        plain: Returns a text as it is read where a message came from.
+
     Attributes:
         further: Who does what else may be said after ``/files``, by its first word.
     """
 
-    def __init__(self, data_context: ContainerContext) -> None:
+    def __init__(
+        self,
+        data_context: ContainerContext,
+        aside: BackgroundTransfer,
+        handing: FileTransfer,
+        plain: Plain,
+    ) -> None:
         self._data_context = data_context
-        self._aside: BackgroundTransfer | None = None
-        self._plain: Plain = _as_it_is
+        self._aside = aside
+        self._plain = plain
         self.further: dict[str, Part] = {
             "get": self._get,
             "holen": self._get,
             "delete": self._delete,
             "löschen": self._delete,
+            "send": handing.send,
+            "senden": handing.send,
+            "put": handing.put,
+            "from": handing.fetch,
+            "von": handing.fetch,
         }
 
     def register(self, commands: CommandRegistry) -> None:
         """Take the command."""
         commands.register("files", self.files)
-
-    def take_time(self, aside: BackgroundTransfer, plain: Plain) -> None:
-        """Let large files go beside the chat."""
-        self._aside, self._plain = aside, plain
-
-    def hand_over(self, handing: FileTransfer) -> None:
-        """Let files go to robots, and come from them."""
-        self.further |= {"send": handing.send, "put": handing.put, "from": handing.fetch}
-        self.further |= {"senden": handing.send, "von": handing.fetch}
 
     async def files(self, asked: CommandContext) -> Reply:
         """List, hand over, delete.
@@ -111,7 +117,7 @@ class FileCommands:
             raise OutOfBounds(words.too_large_to_send(filed.name, filed.size, most))
         attachment = await attachment_of(self._data_context.container_store, filed)
         text = words.handed(filed.name, filed.size, filed.digest)
-        if attachment.pieces is None or self._aside is None:
+        if attachment.pieces is None:
             return Reply(text, attachment=attachment)
         return self._aside.begin(
             asked,
@@ -125,7 +131,3 @@ class FileCommands:
             filed = data_context.files.find(asked.caller.principal, name)
             await turn.write(data_context.files.drop(filed.id))
         return Reply(words.deleted(filed.name))
-
-
-def _as_it_is(_inbound: Inbound, text: str) -> str:
-    return text

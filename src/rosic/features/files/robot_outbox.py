@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from contextlib import aclosing
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.container import file_messages as words
 from rosic.container.file_types import SORTS, Sniffer, file_name
@@ -14,31 +14,10 @@ from rosic.errors import NotUnderstood
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator
 
+    from rosic.contracts.robot import FileFolders
     from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.container_context import ContainerContext
-
-
-class OutboxFolders(Protocol):
-    """Inboxes and outboxes; `rosic.robots.file_folders`. Each raises RobotUnreachable."""
-
-    def path(self, robot: RobotId, name: str) -> str:
-        """Return where a file of an inbox lies; empty where there is none."""
-        ...
-
-    async def put(
-        self, robot: RobotId, name: str, pieces: AsyncGenerator[bytes], digest: bytes
-    ) -> bool:
-        """Put a file there, whole; False when there is one of that name."""
-        ...
-
-    async def names(self, robot: RobotId, most: int) -> tuple[tuple[str, int, int], ...]:
-        """Return name, size and time (ns) of what there is, the newest first."""
-        ...
-
-    def read(self, robot: RobotId, name: str) -> AsyncGenerator[bytes]:
-        """Yield a file's content, piece by piece."""
-        ...
 
 
 class SeenFile(NamedTuple):
@@ -52,7 +31,7 @@ class SeenFile(NamedTuple):
 class RobotOutbox:
     """Takes files out of the outboxes of all robots."""
 
-    def __init__(self, folders: OutboxFolders, data_context: ContainerContext) -> None:
+    def __init__(self, folders: FileFolders, data_context: ContainerContext) -> None:
         self._folders = folders
         self._data_context = data_context
 

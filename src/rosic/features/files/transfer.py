@@ -11,6 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.container import file_messages as words
+from rosic.container.file_content import IN_PIECES_FROM, content_of, pieces_of
 from rosic.container.file_types import SORTS, file_name
 from rosic.container.messages import age
 from rosic.core.i18n import joined
@@ -28,7 +29,6 @@ from rosic.errors import (
     RobotUnreachable,
 )
 from rosic.features.files.background import TransferProgress, send_file
-from rosic.features.files.content import IN_PIECES_FROM, content_of, pieces_of
 from rosic.features.files.robot_outbox import RobotOutbox
 from rosic.gateway.button_rows import rows
 from rosic.gateway.commands import Reply
@@ -39,12 +39,12 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
 
     from rosic.container.files import StoredFile
+    from rosic.contracts.robot import FileFolders
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.robot.file_transfer import Receipt
     from rosic.core.robot.profile import Files, Profile, RobotId
     from rosic.core.stop_registry import StopRegistry
     from rosic.features.files.background import BackgroundTransfer, Saying, Work
-    from rosic.features.files.robot_outbox import OutboxFolders
     from rosic.features.files.upload import Plain
     from rosic.gateway.commands import CommandContext
     from rosic.gateway.container_context import ContainerContext
@@ -62,7 +62,7 @@ class TransferWays(NamedTuple):
         board: Which robots are stopped.
     """
 
-    folders: OutboxFolders
+    folders: FileFolders
     deliver: Callable[[RobotId, FileForRobot], Awaitable[Receipt]]
     board: StopRegistry
 

@@ -79,19 +79,17 @@ class MissionSchedule:
 
     Attributes:
         plans: By their numbers.
-        starter: Begins a mission.
     """
 
     def __init__(self, changes: Transactions, reach: Notifier, clock: Clock, zone: Zone) -> None:
         self.plans: dict[str, MissionPlan] = {}
-        self.starter: Starter | None = None
+        self._starter: Starter | None = None  # while it does not run
         self._places: dict[str, MissionChat] = {}
         self._next_ns: dict[str, int | None] = {}
         self._changes = changes
         self._reach = reach
         self._clock = clock
         self._zone = zone
-        self._running = False
         self._waiting: asyncio.Task[None] | None = None
         changes.keep(KIND, self.apply)
 
@@ -149,14 +147,18 @@ class MissionSchedule:
 
     # ---- while it runs ----
 
-    def run(self) -> None:
-        """Begin what is due from now on."""
-        self._running = True
+    def run(self, starter: Starter) -> None:
+        """Begin what is due from now on.
+
+        Args:
+            starter: Begins a mission.
+        """
+        self._starter = starter
         self.look()
 
     def look(self) -> None:
         """Wait, if there is something to wait for."""
-        if self._running and self.plans and self._waiting is None:
+        if self._starter is not None and self.plans and self._waiting is None:
             self._waiting = asyncio.create_task(self._wait())
 
     async def _wait(self) -> None:
@@ -196,11 +198,11 @@ class MissionSchedule:
         return key in self.plans and (at_ns is None or at_ns <= self._clock.wall_ns())
 
     async def _begin(self, key: str, plan: MissionPlan, where: MissionChat, at_ns: int) -> None:
-        if self.starter is None:
+        if self._starter is None:
             return
         cid = command_id("mission", key, plan.mission, plan.author, str(at_ns))
         try:
-            text = await self.starter(plan, where, cid)
+            text = await self._starter(plan, where, cid)
         except Refusal as refusal:
             text = words.not_begun(plan.mission, refusal.sentence)
         except Exception:
@@ -210,7 +212,7 @@ class MissionSchedule:
 
     async def close(self) -> None:
         """Begin nothing any more."""
-        self._running = False
+        self._starter = None
         if self._waiting is not None:
             self._waiting.cancel()
             await asyncio.gather(self._waiting, return_exceptions=True)

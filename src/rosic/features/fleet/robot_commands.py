@@ -37,13 +37,18 @@ IN: Final = frozenset({"enable", "add"})
 class RobotCommands:
     """The handler of who takes part. Whoever does not is stopped, and nobody can resume it.
 
-    Attributes:
+    Args:
         newcomer: Adds a robot that nobody knows yet, from a file; None: nobody does.
     """
 
-    newcomer: Callable[[CommandContext, str], Awaitable[Reply]] | None = None
-
-    def __init__(self, rooms: Components, dispatching: TaskDispatcher, stop_lane: StopLane) -> None:
+    def __init__(
+        self,
+        rooms: Components,
+        dispatching: TaskDispatcher,
+        stop_lane: StopLane,
+        newcomer: Callable[[CommandContext, str], Awaitable[Reply]] | None,
+    ) -> None:
+        self._newcomer = newcomer
         self._rooms = rooms
         self._dispatching = dispatching
         self._stop_lane = stop_lane
@@ -76,8 +81,8 @@ class RobotCommands:
         verb = low[0] if low else ""
         if self._rooms.vocabulary.robot(" ".join(low)) is None:
             verb = verb_typed("robot", verb)
-        if self.newcomer is not None and verb == "add" and low[1:] and _is_file(low):
-            return await self.newcomer(asked, asked.rest.strip()[len(low[0]) :])
+        if self._newcomer is not None and verb == "add" and low[1:] and _is_file(low):
+            return await self._newcomer(asked, asked.rest.strip()[len(low[0]) :])
         verb = verb if verb in OUT or verb in IN else ""
         robot = self._named(asked, " ".join(low[1:] if verb else low))
         if not verb:

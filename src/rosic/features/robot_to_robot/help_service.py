@@ -18,7 +18,7 @@ from rosic.errors import NotPermitted, TooManyRequests
 from rosic.features.robot_to_robot import messages as words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from rosic.contracts.robot import RobotTasks
     from rosic.core.identity import Caller, PrincipalId
@@ -39,11 +39,14 @@ class HelpService:
 
     Attributes:
         book: Every request.
-        tasks: Adjusts the tasks of both robots; None: nobody keeps tasks here.
+        tasks: Returns who adjusts the tasks of both robots; None: nobody keeps tasks here.
     """
 
     def __init__(
-        self, book: HelpRequests, around: RobotToRobotContext, tasks: RobotTasks | None
+        self,
+        book: HelpRequests,
+        around: RobotToRobotContext,
+        tasks: Callable[[], RobotTasks | None],
     ) -> None:
         self.book = book
         self.tasks = tasks
@@ -170,11 +173,12 @@ class HelpService:
         return self._rights.principal(robot) == caller.principal
 
     async def _adjust(self, made: HelpRequest) -> str:
-        if self.tasks is None:
+        tasks = self.tasks()
+        if tasks is None:
             return words.no_tasks()
         try:
             async with asyncio.timeout(TASKS_WITHIN_S):
-                return await self.tasks.helped(made.helper, made.robot) or words.no_tasks()
+                return await tasks.helped(made.helper, made.robot) or words.no_tasks()
         except Exception:
             log.exception("the tasks of a robot that helps could not be adjusted")
             return words.tasks_failed()

@@ -87,6 +87,11 @@ class ChatLanguages:
             self._catalogues[code] = self._load(code)
         return self._catalogues[code]
 
+    def catalogues(self) -> dict[str, Catalogue]:
+        """Return every catalogue there is, by its code."""
+        found = {code: self.spoken(code) for code in self._known}
+        return {code: catalogue for code, catalogue in found.items() if catalogue is not None}
+
     def choose(self, principal: PrincipalId, code: str, *, imperial: bool = False) -> None:
         """Let somebody's choice of words and units count; an empty code takes it back."""
         if imperial:

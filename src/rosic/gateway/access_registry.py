@@ -1,14 +1,17 @@
-"""Everything that lets people in and keeps them out, put together and brought up to date."""
+"""Everything that lets people in and keeps them out, put together and brought up to date.
+
+Features ask and change it through the kernel; what is written down becomes so here.
+"""
 
 from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.app.people import person_of
-from rosic.app.policy import key_of
+import msgspec
+
 from rosic.authoriser.abuse import COUNTED_AS, RULE, SUSPICIOUS, AbuseDetector, AbuseLimits
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.counters import Counters
@@ -19,15 +22,16 @@ from rosic.authoriser.locks import AccountLocks
 from rosic.authoriser.security_report import SecurityReports
 from rosic.authoriser.two_factor import TwoFactor
 from rosic.core.deferred import Deferred
+from rosic.core.identity import Principal
 from rosic.core.policy.scope import FLEET
-from rosic.core.records import Enrolled, KeyIssued, KeyRevoked
+from rosic.core.records import Enrolled, KeyIssued, KeyRevoked, PersonRecord
 from rosic.core.robot.skill import SkillClass
 from rosic.core.slot import SERIES, SLOT
 from rosic.errors import NotPermitted, Refusal, TooManyRequests
-from rosic.features.dashboard.dashboard import KIND as CARD
+from rosic.gateway.policy_service import key_of
 from rosic.gateway.transactions import Transactions
 from rosic.organiser.access_requests import ACCESS_REQUEST, AccessRequests
-from rosic.organiser.calendar import Calendar
+from rosic.organiser.calendar import Calendar, CalendarNames
 from rosic.organiser.grants import GRANT
 from rosic.organiser.organiser import AccessState
 from rosic.organiser.planning.wishes import WISH, Wishes
@@ -38,7 +42,6 @@ from rosic.organiser.wait_queue import WAITING, WaitingList
 if TYPE_CHECKING:
     from collections.abc import Awaitable
 
-    from rosic.app.policy import PolicyService
     from rosic.authoriser.abuse import InvalidateKey
     from rosic.authoriser.invitations import InvitedRights
     from rosic.authoriser.monotonic_clock import MonotonicWallClock
@@ -49,6 +52,7 @@ if TYPE_CHECKING:
     from rosic.core.records import Fact, Memory
     from rosic.core.stop_registry import StopRegistry
     from rosic.gateway.delivery.notifier import Notifier
+    from rosic.gateway.policy_service import PolicyService
     from rosic.organiser.organiser import Organiser
 
 ADMIN = "admin"
@@ -69,7 +73,19 @@ def authoriser_of(time: MonotonicWallClock, clock: Clock, entropy: Entropy) -> A
     return Authoriser(Directory(), keys, clock, entropy)
 
 
-class AccessFeature:
+class PlaceNames(NamedTuple):
+    """How a place, and what there is, is called.
+
+    Attributes:
+        place: Its own name, as people see it.
+        calendar: What is called how in sentences about times.
+    """
+
+    place: str
+    calendar: CalendarNames
+
+
+class AccessRegistry:
     """The authoriser's and the organiser's books, and the way in which they change.
 
     Attributes:
@@ -78,7 +94,6 @@ class AccessFeature:
         enrolment, keys, locks, two_factor, misuse, counters, time, security, waiting,
             access_requests: The books.
         calendar: Whose time it is.
-        cards: Live cards of earlier runs, for whoever shows them.
         forget_newcomer: Erases what was kept of somebody who was not let in; nothing is kept
             before it is bound.
         may_invite: Whether somebody may let a person in with that; nobody, until it is bound.
@@ -90,12 +105,11 @@ class AccessFeature:
         authority: PolicyService,
         store: Store,
         entropy: Entropy,
-        place: str,
         board: StopRegistry,
+        place: PlaceNames,
     ) -> None:
         self.changes = Transactions(store)
         self.note = store.note
-        self.cards: tuple[Fact, ...] = ()
         self.keys = authoriser.keys
         self.time, self.counters = self.keys.time, self.keys.counters
         self.locks = AccountLocks(self.time)
@@ -108,20 +122,20 @@ class AccessFeature:
             self.counters,
             EnrolmentRules(self.may_invite),
         )
-        self.two_factor = TwoFactor(self.time, entropy, self.counters, place=place)
+        self.two_factor = TwoFactor(self.time, entropy, self.counters, place=place.place)
         self.misuse = AbuseDetector(
             self.time, AbuseLimits(), only_admin=self.is_only_admin, name=authoriser.directory.name
         )
         self.security = SecurityReports(
             authoriser, self.enrolment, self.keys, self.locks, self.counters, self.time
         )
-        self.waiting = WaitingList(self.time)
+        self.waiting = WaitingList(self.time, place.calendar.shown_of)
         self.wishes = Wishes(self.time.wall_ns)
         self.access_requests = AccessRequests(self.time.wall_ns, entropy)
         self.forget_newcomer: Deferred[[PrincipalId], Awaitable[None]] = Deferred(nothing_kept)
         self._authoriser = authoriser
         self._authority, self._board = authority, board
-        self.calendar = Calendar(self.time)
+        self.calendar = Calendar(self.time, place.calendar)
         self.time.when_behind.connect(self._set_back)
         self.time.when_ahead.connect(self.waiting.age)
 
@@ -159,7 +173,6 @@ class AccessFeature:
             for fact in memory.facts.get(kind, ()):
                 apply(fact)
             changes.keep(kind, apply)
-        self.cards = memory.facts.get(CARD, ())
         calendar = self.calendar
         calendar.restore((*memory.facts.get(SERIES, ()), *memory.facts.get(SLOT, ())))
         changes.keep(SLOT, partial(self._booked, calendar))
@@ -240,6 +253,17 @@ class AccessFeature:
         return admins == [principal]
 
 
+_decode_card = msgspec.msgpack.Decoder(PersonRecord).decode
+
+
+def person_of(entry: Enrolled) -> Principal:
+    """Return who became known."""
+    card = _decode_card(entry.letter.content)
+    return Principal(
+        id=entry.principal, name=card.name, roles=entry.roles, addresses=card.addresses
+    )
+
+
 # ---- misuse ----
 
 
@@ -251,7 +275,7 @@ def admins_of(organiser: Organiser) -> tuple[PrincipalId, ...]:
 class AbuseResponse:
     """Lets the rules about misuse hear of what people try, and does what they ask for."""
 
-    def __init__(self, access: AccessFeature, organiser: Organiser, reach: Notifier) -> None:
+    def __init__(self, access: AccessRegistry, organiser: Organiser, reach: Notifier) -> None:
         self._two_factor, self._counters, self._misuse = (
             access.two_factor,
             access.counters,

@@ -5,9 +5,8 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.config.missions import fleet_of
 from rosic.core.policy.limits import unit_converter
-from rosic.core.policy.permissions import Permissions, PolicyInForce
+from rosic.core.policy.permissions import Permissions, PolicyInForce, fleet_of
 from rosic.core.policy.query import PolicyKey
 from rosic.core.policy.scope import Scope
 from rosic.core.signal import Signal

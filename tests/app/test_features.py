@@ -1,0 +1,91 @@
+"""Features are found in their folder, and what one provides is there for whoever needs it."""
+
+from __future__ import annotations
+
+import inspect
+from graphlib import CycleError
+from importlib import import_module
+from pkgutil import iter_modules
+from types import ModuleType
+
+import pytest
+
+from rosic import features
+from rosic.app.features import in_order, setups
+from rosic.features.fleet import FleetFeature
+from rosic.gateway.feature import ErasureParticipants, Feature, Provided, SharedParts
+from tests.gateway.place import Place
+
+
+def package(provides: tuple[str, ...] = (), needs: tuple[str, ...] = ()) -> ModuleType:
+    made = ModuleType("feature")
+    vars(made).update(PROVIDES=provides, NEEDS=needs)
+    return made
+
+
+def test_what_provides_a_part_is_set_up_before_whoever_needs_it() -> None:
+    packages = {
+        "a": package(needs=("camera", "nothing that anybody provides")),
+        "b": package(provides=("fleet",), needs=("camera",)),
+        "c": package(provides=("camera",)),
+        "d": package(needs=("fleet",)),
+    }
+    order = in_order(packages)
+    assert sorted(order) == ["a", "b", "c", "d"]
+    assert order.index("c") < order.index("b") < order.index("d")
+    assert order.index("c") < order.index("a")
+    with pytest.raises(CycleError):
+        in_order({"a": package(("x",), ("y",)), "b": package(("y",), ("x",))})
+
+
+def test_every_package_says_rightly_what_it_needs_and_provides() -> None:
+    shared = vars(SharedParts())
+    found = {setup.__module__: import_module(setup.__module__) for setup in setups()}
+    assert len(found) == len(list(iter_modules(features.__path__)))
+    for name, made in found.items():
+        source = inspect.getsource(made)
+        needs, provides = getattr(made, "NEEDS", ()), getattr(made, "PROVIDES", ())
+        assert {*needs, *provides} <= shared.keys(), name
+        taken = {part for part in shared if f"shared.{part}.get()" in source}
+        assert taken <= set(needs), name
+        given = {part for part in shared if f"shared.{part}.provide(" in source}
+        assert given <= set(provides), name
+        assert all(source.count(part) > 1 for part in (*needs, *provides)), name
+
+
+def test_a_part_is_provided_once_and_missed_by_name() -> None:
+    part: Provided[str] = Provided("dashboards")
+    assert part.find() is None
+    with pytest.raises(RuntimeError, match="no feature provides dashboards yet"):
+        part.get()
+    part.provide("made")
+    assert part.get() == part.find() == "made"
+    with pytest.raises(RuntimeError, match="two features provide dashboards"):
+        part.provide("another")
+
+
+async def test_whoever_is_erased_ends_with_every_feature_that_takes_part() -> None:
+    erasure, ended = ErasureParticipants(), list[str]()
+
+    async def end(principal: str) -> None:
+        ended.append(principal)
+
+    erasure.join(records=lambda _who: ())
+    erasure.join(end=end)
+    erasure.join(end=end)
+    assert list(erasure.records("p-1")) == []
+    await erasure.end("p-1")
+    assert ended == ["p-1", "p-1"]
+
+
+class Unknown(Feature):
+    """No gateway has it."""
+
+
+async def test_a_gateway_says_which_feature_it_lacks() -> None:
+    async with Place().open() as place:
+        found = place.gateway.features
+        assert found.get(FleetFeature) is found.find(FleetFeature)
+        assert found.find(Unknown) is None
+        with pytest.raises(LookupError, match="there is no Unknown here"):
+            found.get(Unknown)
