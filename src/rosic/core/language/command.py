@@ -6,7 +6,7 @@ The words of the grammar, ``help``, menus, completion, what is left out of archi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from enum import StrEnum
 from typing import Final, NamedTuple
 
@@ -99,6 +99,7 @@ class Command(msgspec.Struct, frozen=True, kw_only=True):
             stands among the aliases. Empty: as it is called.
         summary: What it is for; in ``help`` and menus.
         page: Where ``help NAME`` leads, if it does not stand on a page.
+        verbs: Words in other languages that may follow, each with the English one that it means.
         explained: Said alone it changes nothing: it says how it is said, or shows what there is. So
             ``help NAME`` says that.
         redacted_unless: What stands behind it lets somebody in, so none of it is kept; except this
@@ -122,6 +123,7 @@ class Command(msgspec.Struct, frozen=True, kw_only=True):
     typed: str = ""
     summary: str = ""
     page: HelpPage | None = None
+    verbs: Mapping[str, str] = {}
     explained: bool = False
     redacted_unless: str | None = None
     help: HelpEntry | None = None
@@ -263,6 +265,10 @@ class CommandTable:
             if command.redacted_unless is not None
             for word in (command.name, *command.aliases)
         }
+
+    def verb(self, command: str, word: str) -> str:
+        """Return what is to be done by a command, by the word in small letters that follows it."""
+        return self._by_name[command].verbs.get(word, word)
 
     def __iter__(self) -> Iterator[Command]:
         return iter(self._by_name.values())

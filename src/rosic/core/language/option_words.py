@@ -36,45 +36,6 @@ OPTIONS: Final[Mapping[str, str]] = MappingProxyType(
 )
 
 
-_VERBS: Final[Mapping[str, Mapping[str, str]]] = MappingProxyType(
-    {
-        "archive": {
-            "an": "on",
-            "ein": "on",
-            "aus": "off",
-            "löschen": "erase",
-            "exportieren": "export",
-        },
-        "card": {
-            "anheften": "pin",
-            "loslösen": "unpin",
-            "bild": "picture",
-            "aus": "off",
-        },
-        "mission": {
-            "starten": "start",
-            "pausieren": "pause",
-            "beenden": "cancel",
-            "weiter": "go",
-            "aus": "off",
-        },
-        "mydata": {"exportieren": "export"},
-        "robot": {
-            "deaktivieren": "disable",
-            "aktivieren": "enable",
-            "ausmustern": "retire",
-            "aufnehmen": "add",
-            "hinzufügen": "add",
-        },
-    }
-)
-
-
-def verb_typed(command: str, word: str) -> str:
-    """Return what is to be done by a command, by the word in small letters that follows it."""
-    return _VERBS[command].get(word, word)
-
-
 def option_typed(word: str) -> str:
     """Return the English word that a word in small letters means; else the word itself."""
     return OPTIONS.get(word, word)

@@ -8,7 +8,6 @@ from rosic.core.i18n import said
 from rosic.core.language.command import Command, HelpEntry, HelpPage
 from rosic.core.language.compiled import fold
 from rosic.core.language.keywords import FILLERS
-from rosic.core.language.option_words import verb_typed
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.message import Button
 from rosic.core.messages import NOTHING_VISIBLE
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
 COMMANDS: Final = (
     Command(
         name="card",
+        verbs={"anheften": "pin", "loslösen": "unpin", "bild": "picture", "aus": "off"},
         aliases=("tafel",),
         typed=said("/card"),
         summary=said("A message that always shows how robots are"),
@@ -76,7 +76,7 @@ class DashboardCommands:
         said = asked.rest.strip().rstrip(_ENDS).translate(_BETWEEN).split()
         verb = fold(said[0]) if said else ""
         if verb not in self._vocabularies.current.callees:
-            verb = verb_typed("card", verb)
+            verb = self._vocabularies.current.commands.verb("card", verb)
         if verb == "off" and len(said) == 1:
             return await self._off(asked)
         if verb == "picture" and len(said) > 1:

@@ -37,6 +37,13 @@ COMMANDS: Final = (
     ),
     Command(
         name="mission",
+        verbs={
+            "starten": "start",
+            "pausieren": "pause",
+            "beenden": "cancel",
+            "weiter": "go",
+            "aus": "off",
+        },
         cancelled_by="mission",
         aliases=("auftrag",),
         typed=said("/mission"),
@@ -53,6 +60,13 @@ COMMANDS: Final = (
     ),
     Command(
         name="robot",
+        verbs={
+            "deaktivieren": "disable",
+            "aktivieren": "enable",
+            "ausmustern": "retire",
+            "aufnehmen": "add",
+            "hinzufügen": "add",
+        },
         typed=said("/robot"),
         summary="add, disable or take a robot out of service",
     ),

@@ -22,7 +22,6 @@ from rosic.core.fleet.task import (
 from rosic.core.fleet.template import bounds, read_values, texts_of
 from rosic.core.i18n import joined
 from rosic.core.language.ast import Misunderstood
-from rosic.core.language.option_words import verb_typed
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.time_parser import read_when
 from rosic.core.policy.scope import FLEET
@@ -120,7 +119,8 @@ class MissionCommands:
         """
         verb, _, said = asked.rest.strip().partition(" ")
         verb, said = verb.casefold(), said.strip()
-        verb = verb if verb in self._missions else verb_typed("mission", verb)
+        if verb not in self._missions:
+            verb = self._rooms.vocabulary.commands.verb("mission", verb)
         name = said.casefold()
         if not verb:
             return await self.missions(asked)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final
 from rosic.core import messages as core_words
 from rosic.core.fleet import events as e
 from rosic.core.fleet.task import FleetMembership
-from rosic.core.language.option_words import verb_typed
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.messages import no_robot
 from rosic.core.policy.scope import FLEET, RESUME
@@ -80,7 +79,7 @@ class RobotCommands:
         low = asked.rest.casefold().split()
         verb = low[0] if low else ""
         if self._rooms.vocabulary.robot(" ".join(low)) is None:
-            verb = verb_typed("robot", verb)
+            verb = self._rooms.vocabulary.commands.verb("robot", verb)
         if self._newcomer is not None and verb == "add" and low[1:] and _is_file(low):
             return await self._newcomer(asked, asked.rest.strip()[len(low[0]) :])
         verb = verb if verb in OUT or verb in IN else ""

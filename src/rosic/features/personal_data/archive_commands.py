@@ -9,7 +9,6 @@ from rosic.container import archive_records, export
 from rosic.container.archive import DAYS
 from rosic.container.messages import NOT_ON
 from rosic.core.i18n import joined
-from rosic.core.language.option_words import verb_typed
 from rosic.core.message import Attachment, Button
 from rosic.core.records import Decided
 from rosic.errors import (
@@ -104,7 +103,7 @@ class ArchiveCommands:
             return self._state(asked)
         if not self._data_context.may_archive(asked.caller.principal):
             raise NotPermitted(words.NOT_YOURS)
-        verb = verb_typed("archive", said[0])
+        verb = self._data_context.vocabulary.commands.verb("archive", said[0])
         if verb == "on":
             return await self._begin(asked, said[1:])
         if verb == "off" and len(said) == 1:

@@ -19,7 +19,6 @@ from rosic.container import (
 from rosic.container.files import PART
 from rosic.core.i18n import said
 from rosic.core.language.command import Command, HelpEntry, HelpPage
-from rosic.core.language.option_words import verb_typed
 from rosic.core.message import Button
 from rosic.errors import ConfigurationError, NotUnderstood, RecordUnavailable, StoreFault
 from rosic.features.personal_data import erasure as erasing_of
@@ -53,6 +52,7 @@ COMMANDS: Final = (
     Command(name="language", summary="the language in which one is answered", aliases=("sprache",)),
     Command(
         name="mydata",
+        verbs={"exportieren": "export"},
         aliases=("daten",),
         typed=said("/mydata"),
         summary=said("What is kept of you"),
@@ -73,6 +73,7 @@ COMMANDS: Final = (
     ),
     Command(
         name="archive",
+        verbs={"an": "on", "ein": "on", "aus": "off", "löschen": "erase", "exportieren": "export"},
         aliases=("archiv",),
         typed=said("/archive"),
         summary="keep the messages of a chat, for who may",
@@ -184,7 +185,8 @@ class MyDataCommands:
         """
         check_private(asked)
         verb, *forms = asked.rest.casefold().split() or [""]
-        verb, form = verb_typed("mydata", verb), forms[0] if forms else "jsonl"
+        verb = self._data_context.vocabulary.commands.verb("mydata", verb)
+        form = forms[0] if forms else "jsonl"
         if verb not in {"", EXPORT} or len(forms) > 1 or form not in export.ENDINGS:
             raise NotUnderstood(words.HOW_TO_FORGET, offers=("/mydata", f"/mydata {EXPORT}"))
         if verb == EXPORT:
