@@ -147,6 +147,7 @@ class Batches(ScriptedBotClient):
     def __init__(self, token: str = TOKEN) -> None:
         super().__init__(token)
         self.waiting: list[dict[str, Any]] = []
+        self.polls = 0
         self._given = asyncio.Event()
 
     def give(self, updates: Sequence[dict[str, Any]]) -> None:
@@ -157,6 +158,7 @@ class Batches(ScriptedBotClient):
         self, offset: int | None, timeout_s: int, kinds: Sequence[str], limit: int
     ) -> list[Any]:
         del kinds
+        self.polls += 1
         if offset is not None:
             self.waiting = [one for one in self.waiting if one["update_id"] >= offset]
         if not self.waiting and timeout_s:

@@ -10,10 +10,11 @@ from msgspec.structs import replace
 
 from rosic.container.bounded_writes import WITHIN_S
 from rosic.core.history import RESUMED, HistoryQuery
-from rosic.core.message import Chat
+from rosic.core.message import Chat, MessageValidity
 from rosic.core.records import Claimed, Concluded, Refused, Resumed, Told
 from rosic.errors import RecordUnavailable, StoreFault
 from rosic.gateway.stop import LATCH_WITHIN_S
+from rosic.gateway.unfollowed_messages import COUNTED_S
 from rosic.stores.memory import MemoryStore
 from rosic.stores.stop_latch import MemoryLatch
 from rosic.testing.clock import settle
@@ -83,6 +84,47 @@ async def test_a_record_that_hangs_hides_no_stop(before: list[tuple[int, str]]) 
         await place.drained()
         robot = place.gateway.robots["omni"]
         assert not getattr(robot, "acted", None), "what was written too late moves nothing"
+
+
+@pytest.mark.parametrize("said", ["/task move 1 m", "/invite viewer for 2h", "omni move 0.1 m"])
+async def test_what_people_send_while_the_record_hangs_delays_no_stop(said: str) -> None:
+    """Six hundred of two people: each hundred was asked for again for a second, ten times."""
+    store = HangingStore()
+    async with receiving(store) as place:
+        place.give(place.message(ADA, "status"), place.message(BO, "status"))
+        await place.drained()
+        store.goes_on.clear()
+        place.give(*(place.message((ADA, BO)[n % 2], said) for n in range(600)))
+        place.give(place.message(ADA, "stop"))
+        before = place._line.polls
+        try:
+            await stopped(place, "omni")
+        finally:
+            store.goes_on.set()
+        assert place._line.polls - before <= 2 * 7, "once, and once more to confirm it"
+        await place.drained()
+
+
+async def test_whoever_sent_what_is_given_up_is_told() -> None:
+    """In one sentence for all of it, each in their chat, once; nobody else is told of it."""
+    store = MemoryStore()
+    async with Place(store).open() as place:
+        there = [("1", "1"), (BO_THERE, "2"), ("nobody", "3")]
+        for number in range(30):
+            account, chat = there[number % 3]
+            inbound = place.chat._inbound(account, Chat("memory", chat), f"m{number}", None)
+            dropped = replace(inbound, text="kuka1 move 1 m", standing=MessageValidity.DROPPED)
+            await place.gateway.pipeline.receive(place.chat, dropped)
+        await place.clock.advance(COUNTED_S)
+        await place.quiet()
+        told = {each.outbound.chat.id: each.outbound.text for each in place.chat.told}
+        assert set(told) == {"1", "2"}
+        assert len(place.chat.told) == 2
+        assert told["1"] == (
+            "The record cannot keep up, so I gave up 10 messages of yours. "
+            "Nothing was done for them. Stop still works."
+        )
+        assert place.acted("kuka1") == 0
 
 
 async def test_a_stop_file_that_hangs_hides_no_stop_of_another_robot() -> None:

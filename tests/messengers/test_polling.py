@@ -16,8 +16,9 @@ from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram.batch import ANSWER_BYTES, BATCH
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.errors import ErrorKind, FloodControl, TelegramError
-from rosic.messengers.telegram.polling import PEEK_S, Poller
+from rosic.messengers.telegram.polling import FULL_S, PEEK_S, Poller
 from rosic.messengers.telegram.polling_gap import GRACE_NS
+from rosic.messengers.telegram.update_window import OVERDUE_AT_MOST
 from rosic.testing.clock import settle
 from rosic.testing.messenger_harness import settled
 from tests.messengers.inbox import (
@@ -120,18 +121,20 @@ async def test_whoever_listens_again_begins_with_a_backlog() -> None:
 
 
 async def test_a_full_answer_that_was_seen_before_hides_what_is_behind_it() -> None:
-    """As it comes once more while nothing of it can be confirmed."""
-    settled = [False, False]
-
-    async def settle_later(_within_s: float) -> bool:
-        return settled.pop() if settled else True
-
-    full = [text(number, "status") for number in range(BATCH)]
-    inbox = HarnessInbox(full, full, full)
-    inbox.listener.settle = settle_later
-    async with inbox.listening():
-        assert inbox.listener.counts["received"] == BATCH, "nothing is handed over twice"
+    """As it comes once more while nothing of it can be confirmed: too much is overdue already."""
+    answers = [
+        [text(number, "slow") for number in range(first, first + BATCH)]
+        for first in range(0, OVERDUE_AT_MOST + 1, BATCH)
+    ]
+    inbox = HarnessInbox(*answers, answers[-1])
+    inbox.held_up["slow"] = asyncio.Event()
+    async with inbox.listening(len(answers) * FULL_S + PEEK_S):
+        assert [asked.offset for asked in inbox.bot.asked[-2:]] == [None, None]
         assert inbox.listener.catching_up
+        inbox.held_up["slow"].set()
+        for _ in range(60):
+            await settle()
+        assert inbox.listener.counts["received"] == OVERDUE_AT_MOST + BATCH, "each once"
 
 
 async def test_after_a_long_answer_fewer_are_asked_for_and_then_more_again() -> None:

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from telegram.error import NetworkError
 
-from rosic.core.time_units import SECOND_NS
 from rosic.messengers.telegram import incoming
 from rosic.messengers.telegram.batch import BATCH, STEP_BYTES
-from rosic.messengers.telegram.polling import AT_ONCE_S
+from rosic.messengers.telegram.polling import AT_ONCE_S, FULL_S
 from rosic.messengers.telegram.reading import TURNS, UNNAMED_SIGNS, UNREAD_AT_MOST
-from rosic.messengers.telegram.update_window import HELD_NS, UpdateWindow
+from rosic.messengers.telegram.update_window import UpdateWindow
+from rosic.testing.clock import settle
 from tests.messengers.inbox import (
     ADA,
     EVE,
@@ -77,13 +77,15 @@ class KeepingEar(HarnessInbox):
         self.keeping = KeepingBot(self.clock, list(updates), lost or set())
         self.line.bot = self.keeping
         self.listener.reading.known = lambda address: address.account == str(ADA)
+        self.held_up_for_long = False
 
     async def receive(self, inbound: Inbound) -> None:
         """Note what has been received, and that Telegram had not been told so before."""
         await asyncio.sleep(0)
         if inbound.text in self.held_up:
             await self.held_up[inbound.text].wait()
-        if inbound.sender.account == str(ADA) or not self.keeping.filled:
+        of_known = inbound.sender.account == str(ADA) and not self.held_up_for_long
+        if of_known or not self.keeping.filled:
             assert int(inbound.message) not in self.keeping.forgotten
         self.heard.append(inbound)
 
@@ -204,15 +206,59 @@ async def test_a_stop_to_another_bot_is_passed_over_where_a_stranger_says_it() -
         assert inbox.numbers == {2}
 
 
-@pytest.mark.parametrize("who", [ADA, EVE])
-async def test_a_hundred_that_are_held_up_hide_no_stop_behind_them(who: int) -> None:
-    """Of a stranger at once: nothing of theirs is in the way."""
-    inbox = KeepingEar(*(text(number, "slow", who) for number in range(1, BATCH + 1)))
+@pytest.mark.parametrize("hundreds", [1, 3])
+async def test_what_people_sent_hides_no_stop_while_it_is_held_up(hundreds: int) -> None:
+    """Each hundred is waited for, but not for long; nothing waits longer while it is."""
+    inbox = KeepingEar(*(text(number, "slow") for number in range(1, hundreds * BATCH + 1)))
+    inbox.keeping.give(hundreds * BATCH + 1, text(hundreds * BATCH + 1, "stop"))
+    inbox.held_up["slow"] = asyncio.Event()
+    inbox.held_up_for_long = True
+    async with inbox.listening(hundreds * FULL_S - 0.001):
+        assert inbox.texts == []
+        await inbox.clock.advance(0.001)
+        assert inbox.texts == ["stop"]
+        inbox.held_up["slow"].set()
+        for _ in range(60):
+            await settle()
+        assert inbox.numbers == set(range(1, hundreds * BATCH + 2)), "it is followed all the same"
+
+
+async def test_what_people_sent_hides_no_stop_while_it_goes_on_slowly() -> None:
+    """However often one of it ends."""
+    inbox = KeepingEar(*(text(number, f"slow {number}") for number in range(1, 3 * BATCH + 1)))
+    inbox.keeping.give(3 * BATCH + 1, text(3 * BATCH + 1, "stop"))
+    inbox.held_up = {f"slow {number}": asyncio.Event() for number in range(1, 3 * BATCH + 1)}
+    inbox.held_up_for_long = True
+    async with inbox.listening():
+        for number in range(1, 4):
+            inbox.held_up[f"slow {number}"].set()
+            await inbox.clock.advance(FULL_S)
+        assert inbox.texts == ["slow 1", "slow 2", "slow 3", "stop"]
+
+
+async def test_what_people_sent_hides_no_stop_while_nothing_is_on_disk() -> None:
+    """What was refused, say: it is received, and to be written."""
+    inbox = KeepingEar(*(text(number, "no") for number in range(1, 3 * BATCH + 1)))
+    inbox.keeping.give(3 * BATCH + 1, text(3 * BATCH + 1, "stop"))
+    asked_within_s: list[float] = []
+
+    async def hangs(within_s: float) -> bool:
+        asked_within_s.append(within_s)
+        await inbox.clock.sleep(within_s)
+        return False
+
+    inbox.listener.settle = hangs
+    async with inbox.listening(3 * FULL_S):
+        assert "stop" in inbox.texts
+        assert max(asked_within_s[:3]) <= FULL_S
+
+
+async def test_a_hundred_of_a_stranger_that_are_held_up_hide_no_stop_behind_them() -> None:
+    """At once: nothing of theirs is in the way."""
+    inbox = KeepingEar(*(text(number, "slow", EVE) for number in range(1, BATCH + 1)))
     inbox.keeping.give(BATCH + 1, text(BATCH + 1, "stop"))
     inbox.held_up["slow"] = asyncio.Event()
-    async with inbox.listening(HELD_NS / SECOND_NS / 2):
-        assert inbox.texts == ([] if who == ADA else ["stop"])
-        await inbox.clock.advance(HELD_NS / SECOND_NS)
+    async with inbox.listening():
         assert inbox.texts[0] == "stop"
 
 
@@ -332,7 +378,7 @@ def mix(number: int, kinds: tuple[int, ...], after: int = 0, *, said: str = SHOR
 async def test_fewer_that_are_held_up_are_not_confirmed_before_they_are_received() -> None:
     inbox = KeepingEar(*(text(number, "slow") for number in range(1, BATCH)))
     inbox.held_up["slow"] = asyncio.Event()
-    async with inbox.listening(10 * HELD_NS / SECOND_NS):
+    async with inbox.listening(10.0):
         assert inbox.keeping.forgotten == []
 
 

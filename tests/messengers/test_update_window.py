@@ -8,12 +8,16 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 import pytest
+from msgspec import structs
 
 from rosic.core.identity import Address
-from rosic.core.message import Chat, Inbound
+from rosic.core.message import Chat, Inbound, MessageValidity
+from rosic.core.time_units import SECOND_NS
 from rosic.messengers.telegram.update_window import (
     ATTEMPTS,
+    HELD_NS,
     OVERDUE_AT_MOST,
+    WAITING_AT_MOST,
     AdmittedUpdate,
     UpdateWindow,
 )
@@ -51,6 +55,7 @@ class Table:
         self.heard = heard
         self.held: dict[str, asyncio.Event] = {}
         self.broken: Counter[str] = Counter()
+        self.told: list[str] = []
 
     def hold(self, *messages: int) -> None:
         for message in messages:
@@ -61,6 +66,9 @@ class Table:
         if self.broken[inbound.message] > 0:
             self.broken[inbound.message] -= 1
             raise ValueError("a bug")
+        if inbound.standing is MessageValidity.DROPPED:
+            self.told.append(inbound.message)
+            return
         if inbound.message in self.held:
             await self.held[inbound.message].wait()
 
@@ -183,16 +191,13 @@ async def test_waiting_for_it_ends_so_that_a_stop_is_seen(table: Table) -> None:
     assert table.window.busy
 
 
-async def test_what_is_held_up_is_confirmed_after_a_while_and_followed_all_the_same(
+async def test_what_is_held_up_is_confirmed_where_it_is_in_the_way_and_followed_all_the_same(
     table: Table,
 ) -> None:
     table.hold(10)
     take(table.window, [news(10), news(11), news(12, "2")])
     await settle()
-    await table.clock.advance(0.9)
-    table.window.relieve()
     assert table.window.offset is None
-    await table.clock.advance(0.2)
     table.window.relieve()
     assert table.window.offset == 13
     assert not table.window.busy
@@ -210,10 +215,8 @@ async def test_what_waits_for_something_to_be_read_is_never_confirmed(table: Tab
     take(table.window, [news(10)])
     table.window.admit(news(11, "2"))
     await settle()
-    await table.clock.advance(1.1)
     table.window.relieve()
     assert table.window.offset == 11
-    await table.clock.advance(1.1)
     table.window.relieve()
     assert table.window.offset == 11
     table.window.release(11)
@@ -225,28 +228,85 @@ async def test_what_waits_for_something_to_be_read_is_never_confirmed(table: Tab
     assert table.window.offset == 12
 
 
-async def test_whatever_ends_shows_that_nothing_is_held_up(table: Table) -> None:
-    table.hold(10, 11)
-    take(table.window, [news(10), news(11, "2")])
-    await settle()
-    await table.clock.advance(0.9)
-    table.held["11"].set()
-    await settle()
-    await table.clock.advance(0.9)
-    table.window.relieve()
-    assert table.window.offset is None
-
-
-async def test_of_too_much_that_is_held_up_what_was_not_begun_is_given_up(table: Table) -> None:
-    table.hold(0)
-    for number in range(0, OVERDUE_AT_MOST + 1, 91):
-        take(table.window, [news(n) for n in range(number, number + 91)])
+async def settled() -> None:
+    """Let more than a thousand be handed over."""
+    for _ in range(60):
         await settle()
-        await table.clock.advance(1.0)
+
+
+async def held_up(table: Table, count: int, chats: int = 1) -> None:
+    """Have so many handed over and confirmed, of which nothing ends."""
+    for first in range(0, count, 100):
+        numbers = range(first, min(first + 100, count))
+        take(table.window, [news(n, str(n % chats)) for n in numbers])
+        await settled()
         table.window.relieve()
         table.window.confirmed(table.window.offset)
-    assert table.window._counts["given-up"] == OVERDUE_AT_MOST, "all but what was begun, each once"
+
+
+async def test_of_too_much_that_is_held_up_what_waited_for_long_is_given_up(table: Table) -> None:
+    table.hold(0)
+    await held_up(table, OVERDUE_AT_MOST)
+    await table.clock.advance(HELD_NS / SECOND_NS)
+    late, first = OVERDUE_AT_MOST - 1, OVERDUE_AT_MOST
+    take(table.window, [news(first, "0"), news(first + 1, "0")])
+    await settled()
+    table.window.relieve()
+    assert table.window.offset == first + 2
+    assert table.window._counts["given-up"] == late, "all but what was begun and what came now"
+    await settled()
+    assert table.told == [str(n) for n in range(1, OVERDUE_AT_MOST)], "and whoever sent it is told"
     table.held["0"].set()
-    await settle()
-    assert table.heard == ["0"]
+    await settled()
+    assert table.heard[-2:] == [str(first), str(first + 1)]
+    assert table.window._counts["received"] == 3
     assert not table.window._overdue
+
+
+async def test_of_too_much_that_is_held_up_nothing_is_given_up_or_confirmed_at_once(
+    table: Table,
+) -> None:
+    """What is handed over may still be followed: only what waited for long is not."""
+    table.hold(0)
+    await held_up(table, OVERDUE_AT_MOST)
+    await table.clock.advance(HELD_NS / SECOND_NS / 2)
+    take(table.window, [news(OVERDUE_AT_MOST, "0")])
+    await settled()
+    table.window.relieve()
+    assert table.window.offset is None
+    assert not table.window._counts["given-up"]
+    table.held["0"].set()
+    await settled()
+    assert table.window.offset == OVERDUE_AT_MOST + 1
+    assert table.window._counts["received"] == OVERDUE_AT_MOST + 1
+    assert table.told == []
+
+
+async def test_what_cannot_be_followed_at_all_is_told_of_in_its_own_way(table: Table) -> None:
+    """What was changed or forwarded is followed in no case; one that breaks stops no other."""
+    table.hold(0, 1)
+    await held_up(table, OVERDUE_AT_MOST, chats=2)
+    lane = table.window._lanes["1"]
+    edited = structs.replace(lane[1].inbound, standing=MessageValidity.EDITED)
+    lane[1] = lane[1]._replace(inbound=edited)
+    table.broken["5"] = 1
+    await table.clock.advance(HELD_NS / SECOND_NS)
+    take(table.window, [news(OVERDUE_AT_MOST, "0")])
+    await settled()
+    table.window.relieve()
+    await settled()
+    assert set(table.told) == {str(n) for n in range(2, OVERDUE_AT_MOST)} - {edited.message, "5"}
+
+
+async def test_while_too_much_waits_there_is_no_room_and_then_it_is_told(table: Table) -> None:
+    noticed: list[int] = []
+    table.window.on_room = lambda: noticed.append(table.window._waiting)
+    table.hold(0)
+    take(table.window, [news(n) for n in range(WAITING_AT_MOST + 1)])
+    await settled()
+    assert not table.window.has_room
+    table.held["0"].set()
+    await settled()
+    assert table.window.has_room
+    assert noticed[0] == WAITING_AT_MOST - 1
+    assert noticed[-1] == 0

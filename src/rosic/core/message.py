@@ -37,6 +37,8 @@ class MessageValidity(enum.Enum):
     VIA_BOT = "via-bot"
     CHANNEL = "channel"
     ANONYMOUS = "anonymous"
+    DROPPED = "dropped"
+    """Its messenger could not wait for its turn any longer: it is only told of."""
 
 
 class SendPriority(enum.IntEnum):

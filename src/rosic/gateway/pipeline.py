@@ -120,7 +120,7 @@ class Pipeline:
         )
         self._chat = ChatHandler(rooms, chat_sender, replies, hooks, self.agreements, parts)
         self._unfollowed = UnfollowedMessages(
-            rooms, reader, replies, self._chat.addressed, self._chat.brought_a_code
+            rooms, reader, replies, self._chat.addressed, self._chat.brought_a_code, clock
         )
 
     async def receive(self, messenger: Messenger, inbound: Inbound) -> None:
@@ -270,6 +270,7 @@ class Pipeline:
         await self.executor.close()
         await self.cancels.close()
         await self._expiring.close()
+        await self._unfollowed.close()
         await asyncio.sleep(0)
 
     def robot_added(self, newcomer: AddedRobot) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.i18n import said
 from rosic.core.message import Chat, ChatEvent, ChatEventKind
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram import incoming, updates
 from rosic.messengers.telegram.batch import BATCH, limit_after
@@ -30,6 +31,8 @@ PEEK_S = 0.1
 """While something is being received, we look for stops behind it this often."""
 AT_ONCE_S = 0.01
 """And so often while not everything that came is read."""
+FULL_S = 0.05
+"""So long what fills an answer may take before it is confirmed all the same, a stop behind it."""
 WAITS_S = (0.5, 1.0, 2.0, 4.0)
 CONTESTED_WAIT_S = 2.0
 LONGEST_WAIT_S = 60.0
@@ -86,6 +89,7 @@ class Poller:
         self._listening = PollingGap()
         self._outage = Outage()
         self._limit = BATCH
+        self._full_ns: int | None = None
         self._failures = 0
         self._contested = False
 
@@ -107,7 +111,7 @@ class Poller:
             raise MessengerFault(
                 f"The messenger {self._name} was not told what is on disk, so it receives nothing."
             )
-        self._listening, self._outage = PollingGap(), Outage()
+        self._listening, self._outage, self._full_ns = PollingGap(), Outage(), None
         async with self._line.held():
             account = await self._meet()
             self.reading.begin()
@@ -172,9 +176,9 @@ class Poller:
 
     async def _poll(self, group: TaskGroup, window: UpdateWindow, settle: Settle) -> None:
         listening, offset = self._listening, window.offset
-        settled = offset is None or await settle(PEEK_S)
-        if not settled:  # it is given out once more; a stop among the same hundred is still seen
-            offset = None
+        settled = offset is None or await settle(self._settles_within_s())
+        if not settled and self._full_ns is None:
+            offset = None  # it is given out once more; a stop among the same hundred is still seen
         asked = self._now()
         more = window.busy or self.reading.hurried
         at_once = more or not settled or (listening.frozen and listening.calm(asked))
@@ -195,20 +199,31 @@ class Poller:
         full = len(raws) >= self._limit
         self._limit = limit_after(raws, self._limit)
         fresh = await self.reading.take_in(group, window, raws, self._received(now))
-        self._make_way(window, full=full, fresh=fresh > 0)
+        self._full_ns = self._clock.monotonic_ns() if full else None
+        self.reading.hurry(on=full and fresh > 0)
         if raws and not fresh and not window.busy and window.offset is None:
             await self._clock.sleep(WAITS_S[0])  # nothing but updates without a number
-        await window.idle(AT_ONCE_S if self.reading.behind else PEEK_S)
+        await self._make_way(window, fresh=fresh > 0)
         if listening.drained(asked, empty=not fresh, full=full):
             self._thawed()
 
-    def _make_way(self, window: UpdateWindow, *, full: bool, fresh: bool) -> None:
-        """Have the next poll bring what is behind a full answer: a stop, perhaps."""
-        self.reading.hurry(on=full and fresh)
-        if full:
-            window.clear_the_way()
-            if not fresh:
-                window.relieve()
+    async def _make_way(self, window: UpdateWindow, *, fresh: bool) -> None:
+        """Wait for what is received, but not for long; have a poll bring what is behind it.
+
+        Behind an answer that is full may be a stop, which waits for nobody's record.
+        """
+        if self._full_ns is None:
+            await window.idle(AT_ONCE_S if self.reading.behind else PEEK_S)
+            return
+        window.clear_the_way()
+        await window.idle(AT_ONCE_S if self.reading.behind else FULL_S if fresh else PEEK_S)
+        window.relieve()
+
+    def _settles_within_s(self) -> float:
+        """Return how long to wait for the disk before something is confirmed."""
+        if self._full_ns is None:
+            return PEEK_S
+        return max(0.0, FULL_S - (self._clock.monotonic_ns() - self._full_ns) / SECOND_NS)
 
     def _thawed(self) -> None:
         self._outage.over()

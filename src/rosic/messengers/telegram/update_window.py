@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 ATTEMPTS = 3
 FIRST_WAIT_S = 0.2
 HELD_NS: Final = SECOND_NS
-"""If nothing ends for so long while nothing new is given out, what is held up is let go."""
+"""If more than so many are overdue, what has waited for longer than this is given up."""
 OVERDUE_AT_MOST: Final = 1_000
 WAITING_AT_MOST: Final = 200
 """While so many wait to be handed over, nothing more is read that strangers sent."""
@@ -53,6 +53,18 @@ class AdmittedUpdate(NamedTuple):
     update_id: int
     inbound: Inbound | None
     stop: bool = False
+
+
+class WaitingUpdate(NamedTuple):
+    """One update in its chat's lane.
+
+    Attributes:
+        since_ns: When it was put there, by the monotonic clock.
+    """
+
+    update_id: int
+    inbound: Inbound
+    since_ns: int
 
 
 class UpdateWindow:
@@ -78,10 +90,9 @@ class UpdateWindow:
         self._expected: set[int] = set()
         self._light: set[int] = set()
         self._overdue: set[int] = set()
-        self._moved_ns = clock.monotonic_ns()
         self._done: set[int] = set()
         self._admitted: list[tuple[int, Inbound]] = []
-        self._lanes: dict[str, deque[tuple[int, Inbound]]] = {}
+        self._lanes: dict[str, deque[WaitingUpdate]] = {}
         self._idle = asyncio.Event()
         self._idle.set()
         self._waiting = 0
@@ -201,12 +212,12 @@ class UpdateWindow:
         if lane is None:
             lane = self._lanes[chat] = deque()
             self._group.create_task(self._follow(chat, lane))
-        lane.append((update_id, inbound))
+        lane.append(WaitingUpdate(update_id, inbound, self._clock.monotonic_ns()))
         self._waiting += 1
 
-    async def _follow(self, chat: str, lane: deque[tuple[int, Inbound]]) -> None:
+    async def _follow(self, chat: str, lane: deque[WaitingUpdate]) -> None:
         while lane:
-            await self._hand_over(*lane[0])
+            await self._hand_over(lane[0].update_id, lane[0].inbound)
             lane.popleft()
             self._leaves_lane()
             await asyncio.sleep(0)  # a message is a step: what is refused at once never waited
@@ -237,30 +248,54 @@ class UpdateWindow:
         self._ended(update_id)
 
     def relieve(self) -> None:
-        """Let what is held up be confirmed, where it hides what is behind it: a stop, perhaps.
+        """Let what is under way be confirmed: it hides what is behind it, a stop perhaps.
 
-        It is followed all the same, as soon as it can be. Of more than so many, those that were
-        not begun are given up. What waits for something to be read is not held up: that ends.
+        It is followed all the same, as soon as it can be, unless this process ends before. Of more
+        than so many, those that were not begun and have waited for long are given up, and whoever
+        sent them is told; while there are none, nothing is confirmed. What waits for something to
+        be read is not under way: that ends.
         """
-        if self._clock.monotonic_ns() - self._moved_ns < HELD_NS:
-            return
         held = self._open - self._expected - {number for number, _ in self._admitted}
-        if not held:
-            return
-        log.warning("messages that are held up are confirmed all the same: %d", len(held))
-        self._overdue |= held
-        if len(self._overdue) > OVERDUE_AT_MOST:
+        if len(self._overdue) + len(held) > OVERDUE_AT_MOST:
             self._give_up_waiting()
+            held &= self._open
+            if len(self._overdue) + len(held) > OVERDUE_AT_MOST:
+                return
+        self._overdue |= held
         for update_id in held:
             self._end(update_id)
 
     def _give_up_waiting(self) -> None:
+        late_ns = self._clock.monotonic_ns() - HELD_NS
+        given_up = 0
         for lane in self._lanes.values():
-            while len(lane) > 1:
-                self._overdue.discard(lane.pop()[0])
+            kept: list[WaitingUpdate] = []
+            waiting: list[WaitingUpdate] = []
+            for at, each in enumerate(lane):
+                (waiting if at > 0 and each.since_ns <= late_ns else kept).append(each)
+            if not waiting:
+                continue
+            lane.clear()
+            lane.extend(kept)
+            for each in waiting:
                 self._leaves_lane()
                 self._counts["given-up"] += 1
-        log.error("messages were given up because nothing can be followed; nothing was done")
+                self._ended(each.update_id)
+            given_up += len(waiting)
+            self._group.create_task(self._tell([each.inbound for each in waiting]))
+        if given_up:
+            log.error("messages were given up because they cannot be followed: %d", given_up)
+
+    async def _tell(self, given_up: list[Inbound]) -> None:
+        """Hand over once more, to be told of, what is not followed."""
+        for inbound in given_up:
+            if inbound.standing is MessageValidity.FRESH:
+                dropped = msgspec.structs.replace(inbound, standing=MessageValidity.DROPPED)
+                try:
+                    await self._receive(dropped)
+                except Exception:
+                    log.exception("of a message that was given up nobody was told")
+            await asyncio.sleep(0)
 
     def _ended(self, update_id: int) -> None:
         self._light.discard(update_id)
@@ -270,7 +305,6 @@ class UpdateWindow:
             self._end(update_id)
 
     def _end(self, update_id: int) -> None:
-        self._moved_ns = self._clock.monotonic_ns()
         self._open.discard(update_id)
         self._done.add(update_id)
         if not self._open:
