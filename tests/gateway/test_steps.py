@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable
 
 LONGEST_STEP_S = 0.020
-TRIES = 3
+TRIES = 5
 EVERY = 23
 """Of the grid the suite takes each so manieth; a campaign takes all of it."""
 SEED = int(os.environ.get("ROSIC_SEED", "12"))
@@ -57,16 +57,20 @@ async def too_long(
     """Return the longest step of receiving something, if that is too long however often tried.
 
     A step that looks for garbage, or loads what is used for the first time, is not what was sent.
+    Each is held against the pace beside it, before and after: whoever shares the processor's caches
+    comes and goes.
     """
-    most_ns = LONGEST_STEP_S * 1e9
-    best: LoopStep | None = None
+    steps: list[LoopStep] = []
+    pace = 1.0
     for _ in range(TRIES):
         step = await place.longest(*updates())
-        if step.cpu_ns <= most_ns:
+        if step.cpu_ns <= LONGEST_STEP_S * 1e9:
             return None
-        most_ns = LONGEST_STEP_S * 1e9 * pace_of_machine()
-        best = step if best is None or step.cpu_ns < best.cpu_ns else best
-    return best if best is not None and best.cpu_ns > most_ns else None
+        before, pace = pace, pace_of_machine()
+        if step.cpu_ns <= LONGEST_STEP_S * 1e9 * max(before, pace):
+            return None
+        steps.append(step)
+    return min(steps)
 
 
 async def none_is_long(place: Receiving, who: int, said: Iterable[str]) -> None:

@@ -204,7 +204,7 @@ async def test_what_the_profiles_name_is_on_the_graph(onlooker: RosRuntime) -> N
     await wait_for(
         onlooker,
         lambda seen: wanted <= {(offer.name, offer.types[0]) for offer in seen.actions},
-        timeout_s=20,
+        timeout_s=60 * pace(),  # who is found last waits for the discovery of all others
     )
 
 
