@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.identity import Address, Caller
+from rosic.core.identity import DIGEST_BYTES, Address, Caller
 from rosic.core.language import Do, Line
 from rosic.core.message import Button, Chat
 from rosic.errors import Expired, OutOfBounds, Refusal
-from rosic.gateway.agreement import DIGEST_BYTES
 from tests.gateway.place import BO, FLEET, Place, profile
 from tests.gateway.test_rights import who
 

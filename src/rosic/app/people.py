@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.identity import (
+    DIGEST_BYTES,
     OPERATOR,
     RECORD_ID_BYTES,
     Address,
@@ -120,4 +121,4 @@ def admitted(
 
 def _digest(person: ConfiguredPerson) -> bytes:
     """Return what stands for a person of the file: the name; addresses may be corrected later."""
-    return blake2b(person.name.casefold().encode(), digest_size=16).digest()
+    return blake2b(person.name.casefold().encode(), digest_size=DIGEST_BYTES).digest()

@@ -20,7 +20,7 @@ from rosic.authoriser.invite_codes import (
     reads_as_stop,
 )
 from rosic.core.i18n import said
-from rosic.core.identity import OPERATOR, RECORD_ID_BYTES, PrincipalId
+from rosic.core.identity import DIGEST_BYTES, OPERATOR, RECORD_ID_BYTES, PrincipalId
 from rosic.core.language.sanitise import clean_name
 from rosic.core.policy.limits import parse_limit
 from rosic.core.policy.roles import Grant
@@ -311,7 +311,7 @@ class Invitations:
 
     def decided(self, act: str, by: PrincipalId, invitation: Invitation) -> Decided:
         """Return the administrative act about an invitation."""
-        body = blake2b(_encode(invitation), digest_size=16).digest()
+        body = blake2b(_encode(invitation), digest_size=DIGEST_BYTES).digest()
         return Decided(act=act, by=by, about=invitation.id, at_ns=self._time.wall_ns(), digest=body)
 
     def stale(self) -> tuple[Fact, ...]:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 
 import segno
 
+from rosic.core.identity import DIGEST_BYTES
 from rosic.core.language.stop_detection import hears_stop
 from rosic.core.secret import Secret
 
@@ -68,7 +69,6 @@ WORDS: Final = (
 ALPHABET: Final = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"
 CODE_BYTES: Final = 5
 PEPPER_BYTES: Final = 32
-DIGEST_BYTES: Final = 16
 HALF: Final = 4
 READ_AT_MOST: Final = 512
 """So much is read of what hands a code in."""

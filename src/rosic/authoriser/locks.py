@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.authoriser import keys_messages as words
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import DIGEST_BYTES, PrincipalId
 from rosic.core.records import Decided, Fact
 from rosic.errors import NotPermitted, NotUnderstood
 
@@ -103,4 +103,4 @@ class AccountLocks:
 
 
 def _digest(body: bytes) -> bytes:
-    return blake2b(body, digest_size=16).digest()
+    return blake2b(body, digest_size=DIGEST_BYTES).digest()

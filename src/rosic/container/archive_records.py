@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 import msgspec
 
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import DIGEST_BYTES, PrincipalId
 from rosic.core.message import Chat
 from rosic.core.records import Fact, Letter
 
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 SWITCH: Final = "archive"
 ENTRY: Final = "archived"
-_DIGEST_BYTES: Final = 16
 _DIGITS: Final = 9
 
 ChatKey: TypeAlias = str
@@ -143,7 +142,7 @@ read_content = msgspec.msgpack.Decoder(EntryContent).decode
 def chat_key(chat: Chat) -> ChatKey:
     """Return what stands for a chat in the open."""
     said = ascii((chat.platform, chat.id)).encode()
-    return blake2b(said, digest_size=_DIGEST_BYTES).hexdigest()
+    return blake2b(said, digest_size=DIGEST_BYTES).hexdigest()
 
 
 def container_of(key: ChatKey) -> str:
@@ -197,4 +196,4 @@ def sent_digest(chat: Chat, message: str, account: str) -> bytes:
 def digest(*parts: str | Chat) -> bytes:
     """Return a digest that stands for these parts."""
     said = [f"{p.platform}:{p.id}" if isinstance(p, Chat) else p for p in parts]
-    return blake2b(ascii(said).encode(), digest_size=_DIGEST_BYTES).digest()
+    return blake2b(ascii(said).encode(), digest_size=DIGEST_BYTES).digest()

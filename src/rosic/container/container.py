@@ -19,6 +19,7 @@ from rosic.container import records
 from rosic.container.bounded_writes import BoundedWriter
 from rosic.core.deferred import Deferred
 from rosic.core.i18n import said
+from rosic.core.identity import DIGEST_BYTES
 from rosic.core.language import bind, show
 from rosic.core.order import NEVER_BEGUN, Order, OrderEnding, Outcome, Permit, Request, SpokenValue
 from rosic.core.records import Claimed, Concluded, Letter, Placed, Refused, Resumed, Selected, Told
@@ -105,7 +106,6 @@ class RobotContainer:
 
 # ---- PROCESSCOMMAND of Algorithm 1 ----
 
-DIGEST_BYTES = 16
 MET = "met"
 MET_BYTES = b"met".ljust(DIGEST_BYTES - SHARED_BYTES, b"\0")
 COMPLETED_KEPT = 8_192

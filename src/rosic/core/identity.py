@@ -15,6 +15,8 @@ KeyId: TypeAlias = str
 CommandId: TypeAlias = bytes
 
 COMMAND_ID_BYTES: Final = 16
+DIGEST_BYTES: Final = 16
+"""Of whatever is told apart, or compared with what was shown, by a digest."""
 RECORD_ID_BYTES: Final = 8
 """Of what is on record for long: people, keys, rights, invitations, bookings, shared data."""
 REQUEST_ID_BYTES: Final = 6

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from msgspec.structs import replace
 
 from rosic.core.i18n import joined, said
+from rosic.core.identity import DIGEST_BYTES
 from rosic.core.language import CommandLine, Do
 from rosic.core.messages import NAMED_AT_MOST
 from rosic.core.order import Request
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
     from rosic.gateway.limit_clamping import LimitClamping
 
-DIGEST_BYTES: Final = 16
 TOGETHER: Final = frozenset({"together", "broadcast"})
 JOINED: Final = "+"
 

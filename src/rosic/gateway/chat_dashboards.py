@@ -6,6 +6,7 @@ from collections.abc import Awaitable, Callable
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
+from rosic.core.identity import DIGEST_BYTES
 from rosic.core.message import Outbound
 
 if TYPE_CHECKING:
@@ -136,4 +137,4 @@ class FleetStatus(Protocol):
 def key_of(messenger: Messenger, chat: Chat) -> str:
     """Return the key of a chat's card, which names nobody."""
     said = "\0".join((messenger.name, chat.platform, chat.id))
-    return blake2b(said.encode(), digest_size=16).hexdigest()
+    return blake2b(said.encode(), digest_size=DIGEST_BYTES).hexdigest()

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 import msgspec
 
 from rosic.contracts.robot import Robot
+from rosic.core.identity import DIGEST_BYTES
 from rosic.core.robot.profile import Profile
 from rosic.core.signal import Signal
 
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
 
 TEXT_BYTES: Final = 131_072
-DIGEST_BYTES: Final = 16
 
 
 class AddedRobot(msgspec.Struct, frozen=True, kw_only=True):

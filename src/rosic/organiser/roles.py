@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
+from rosic.core.identity import DIGEST_BYTES
 from rosic.core.policy.roles import Role, RoleRules
 from rosic.core.records import Decided, Fact
 
@@ -89,5 +90,5 @@ _encode = msgspec.msgpack.Encoder().encode
 
 
 def _records(act: str, fact: Fact, by: PrincipalId, at_ns: int) -> tuple[Record, ...]:
-    digest = blake2b(fact.body, digest_size=16).digest()
+    digest = blake2b(fact.body, digest_size=DIGEST_BYTES).digest()
     return Decided(act=act, by=by, about=fact.key, at_ns=at_ns, digest=digest), fact

@@ -10,7 +10,7 @@ import msgspec
 
 from rosic.authoriser.invitations import InvitedRights
 from rosic.core.i18n import joined
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import DIGEST_BYTES, PrincipalId
 from rosic.core.language import Vocabulary, VocabularyHolder, clean
 from rosic.core.language.sanitise import fold_word
 from rosic.core.language.suggestions import did_you_mean
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from rosic.core.robot.skill import Skill
 
 LASTS_S: Final = float(HOUR_S)
-DIGEST_BYTES: Final = 16
 LONGEST_LINE: Final = 200
 _FOR: Final = "for"
 _FOR_ELSEWHERE: Final = frozenset({"für"})

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import msgspec
 
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import DIGEST_BYTES, PrincipalId
 from rosic.core.records import Fact
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def _is_open(of: ActiveAlert, alarms: Mapping[str, AlertOccurrence]) -> bool:
 
 def _key(messenger: Messenger, chat: Chat, message: str) -> str:
     said = "\0".join((messenger.name, chat.platform, chat.id, message))
-    return blake2b(said.encode(), digest_size=16).hexdigest()
+    return blake2b(said.encode(), digest_size=DIGEST_BYTES).hexdigest()
 
 
 def _no_fact(key: str) -> Fact:

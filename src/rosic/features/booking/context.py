@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import msgspec
 
 from rosic.contracts.clock import Clock
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import DIGEST_BYTES, PrincipalId
 from rosic.core.language import Vocabulary, VocabularyHolder
 from rosic.core.lease import Lease
 from rosic.core.message import Chat
@@ -105,12 +105,10 @@ class BookingContext(msgspec.Struct, frozen=True, kw_only=True):
 
 # ---- changes on record ----
 
-_DIGEST_BYTES = 16
-
 
 def decided(act: str, by: PrincipalId, at_ns: int, facts: tuple[Fact, ...]) -> tuple[Record, ...]:
     """Return facts with who decided them before them; the first fact is what it is about."""
-    digest = blake2b(digest_size=_DIGEST_BYTES)
+    digest = blake2b(digest_size=DIGEST_BYTES)
     for fact in facts:
         digest.update(ascii((fact.kind, fact.key)).encode())
         digest.update(fact.body)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.core.i18n import said
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import DIGEST_BYTES, PrincipalId
 from rosic.core.message import Chat
 from rosic.core.policy.scope import READ
 from rosic.core.rate_limit import Bucket, RateLimit
@@ -234,4 +234,4 @@ def key_of(subscriber: Subscriber, where: SubscriberChat | None) -> str:
     """Return the key of a subscriber's fact, which names nobody."""
     at = (where.messenger, where.chat.id, where.chat.topic) if where is not None else ()
     said_of = "\0".join((subscriber.robot, subscriber.topic, subscriber.peer, subscriber.who, *at))
-    return blake2b(said_of.encode(), digest_size=16).hexdigest()
+    return blake2b(said_of.encode(), digest_size=DIGEST_BYTES).hexdigest()

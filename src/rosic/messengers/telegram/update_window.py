@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 
+from rosic.core.identity import DIGEST_BYTES
 from rosic.core.message import ChatKind, MessageValidity
 from rosic.core.time_units import SECOND_NS
 
@@ -343,7 +344,7 @@ class AlikeLines:
         ):
             return inbound
         of = (inbound.chat.id, inbound.sender.account, str(date_s), written)
-        kind = blake2b("\0".join(of).encode(), digest_size=16).digest()
+        kind = blake2b("\0".join(of).encode(), digest_size=DIGEST_BYTES).digest()
         numbers = self._numbers.setdefault(kind, [])
         if inbound.message not in numbers:
             if len(numbers) == MOST_ALIKE:
