@@ -17,7 +17,7 @@ from rosic.core.robot.profile import Busy
 from rosic.core.robot.view import Pose
 from rosic.errors import RobotBusy, StoreFault
 from rosic.features.fleet import FleetFeature
-from rosic.features.fleet.by_rule import RuleTasks
+from rosic.features.fleet.integration import RuleTasks
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.memory import MemoryStore
 from tests.gateway.place import ADA, BO, FLEET, VI, BrokenStore, Place, profile

@@ -13,7 +13,7 @@ from rosic.core.order import OrderEnding
 from rosic.core.records import Claimed, Concluded, Fact
 from rosic.core.robot.profile import Busy
 from rosic.features.fleet import FleetFeature
-from rosic.features.fleet.by_rule import RuleTasks
+from rosic.features.fleet.integration import RuleTasks
 from rosic.features.fleet.messages import ERASED
 from rosic.features.fleet.task_commands import OF_ONE_AT_MOST
 from rosic.features.robot_to_robot import RobotToRobotFeature

@@ -13,11 +13,10 @@ from rosic.core.records import Refused, Told
 from rosic.errors import Repeated, StoreFault
 from rosic.features.fleet.add_robot import AddRobotFromChat
 from rosic.features.fleet.attempt import TaskAttempts, TaskRecall, attempt_id
-from rosic.features.fleet.by_rule import RuleTasks
 from rosic.features.fleet.dispatch_state import KIND as LETTER
 from rosic.features.fleet.dispatcher import TaskDispatcher
 from rosic.features.fleet.idempotency import KIND as ORIGIN
-from rosic.features.fleet.integration import AssistCommands, TaskNotifications
+from rosic.features.fleet.integration import AssistCommands, RuleTasks, TaskNotifications
 from rosic.features.fleet.mission_commands import MissionCommands
 from rosic.features.fleet.mission_schedule import KIND as TIMES
 from rosic.features.fleet.mission_schedule import MissionSchedule

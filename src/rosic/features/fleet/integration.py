@@ -1,4 +1,4 @@
-"""Tells whoever gave a task what becomes of it."""
+"""What others hear of tasks, and do to them: whoever gave one, robots that help, rules."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ from rosic.core.fleet.task import HELD, FleetMembership, TaskReason, TaskState
 from rosic.core.i18n import joined, said
 from rosic.core.messages import label
 from rosic.core.time_units import SECOND_NS
+from rosic.errors import RobotBusy
 from rosic.features.fleet import messages as words
 from rosic.features.fleet.task_parser import given_again
+from rosic.gateway.order_services import no_tasks
 from rosic.organiser.calendar_messages import length
 
 if TYPE_CHECKING:
@@ -181,3 +183,45 @@ class AssistCommands:
         return said(
             "Task {task} goes from {robot} to {helper}.", task=task.id, robot=shown, helper=by
         )
+
+
+# ---- tasks, as rules about alarms see them ----
+
+
+class RuleTasks:
+    """Pauses a task, or takes it to another robot. See ``alerts.actions.AlertTasks``."""
+
+    def __init__(self, rooms: Components, dispatching: TaskDispatcher) -> None:
+        self._rooms = rooms
+        self._dispatching = dispatching
+
+    async def pause(self, robot: RobotId, by: PrincipalId, why: str) -> bool:  # noqa: ARG002 - a contract
+        """Hold the task; the robot comes to rest. False: it has none."""
+        key = self._dispatching.fleet.holds.get(robot)
+        if key is None:
+            return False
+        # What brings a robot to rest waits for no disk.
+        return await self._dispatching.feed(e.TaskHeld(key, TaskReason.PAUSED), happened=True)
+
+    async def reallocate(self, robot: RobotId, by: PrincipalId, why: str) -> None:  # noqa: ARG002 - a contract
+        """Let the task leave this robot, as if it were late there; another is chosen for it.
+
+        Raises:
+            RobotBusy: It has none, or the task is bound to it.
+        """
+        fleet = self._dispatching.fleet
+        key = fleet.holds.get(robot)
+        task = None if key is None else fleet.tasks[key]
+        if (
+            task is None
+            or not self._others(task, robot)
+            or not await self._dispatching.feed(
+                e.RobotDeviated(task.id, task.attempt, TaskReason.LATE), happened=True
+            )
+        ):
+            raise RobotBusy(no_tasks(self._rooms.profiles[robot].shown))
+
+    def _others(self, task: Task, robot: RobotId) -> bool:
+        """Whether another robot might take a task, if not now; without one it would only fail."""
+        standing = self._dispatching.fleet.standing
+        return any(r != robot and standing(r) is not FleetMembership.RETIRED for r in task.left)
