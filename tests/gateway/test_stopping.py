@@ -381,3 +381,39 @@ async def test_a_stop_sent_while_nobody_listened_is_applied_however_old() -> Non
         assert place.robot("omni").gate.latched
         assert "STOP: omni at rest" in told
         assert place.acted() == 0
+
+
+async def _in_group(place: Place, text: str) -> tuple[str, list[str]]:
+    """Say something in a group that is addressed to nobody; return what was answered."""
+    before = len(list(place.chat.told))
+    await place.say(text, chat="g", kind=ChatKind.GROUP, account=BO)
+    told = [sent.outbound for sent in list(place.chat.told)[before:]]
+    labels = [button.label for outbound in told for row in outbound.buttons for button in row]
+    return "\n".join(outbound.text for outbound in told), labels
+
+
+SHOUTS = [
+    "watch out stop",
+    "guys stop omni",
+    "omni won't stop",
+    "стойте останови робота",
+    "停下机器人",
+]
+
+
+@pytest.mark.parametrize("text", SHOUTS)
+async def test_a_shout_among_other_words_stops_in_a_group(text: str) -> None:
+    async with Place().open() as place:
+        await _in_group(place, text)
+
+        assert place.gateway.rooms.board["omni"].latched
+
+
+async def test_what_only_speaks_of_a_stop_in_a_group_is_answered_with_the_button() -> None:
+    async with Place().open() as place:
+        answer, labels = await _in_group(place, "where is the stop button over there")
+        assert answer == "To stop, send stop in a line of its own."
+        assert labels == ["stop"]
+        assert not place.gateway.rooms.board["omni"].latched
+        assert await _in_group(place, "we meet at the bus stop over there") == ("", [])
+        assert await _in_group(place, "where is the button over there") == ("", [])

@@ -210,7 +210,7 @@ class ChatHandler:
             if self._reader.urgent(inbound.text) is None:
                 await self._parts.urgent.take(messenger, inbound, line)
             return
-        if isinstance(line, Misunderstood) and await self._said_to_others(messenger, inbound):
+        if isinstance(line, Misunderstood) and await self._said_to_others(message, line):
             return
         # Before anything may refuse it: what was refused once is not done when it comes again.
         repeated = self._repeated(cid)
@@ -233,12 +233,16 @@ class ChatHandler:
         else:
             self._question(message, line)
 
-    async def _said_to_others(self, messenger: Messenger, inbound: Inbound) -> bool:
+    async def _said_to_others(self, message: MessageContext, line: Misunderstood) -> bool:
         """Whether words that make no sense were a code, or not meant for ROSIC: no answer then.
 
-        People talk to each other in groups, and write beneath files what they show.
+        People talk to each other in groups, and write beneath files what they show. Whoever writes
+        a word that stops is answered all the same: with the buttons that do.
         """
-        return await self.brought_a_code(messenger, inbound) or not self.addressed(inbound)
+        messenger, inbound = message.messenger, message.inbound
+        if await self.brought_a_code(messenger, inbound):
+            return True
+        return not line.about_stop and not self.addressed(inbound)
 
     def menu(self, principal: PrincipalId) -> Reply:
         """Return what somebody who has just come in may begin with."""

@@ -5,7 +5,7 @@ import pytest
 
 from rosic.core.language import Vocabulary, hears_stop
 from rosic.core.language.sanitise import normalised
-from rosic.core.language.stop_detection import is_stop_word
+from rosic.core.language.stop_detection import is_stop_word, speaks_of_stop
 
 EVERYTHING = """
 stop Stop STOP STOP!!! stop. "stop" **stop** /stop /stop@lab_robots_bot stop! STOOOOOOP sstop
@@ -348,3 +348,100 @@ def test_what_is_not_understood_in_a_stop_stops_everything_visible(
     few = frozenset({"omni", "yumi"})
     assert vocabulary.to_stop(("kuka1",), few) == (("omni", "yumi"), ("kuka1",))
     assert vocabulary.to_stop(("zork1",), few) == (("omni", "yumi"), ("zork1",))
+
+
+SHOUTED = {
+    "watch out stop": (),
+    "oh my god stop": (),
+    "it hits me stop": (),
+    "not that way stop": (),
+    "what are you doing stop": (),
+    "someone please make that thing stop": (),
+    "guys stop the damn thing it burns": (),
+    "guys stop omni": ("omni",),
+    "Peter stop omni": ("omni",),
+    "make omni stop": (),
+    "omni won't stop": ("omni",),
+    "omni does not stop": ("omni",),
+    "why does it not stop": (),
+    "can't stop omni": ("omni",),
+    "cant stop it": (),
+    "pass auf stopp": (),
+    "stoppe omni": ("omni",),
+    "stoppt": (),
+    "stoppt omni": ("omni",),
+    "haltet an": (),
+    "bitte den Roboter anhalten": (),
+    "stoppez le robot": (),
+    "paren todo párenlo": (),
+    "detenga el robot": (),
+    "fermalo": (),
+    "zatrzymajcie": (),
+    "zastavte": (),
+    "zaustavite": (),
+    "останови робота": (),
+    "зупини робота": (),
+    "durdurunuz": (),
+    "stoppa roboten": (),
+    "停下机器人": (),
+    "让它停下": (),
+    "快停下来吧": (),
+    "停不下来": (),
+    "ロボット止めて": (),
+    "ロボットを止めてください": (),
+    "로봇멈춰": (),
+    "หยุดหุ่นยนต์": (),
+    "STAHP": (),
+}
+
+
+@pytest.mark.parametrize(("text", "robots"), SHOUTED.items())
+def test_a_shout_in_the_midst_of_a_short_line_stops(
+    text: str, robots: tuple[str, ...], vocabulary: Vocabulary, everyone: frozenset[str]
+) -> None:
+    names = hears_stop(text, vocabulary.known)
+
+    assert names is not None
+    assert vocabulary.to_stop(names, everyone)[0] == (robots or tuple(vocabulary.profiles))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "das ist halt so",
+        "so ist das halt",
+        "omni move 1 m, then stop",
+        "/task omni move 1 m and stop",
+        "task omni move 1 m and stop there",
+        "omni and kuka1 broadcast we will all stop now",
+        "where is the stop button now",
+        "we will wait at the bus stop",
+        "we do not stop",
+        "我在停车场",
+        "列车停止了",
+        "停止線",
+        "停止しました",
+        "วันหยุด",
+        "我们不停",
+        "ノンストップ",
+        "정직한 사람",
+    ],
+)
+def test_talk_about_stopping_is_none(text: str, vocabulary: Vocabulary) -> None:
+    assert hears_stop(text, vocabulary.known) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "speaks"),
+    [
+        ("omni move 1 m then stop", True),
+        ("where is the stop button now", True),
+        ("it was a long day and in the evening they did stop the machine for good, at last", True),
+        ("we will wait at the bus stop", False),
+        ("we do not stop", False),
+        ("das ist halt so", False),
+        ("omni move 1 m", False),
+    ],
+)
+def test_what_speaks_of_a_stop(text: str, *, speaks: bool, vocabulary: Vocabulary) -> None:
+    assert speaks_of_stop(text, vocabulary.known) is speaks

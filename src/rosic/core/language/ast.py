@@ -136,6 +136,11 @@ class Misunderstood(msgspec.Struct, frozen=True):
     offers: tuple[str, ...] = ()
     code: str = NotUnderstood.code
 
+    @property
+    def about_stop(self) -> bool:
+        """Whether a stop may have been meant, so that it is answered whoever was spoken to."""
+        return "stop" in self.offers
+
 
 Line: TypeAlias = (
     Do | Halt | Status | Help | Robots | Use | Resume | Start | CommandLine | Misunderstood

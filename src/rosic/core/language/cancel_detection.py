@@ -12,16 +12,13 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language.sanitise import is_plain
 from rosic.core.language.stop_detection import (
-    ALONG,
-    EVERYTHING,
     LONGEST_LINE,
     LONGEST_SHOUT,
-    UNSAID,
-    fold_stop,
     hears_stop,
     lines_of,
     words_of,
 )
+from rosic.core.language.stop_words import ALONG, EVERYTHING, UNSAID, fold_stop
 
 if TYPE_CHECKING:
     from collections.abc import Container

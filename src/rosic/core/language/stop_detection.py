@@ -9,143 +9,40 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from itertools import product
-from string import ascii_lowercase, digits, punctuation
+from string import punctuation
 from typing import TYPE_CHECKING
 
 from rosic.core.language.sanitise import is_plain, normalised
+from rosic.core.language.stop_words import (
+    ALONG,
+    BEGINNING,
+    DOUBTFUL,
+    EVERYTHING,
+    FAILS,
+    FREE_TEXT,
+    GOES_ON,
+    HAD_TO,
+    MISSPELT,
+    MISSPELT_OF,
+    NEGATED,
+    NOT,
+    PHRASES,
+    SHORTENED,
+    SHOUTED,
+    STOPPING,
+    STRONG,
+    THINGS,
+    TOLD,
+    UNSAID,
+    UNSPACED,
+    fold_stop,
+    shorten,
+)
 from rosic.core.language.suggestions import distance
 
 if TYPE_CHECKING:
     from collections.abc import Container
 
-
-# ---- words and signs ----
-
-# As the first word of a line, any of these stops, whatever follows.
-_STRONG = """
-    stop halt freeze
-    stopp anhalten stehenbleiben
-    arrêt arrête arrêtez arrêter arrêtes halte
-    detente detén deténgase deténganse
-    fermati fermatevi fermare fermate
-    stoppen stanna stans stands pysähdy pysäytä
-    stoj stůj stój stojte stůjte zatrzymaj zastav zastavit zaustavi ustavi stani
-    стоп стой стойте остановись остановить остановите остановитесь
-    стій зупинись спри спрете стани стој
-    durdur durdurun durun
-    σταμάτα σταματήστε στοπ
-    állj oprește opriți
-    قف قفي قفوا توقف توقفي توقفوا أوقف إيقاف ایست بایست رکو
-    עצור עצרי עצרו לעצור סטופ
-    रुको रुकें रुकिए रुकिये रोको रोकें रोकिए रुक
-    থামো থামুন থাম நிறுத்து நில் ఆపు ఆపండి ఆగు ఆగండి
-    停 停止 停下 停下来 停下來 停住 停一下 停吧 停机 停機 停车 停車
-    站住 快停 快停下 请停 请停止 請停止
-    止まれ とまれ 止めて 止めろ 止まって ストップ 停止して
-    停止してください 止まってください 止めてください
-    멈춰 멈춰라 멈춰요 멈추세요 멈춰주세요 멈춰줘 멈춤 정지 정지해 정지해줘 스톱 스탑 중지
-    dừng ngừng ngưng หยุด berhenti hentikan simama tigil itigil hinto
-    sustok apstājies peatu ndal ndalo dayan застани запри тоқта зогс կանգնիր გაჩერდი
-    थांबा थांब ਰੁਕੋ રોકો થોભો ನಿಲ್ಲಿಸಿ ನಿಲ್ಲು നിർത്തുക നിർത്തൂ ရပ် ឈប់ ຢຸດ ቁም አቁም
-    notaus nothalt notstopp notstop aufhören aufhoeren noodstop nødstopp nødstop nödstopp hätäseis
-    sluta przestań přestaň prestaň хватит перестань припини vészleállás
-    急停 紧急停止 緊急停止 非常停止 紧急停机 紧急停车 住手 やめて やめろ
-    비상정지 긴급정지 그만 그만해
-    🛑 ✋ ⛔ ⏹ 🤚 🖐 🚫
-"""
-
-# What does so in several words, with what goes along between them.
-_PHRASES = """
-    not aus, not halt, not stopp, emergency off
-    hör auf, hoer auf, hört auf, hoert auf, hören sie auf,
-    bleib stehen, bleibt stehen, stehen bleiben,
-    parada de emergencia, paro de emergencia, paragem de emergencia
-    arresto di emergenza, arresto d emergenza, hou op, houd op, hold op
-    nouzové zastavení, аварийная остановка, аварійна зупинка, acil duruş, बंद करो
-"""
-
-# Ordinary words besides: they stop alone, or together with names and with what goes along.
-_WEAK = "alto para pare parar paren parad parem basta alt fermo ferma stai dur"
-
-# Goes along with a stop without adding to it.
-_ALONG = """
-    a again and an at btw by can could do e el en et für hey i immediately in is it itself
-    just kindly la las le les los moving must need no now of oh ok okay on once pls please
-    plz quick quickly right robot robots should so that the them there they this to und
-    urgent emergency want we will would y ya yes yo you your bitte sofort jetzt por ahora
-    sil vous plait te tout de suite maintenant adesso subito agora lütfen hemen şimdi proszę
-    natychmiast somebody someone anybody jemand пожалуйста сейчас немедленно быстро
-    请 請 快 立即 马上 今すぐ すぐに ください 지금 제발 당장
-"""
-
-_EVERYTHING = """
-    all alle alles allemaal everybody everyone everything every whole fleet tous toutes todo todos
-    todas tudo tutto tutti wszystko wszystkie vše все всё всех hepsi hepsini herkes 全部 所有 すべて
-    全て 모두 전부 सब كل الكل
-"""
-
-# What stands right before a stop and makes another word of it, or its opposite.
-_UNSAID = """
-    bus train tram truck full pit non last next first whistle door not never t dont doesnt didnt
-    cant cannot wont nicht nie niemals pas ne jamais nunca não mai niet không đừng не 不 不要 别 別
-"""
-
-MISSPELT_OF = ("stop", "halt")
-
-_UNSEEN = re.compile("[\ufe00-\ufe0f\U0001f3fb-\U0001f3ff]")
-_RUN = re.compile(r"(.)\1+", re.DOTALL)
-
-
-def fold_stop(text: str) -> str:
-    """Return a text as stop words are compared: small letters, no accents, no variants of signs."""
-    decomposed = unicodedata.normalize("NFKD", normalised(text).casefold())
-    return _UNSEEN.sub("", "".join([c for c in decomposed if not unicodedata.combining(c)]))
-
-
-def shorten(word: str) -> str:
-    """Return the word with every letter that is repeated said once: ``stooop`` is ``stop``."""
-    return _RUN.sub(r"\1", word)
-
-
-def _folded(words: str) -> frozenset[str]:
-    return frozenset(fold_stop(word) for word in words.split())
-
-
-def _misspelt(word: str) -> set[str]:
-    """Return everything one slip of a finger away (left out, put in, swapped, another letter)."""
-    letters = ascii_lowercase + digits
-    places = range(len(word) + 1)
-    pairs = [(word[:i], word[i:]) for i in places]
-    out = {a + b[1:] for a, b in pairs if b}
-    out |= {a + b[1] + b[0] + b[2:] for a, b in pairs if len(b) > 1}
-    for (a, b), c in product(pairs, letters):
-        out.add(a + c + b)
-        out.add(a + c + b[1:])
-    return out - {word}
-
-
-PHRASES = tuple(
-    tuple(fold_stop(word) for word in phrase.split())
-    for phrase in _PHRASES.replace("\n", ",").split(",")
-    if phrase.strip()
-)
-BEGINNING = frozenset(phrase[0] for phrase in PHRASES)
-"""What each of those begins with."""
-# In English it is the opposite of what follows, so it only counts where a line or a name begins it.
-DOUBTFUL = "not"
-STRONG = _folded(_STRONG) | {"".join(phrase) for phrase in PHRASES}
-WEAK = _folded(_WEAK)
-STOPPING = STRONG | WEAK
-SHORTENED = frozenset(map(shorten, STRONG))
-ALONG = _folded(_ALONG)
-EVERYTHING = _folded(_EVERYTHING)
-UNSAID = _folded(_UNSAID)
-MISSPELT = frozenset().union(*map(_misspelt, MISSPELT_OF)) - STOPPING
-
-
-# ---- whether this is a stop ----
-# Asked of every message before anything else, and of its raw text.
 
 # So much of a text is looked at, whatever its length.
 LOOKED_AT = 4096
@@ -155,6 +52,7 @@ FIRST_LINES, LAST_LINES = 96, 32
 # far as it is looked at.
 LONGEST_LINE = 64
 LONGEST_SHOUT = 256
+LONGEST_WORD = 16
 # What ends a clause: whoever shouts stop at the end of a sentence means it.
 ENDS = ",;:.!?"
 KINDS_KEPT = 4096
@@ -226,8 +124,8 @@ def _heard(line: str, known: Container[str]) -> tuple[str, ...] | None:
     found = _heard_whole(line, known)
     if found is None and (last := _last_clause(line)):  # watch out, STOP
         found = _heard_whole(last, known)
-        return found if found is not None and _all_known(found, known) else None
-    return found
+        found = found if found is not None and _all_known(found, known) else None
+    return _heard_whole(line, known, shouted=True) if found is None else found
 
 
 def _last_clause(line: str) -> str:
@@ -236,13 +134,12 @@ def _last_clause(line: str) -> str:
     return line[parted + 1 :] if parted >= 0 and len(line) - parted <= LONGEST_LINE else ""
 
 
-def _heard_whole(line: str, known: Container[str]) -> tuple[str, ...] | None:
-    words = words_of(_beginning(line), known)
+def _heard_whole(
+    line: str, known: Container[str], *, shouted: bool = False
+) -> tuple[str, ...] | None:
+    words = _stop_words_of(_beginning(line), known)
     if not words:
         return None
-    if "_" in line:  # /stop_omni
-        parted = [[word] if word in known else word.split("_") for word in words]
-        words = [word for part in parted for word in part if word]
     folded = [fold_stop(word) for word in words]
     folded = [w if w in STOPPING or not _TRIPLE.search(w) else _unstretched(w) for w in folded]
     if not BEGINNING.isdisjoint(folded):
@@ -254,7 +151,20 @@ def _heard_whole(line: str, known: Container[str]) -> tuple[str, ...] | None:
         return None
     if not stops:
         return _heard_misspelt(words, folded, known)
+    if shouted:
+        return _heard_shouted(line, words, folded, known)
     return _heard_exact(words, folded, stops, known)
+
+
+def _stop_words_of(line: str, known: Container[str]) -> list[str]:
+    """Return the words of a line, those that are written as one parted where a stop is in them."""
+    words = words_of(line, known)
+    if not line.isascii():
+        words = [part for word in words for part in _parted(word, known)]
+    if "_" in line:  # /stop_omni
+        parted = [[word] if word in known else word.split("_") for word in words]
+        words = [word for part in parted for word in part if word]
+    return words
 
 
 def _phrased(
@@ -326,6 +236,20 @@ def _kept(character: str) -> str:
 _KEPT = _Kept()
 
 
+def _parted(word: str, known: Container[str]) -> tuple[str, ...]:
+    """Return a word of a script without blanks as what stops, and what is said beside it."""
+    if word.isascii() or len(word) > LONGEST_WORD or word in known or fold_stop(word) in STOPPING:
+        return (word,)
+    for stop in UNSPACED:
+        if word.endswith(stop):
+            rest = word.removesuffix(stop)
+            return (word,) if rest.endswith(NEGATED) else (rest, stop)
+        if word.startswith(stop):
+            rest = word.removeprefix(stop)
+            return (word,) if rest.startswith(GOES_ON) else (stop, rest)
+    return (word,)
+
+
 def _unstretched(word: str) -> str:
     short = shorten(word)
     return "stop" if short in SHORTENED else word
@@ -359,6 +283,56 @@ def _heard_exact(
     if leads or len(others) == 1 or _all_known(others, known):
         return others
     return None
+
+
+def _heard_shouted(
+    line: str, words: list[str], folded: list[str], known: Container[str]
+) -> tuple[str, ...] | None:
+    """Decide about a short line in whose midst somebody shouts: ``guys stop omni``."""
+    if len(line) > LONGEST_LINE or line.startswith("/") or _hands_on(words, folded, known):
+        return None
+    shouts = [at for at in range(len(folded)) if _is_shouted(folded, at)]
+    if not shouts:
+        return None
+    others = [
+        (at, word)
+        for at, (word, f) in enumerate(zip(words, folded, strict=True))
+        if not _is_aside(f) and f not in UNSAID and f not in FAILS
+    ]
+    behind = tuple([word for at, word in others if at > shouts[-1]])
+    if behind and _all_known(behind, known):
+        return behind
+    return tuple([word for _, word in others])
+
+
+def _hands_on(words: list[str], folded: list[str], known: Container[str]) -> bool:
+    """Whether a line is a text for somebody else, after the names that it begins with."""
+    for word, f in zip(words, folded, strict=True):
+        if f in FREE_TEXT or (word not in known and f not in ALONG):
+            return f in FREE_TEXT
+    return False
+
+
+def _is_shouted(folded: list[str], at: int) -> bool:
+    if folded[at] not in SHOUTED or (at + 1 < len(folded) and folded[at + 1] in THINGS):
+        return False
+    before = folded[at - 1] if at else ""
+    if before in UNSAID:
+        return before in FAILS or (before in NOT and not FAILS.isdisjoint(folded[:at]))
+    return before not in TOLD and folded[max(0, at - 2) : at] != HAD_TO
+
+
+def speaks_of_stop(text: str, known: Container[str] = ()) -> bool:
+    """Whether a text that is no stop holds a word that stops, and does not say the opposite.
+
+    Asked of what is not understood alone: whoever wrote it may have meant it.
+    """
+    for line in lines_of(text[:LOOKED_AT]):
+        folded = [fold_stop(word) for word in words_of(line.strip(), known)]
+        for at, word in enumerate(folded):
+            if word in SHOUTED and (at == 0 or folded[at - 1] not in UNSAID):
+                return True
+    return False
 
 
 def _heard_misspelt(

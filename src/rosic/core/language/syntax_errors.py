@@ -14,6 +14,7 @@ from rosic.core.language.ast import Misunderstood
 from rosic.core.language.command import VERBS
 from rosic.core.language.keywords import HINTS
 from rosic.core.language.sanitise import quote
+from rosic.core.language.stop_detection import speaks_of_stop
 from rosic.core.language.suggestions import MOST_CANDIDATES, did_you_mean, listed, one_each
 
 if TYPE_CHECKING:
@@ -159,7 +160,7 @@ class SyntaxErrorBuilder:
 
     def _stop_inside(self, name: str) -> Misunderstood | None:
         """A stop among other words: say how to be sure of it."""
-        if "stop" not in self._low:
+        if not speaks_of_stop(" ".join(self._raw), self._vocabulary.known):
             return None
         offers = (f"stop {name}", "stop") if name else ("stop",)
         return Misunderstood(said("To stop, send stop in a line of its own."), offers)
