@@ -149,8 +149,8 @@ OF_READING = (
     Fault(
         name="I10 whoever said something waits for the disk for as long as it hangs",
         file="container/bounded_writes.py",
-        guard="await asyncio.wait((task, patience), return_when=asyncio.FIRST_COMPLETED)",
-        without="await asyncio.wait((task,))",
+        guard="            _end(over)\n",
+        without="            pass\n",
         caught_by=(f"{HUNG}::test_what_moves_nothing_does_not_wait_longer_either",),
     ),
     Fault(
@@ -197,7 +197,7 @@ OF_READING = (
     ),
     Fault(
         name="a code is good that somebody known shows a group in a line that is understood",
-        file="gateway/hooks.py",
+        file="gateway/chat_handler.py",
         guard=" or inbound.chat.kind is not ChatKind.PRIVATE:\n        return True",
         without=":\n        return True",
         caught_by=(f"{IN_GROUPS}::test_a_whole_gateway_burns_a_code_whatever_else_is_said",),

@@ -7,11 +7,13 @@ them, and a stop may be there (I10).
 from __future__ import annotations
 
 import asyncio
+from collections import deque
 from functools import partial
 from types import coroutine
 from typing import TYPE_CHECKING, Any, Final
 
 from rosic.core.i18n import said
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import StoreFault
 
 if TYPE_CHECKING:
@@ -32,6 +34,10 @@ class BoundedWriter:
         self._store = store
         self._clock = clock
         self._late: set[asyncio.Task[BaseException | None]] = set()
+        # Whoever waits, and until when; one task looks after all of them, as all wait equally long.
+        self._waiting: deque[tuple[int, asyncio.Future[None]]] = deque()
+        self._waits = 0
+        self._patience: asyncio.Task[None] | None = None
 
     async def write(self, records: Sequence[Record], disown: Callable[[], None]) -> None:
         """Write all or none, in the order of the calls.
@@ -58,9 +64,11 @@ class BoundedWriter:
     async def _wait(
         self, task: asyncio.Task[BaseException | None], disown: Callable[[], None]
     ) -> None:
-        patience = asyncio.create_task(self._clock.sleep(WITHIN_S))
+        over = asyncio.get_running_loop().create_future()
+        task.add_done_callback(partial(_end, over))
+        self._be_patient(over)
         try:
-            await asyncio.wait((task, patience), return_when=asyncio.FIRST_COMPLETED)
+            await over
         except asyncio.CancelledError as cancelled:
             task.cancel()
             await asyncio.wait((task,))
@@ -70,7 +78,11 @@ class BoundedWriter:
                 found.__cause__ if isinstance(found, asyncio.CancelledError) else found
             )
         finally:
-            patience.cancel()
+            self._waits -= 1
+            if not self._waits and self._patience is not None:
+                self._patience.cancel()
+                self._patience = None
+                self._waiting.clear()
         if not task.done():
             self._late.add(task)
             task.add_done_callback(lambda done: self._written(done, disown))
@@ -78,12 +90,35 @@ class BoundedWriter:
         if (error := task.result()) is not None:
             raise error
 
+    def _be_patient(self, over: asyncio.Future[None]) -> None:
+        until_ns = self._clock.monotonic_ns() + int(WITHIN_S * SECOND_NS)
+        self._waits += 1
+        self._waiting.append((until_ns, over))
+        if self._patience is None or self._patience.done():
+            self._patience = asyncio.create_task(self._end_waits())
+
+    async def _end_waits(self) -> None:
+        """End each wait in its time, for as long as anybody waits."""
+        while self._waiting:
+            until_ns, over = self._waiting[0]
+            if not over.done() and (left_ns := until_ns - self._clock.monotonic_ns()) > 0:
+                await self._clock.sleep(left_ns / SECOND_NS)
+                continue
+            self._waiting.popleft()
+            _end(over)
+
     def _written(
         self, task: asyncio.Task[BaseException | None], disown: Callable[[], None]
     ) -> None:
         self._late.discard(task)
         if not task.cancelled() and task.result() is None:
             disown()
+
+
+def _end(over: asyncio.Future[None], _task: object = None) -> None:
+    """Let somebody wait no longer."""
+    if not over.done():
+        over.set_result(None)
 
 
 async def _outcome(writing: Coroutine[Any, Any, None], waits_for: object) -> BaseException | None:

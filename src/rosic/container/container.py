@@ -215,7 +215,7 @@ class Containers:
                     values.words,
                 )
             )
-            told = records.encode(replace(reply_to, values=dict(values.arguments)))
+            told = records.encode(replace(reply_to, values=values.arguments))
             letter = Letter(permits[0].principal, told)
             claims.append(_claim(request, permit, n, values.digest, accepted_ns, letter))
         try:
@@ -434,6 +434,8 @@ def _nowhere(_chat: Chat) -> str:
 
 def _placed(cids: Sequence[bytes], principal: PrincipalId, message: str) -> list[Placed]:
     letter = Letter(principal, message.encode("utf-8", "replace"))
+    if len(cids) == 1:
+        return [Placed(cid=cids[0], letter=letter)]
     return [Placed(cid=cid, letter=letter) for cid in cids]
 
 

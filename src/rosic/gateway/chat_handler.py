@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from collections import OrderedDict
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -43,6 +44,8 @@ FAULT = said("Something went wrong here. It is not known what was done; please l
 NOTHING_DONE = said("Nothing was done.")
 
 log = logging.getLogger("rosic.pipeline")
+
+_dashed = re.compile("[-\u2013\u2014\u2212]").search  # phones turn a hyphen into a longer line
 
 
 class ChatParts(NamedTuple):
@@ -144,16 +147,9 @@ class ChatHandler:
         Raises:
             Refusal: The tap is good for nothing; nothing of it is followed.
         """
-        if message.inbound.nonce is None:
-            return self._read(message)
-        if not await self._tapped(message):
-            return ()
-        lines = self._read(message)
-        self._agreements.check(message.caller, lines, message.act)
-        return lines
-
-    def _read(self, message: MessageContext) -> Sequence[Line]:
         caller, inbound = message.caller, message.inbound
+        if inbound.nonce is not None and not await self._tapped(message):
+            return ()
         visible = self._rooms.organiser.visible(caller.principal)
         container = self._rooms.container
         selected = (
@@ -161,7 +157,10 @@ class ChatHandler:
             if inbound.answers
             else container.selected(caller.principal, inbound.chat)
         )
-        return self._reader.lines(message.text, selected, visible)
+        lines = self._reader.lines(message.text, selected, visible)
+        if inbound.nonce is not None:
+            self._agreements.check(caller, lines, message.act)
+        return lines
 
     async def _tapped(self, message: MessageContext) -> bool:
         """Take in what a tap says; whether it says a command that is not answered yet."""
@@ -323,3 +322,15 @@ class ChatHandler:
             or inbound.text.startswith("/")
             or (bool(first) and first[0].lower() in self._rooms.vocabulary.callees)
         )
+
+
+def may_bring_a_code(inbound: Inbound) -> bool:
+    """Whether a message is worth a look before anybody is recognised: a tap, a link, a dash.
+
+    In a group every message is, as a code that is shown there is burnt. In private a code without
+    its dash is found when nothing else can be made of the line.
+    """
+    text = inbound.text
+    if inbound.nonce is not None or inbound.chat.kind is not ChatKind.PRIVATE:
+        return True
+    return _dashed(text) is not None or text.startswith("/start ")

@@ -5,13 +5,12 @@ What decides is there from the first moment; what only adds something is said la
 
 from __future__ import annotations
 
-import re
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.deferred import Deferred
 from rosic.core.identity import Caller, PrincipalId
-from rosic.core.message import Button, Chat, ChatKind
+from rosic.core.message import Button, Chat
 from rosic.core.signal import Signal
 from rosic.errors import Refusal
 from rosic.gateway.commands import CommandRegistry
@@ -24,8 +23,6 @@ if TYPE_CHECKING:
     from rosic.gateway.commands import Reply
     from rosic.gateway.confirmation import Confirmation, Resolver
     from rosic.gateway.message_context import SteppedUp
-
-_dashed = re.compile("[-\u2013\u2014\u2212]").search  # phones turn a hyphen into a longer line
 
 ProofUsed: TypeAlias = Callable[[PrincipalId, Chat], None]
 Refused: TypeAlias = Callable[[Caller, Refusal], None]
@@ -72,18 +69,6 @@ class PipelineHooks:
         self.enclosed: Deferred[[Messenger, Inbound, Caller], None] = Deferred(_left)
         self.view_buttons: Deferred[[RobotId], list[Button]] = Deferred(_unseen)
         self.outdated: Signal[[PrincipalId]] = Signal()
-
-
-def may_bring_a_code(inbound: Inbound) -> bool:
-    """Whether a message is worth a look before anybody is recognised: a tap, a link, a dash.
-
-    In a group every message is, as a code that is shown there is burnt. In private a code without
-    its dash is found when nothing else can be made of the line.
-    """
-    text = inbound.text
-    if inbound.nonce is not None or inbound.chat.kind is not ChatKind.PRIVATE:
-        return True
-    return _dashed(text) is not None or text.startswith("/start ")
 
 
 async def _no_code(_messenger: Messenger, _inbound: Inbound, _text: str) -> Reply | None:

@@ -17,11 +17,10 @@ from rosic.gateway.agreement import Agreements
 from rosic.gateway.busy import BusyRobots
 from rosic.gateway.button_expiry import ButtonExpiry
 from rosic.gateway.cancel import CancelLane
-from rosic.gateway.chat_handler import ChatHandler, ChatParts
+from rosic.gateway.chat_handler import ChatHandler, ChatParts, may_bring_a_code
 from rosic.gateway.chat_locks import ChatLocks
 from rosic.gateway.command_builder import CommandBuilder
 from rosic.gateway.end_buttons import EndButtons
-from rosic.gateway.hooks import PipelineHooks, may_bring_a_code
 from rosic.gateway.limit_clamping import LimitClamping
 from rosic.gateway.order_execution import OrderExecutor
 from rosic.gateway.order_status import OrderMessage, stop_button
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
     from rosic.gateway.commands import Reply
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.sender import ChatSender
+    from rosic.gateway.hooks import PipelineHooks
     from rosic.gateway.message_context import MessageContext
     from rosic.gateway.order_execution import Dispatch
     from rosic.gateway.robot_registry import AddedRobot
@@ -183,7 +183,9 @@ class Pipeline:
                         permits, requests, origin
                     )
                     permits = ()
-                    self._begin(message, asked, orders, rooms.linker.dispatch)  # RELAYCOMMAND
+                    self._begin(
+                        message, asked, orders, origin, rooms.linker.dispatch
+                    )  # RELAYCOMMAND
                 except BaseException as why:  # noqa: BLE001 - said, or raised again
                     rooms.organiser.abandon(permits)
                     await chat.not_done(message, line, cid, why)
@@ -220,7 +222,12 @@ class Pipeline:
         return ReplyTo(message.messenger.name, inbound.chat, reply_id(inbound), title)
 
     def _begin(
-        self, message: MessageContext, line: Do, orders: tuple[Order, ...], dispatch: Dispatch
+        self,
+        message: MessageContext,
+        line: Do,
+        orders: tuple[Order, ...],
+        origin: ReplyTo,
+        dispatch: Dispatch,
     ) -> None:
         """Let the orders of a line be relayed, each as soon as its robot has its turn."""
         messenger, chat, caller = message.messenger, message.inbound.chat, message.caller
@@ -230,9 +237,7 @@ class Pipeline:
             orders = begin_together(orders, self._clock.monotonic_ns())
         catalogue = self._languages.of(caller.principal)
         words = ENGLISH if catalogue is None else wording_in(catalogue)
-        card = OrderMessage(
-            messenger, chat, reply_id(message.inbound), caller.principal, self.face, words
-        )
+        card = OrderMessage(messenger, chat, origin.message, caller.principal, self.face, words)
         card.about = line.group or line.robots[0]
         card.buttons = stop_button(card.about)
         card.after = self.ends[card.about, line.text, catalogue]

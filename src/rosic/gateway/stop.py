@@ -105,6 +105,7 @@ class StopLane:
 
     Attributes:
         resuming: Undoes stops; every answer to one offers that.
+        hears: Whether a stop could be in a message at all; see `GroupChatPeople`.
 
     Args:
         outbox: Has a stop answered even if this process does not live to do it.
@@ -125,6 +126,7 @@ class StopLane:
         self._authoriser = rooms.authoriser
         self._organiser = rooms.organiser
         self._company = GroupChatPeople(rooms, clock)
+        self.hears = self._company.hears
         self._linker = rooms.linker
         self._board = rooms.board
         self._profiles = rooms.profiles
@@ -136,10 +138,6 @@ class StopLane:
         self._following: set[asyncio.Task[None]] = set()
         self._answering: Counter[tuple[str, str]] = Counter()
         self._outbox = outbox
-
-    def hears(self, inbound: Inbound) -> bool:
-        """Whether a stop could be in a message at all; see `GroupChatPeople`."""
-        return self._company.hears(inbound)
 
     async def stop(
         self, messenger: Messenger, inbound: Inbound, names: tuple[str, ...], own_of: OwnOf

@@ -417,7 +417,7 @@ class Organiser:
 
     def visible(self, principal: PrincipalId) -> frozenset[RobotId]:
         """Return the robots that a person may see, and therefore stop."""
-        return self.rights.visible(principal, self._clock.wall_ns())
+        return self._policy.rights.visible(principal, self._clock.wall_ns())
 
     def holder(self, robot: RobotId) -> PrincipalId | None:
         """Return who has a robot now."""

@@ -56,10 +56,7 @@ class MemoryHistory:
         self._came: dict[CommandId, Concluded] = {}
         self._stops: deque[Stopped] = deque(maxlen=COMMANDS_KEPT)
 
-    def _keep_past(self, record: Claimed | Refused | Resumed | Concluded) -> None:
-        if isinstance(record, Concluded):
-            self._came.setdefault(record.cid, record)
-            return
+    def _keep_past(self, record: Claimed | Refused | Resumed) -> None:
         if len(self._asked) == COMMANDS_KEPT:
             self._came.pop(self._asked[0].cid, None)
         self._asked.append(record)
@@ -358,8 +355,10 @@ class MemoryStore(MemoryHistory):
         self._ids.add(cid)
 
     def _claimed(self, record: Claimed) -> None:
-        self._keep_past(record)
-        cid = record.cid
+        cid, asked = record.cid, self._asked
+        if len(asked) == COMMANDS_KEPT:  # as `_keep_past`, without the call
+            self._came.pop(asked[0].cid, None)
+        asked.append(record)
         self._remember(cid)
         self._open_orders[cid] = record
         robot = record.robot
@@ -378,8 +377,8 @@ class MemoryStore(MemoryHistory):
             self._open_orders[record.cid] = record
 
     def _concluded(self, record: Concluded) -> None:
-        self._keep_past(record)
         cid = record.cid
+        self._came.setdefault(cid, record)
         if record.letter is None:
             self._finish(record)
         elif cid in self._open_orders:

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
     from rosic.container.container import Containers
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Turn
+    from rosic.contracts.messenger import Messenger, Turn
     from rosic.core.i18n import Catalogue
 
 TRIES = 6
@@ -80,6 +80,8 @@ class ChatSender:
         self._containers = containers
         self._clock = clock
         self._queues: dict[tuple[str, str], ChatQueue] = {}
+        # Asking a messenger what it can do costs as much as half an order: each is asked once.
+        self._turns: dict[str, Turn | None] = {}
         self._urgent: set[asyncio.Task[None]] = set()
         self._aside: set[asyncio.Task[None]] = set()
         self._due: dict[OrderMessage, None] = {}
@@ -122,11 +124,17 @@ class ChatSender:
                     self._enqueue(card.where, card)
         self._ticking = None
 
+    def _turn_of(self, messenger: Messenger) -> Turn | None:
+        name = messenger.name
+        if name not in self._turns:
+            self._turns[name] = turn_of(messenger)
+        return self._turns[name]
+
     def _enqueue(self, where: tuple[str, str], item: Item) -> None:
         queue = self._queues.get(where)
         if queue is None:
             self._retire()
-            queue = self._queues[where] = ChatQueue(turn_of(place_of(item)[0]))
+            queue = self._queues[where] = ChatQueue(self._turn_of(place_of(item)[0]))
         items = queue.items
         if items:
             if items[-1] is item:
