@@ -1,6 +1,6 @@
 """The walk in docs/architecture.md is the one that a real order goes.
 
-A gateway of its own is followed function by function (`tests.journeys.tracing`): the real Telegram
+A gateway of its own is followed function by function (`tests.tracing`): the real Telegram
 adapter against the server for tests, the record on disk, a robot as a ROS 2 node.
 """
 
@@ -99,7 +99,7 @@ def followed(
     told = (str(file), "run", "-c", str(place.config))
     with (place.folder / "gateway.log").open("wb") as log:
         process = subprocess.Popen(  # noqa: S603 - our own program
-            [sys.executable, "-m", "tests.journeys.tracing", *told],
+            [sys.executable, "-m", "tests.tracing", *told],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=log,

@@ -1,4 +1,4 @@
-"""`python -m tests.journeys.tracing FILE ARGUMENT...`: the command `rosic`, followed by name.
+"""`python -m tests.tracing FILE ARGUMENT...`: the command `rosic`, followed function by function.
 
 Every function of ROSIC that begins is noted, in whatever thread, in the order in which they begin.
 A coroutine begins once, when its first line runs; that it goes on is no beginning. The notes are
@@ -20,15 +20,15 @@ PACKAGES = ("rosic", "rosic_sim")
 
 
 class Tracer:
-    """Notes which functions begin.
+    """Notes which functions are entered.
 
     Attributes:
-        begun: Their names, module and all, as they began.
+        entered: Their names, as module and function, in order; and whether they began, or went on.
     """
 
     def __init__(self) -> None:
-        self.begun: list[str] = []
-        self._known: dict[CodeType, tuple[str, int] | None] = {}
+        self.entered: list[tuple[tuple[str, str], bool]] = []
+        self._known: dict[CodeType, tuple[tuple[str, str], int] | None] = {}
 
     def __call__(self, frame: FrameType, event: str, _argument: Any) -> None:  # noqa: ANN401
         """Take what the interpreter tells; see ``sys.setprofile``."""
@@ -39,22 +39,33 @@ class Tracer:
             known = self._known[code]
         except KeyError:
             known = self._known[code] = _named(frame)
-        if known is not None and frame.f_lasti == known[1]:
-            self.begun.append(known[0])
+        if known is not None:
+            self.entered.append((known[0], frame.f_lasti == known[1]))
+
+    @property
+    def begun(self) -> list[str]:
+        """The names of those that began, module and all."""
+        return [".".join(name) for name, began in self.entered if began]
 
     def start(self) -> None:
         """Follow this thread, and every one that it starts."""
         threading.setprofile(self)
         sys.setprofile(self)
 
+    @staticmethod
+    def stop() -> None:
+        """Follow nothing that begins from now on."""
+        threading.setprofile(None)
+        sys.setprofile(None)
 
-def _named(frame: FrameType) -> tuple[str, int] | None:
+
+def _named(frame: FrameType) -> tuple[tuple[str, str], int] | None:
     """Return the name of a function of ROSIC, and where in its code it begins; else None."""
     module = str(frame.f_globals.get("__name__", ""))
     if module.partition(".")[0] not in PACKAGES:
         return None
     begins = (i.offset for i in dis.get_instructions(frame.f_code) if i.opname == "RESUME")
-    return f"{module}.{frame.f_code.co_qualname}", next(begins, -1)
+    return (module, frame.f_code.co_qualname), next(begins, -1)
 
 
 def main(arguments: list[str]) -> int:
@@ -67,7 +78,7 @@ def main(arguments: list[str]) -> int:
     try:
         return rosic(command)
     finally:
-        sys.setprofile(None)
+        tracer.stop()
         Path(file).write_text("\n".join(tracer.begun), encoding="utf-8")
 
 
