@@ -41,7 +41,8 @@ async def send(
     before = len(place.chat.told)
     chat = Chat("memory", account if kind is ChatKind.PRIVATE else "g", kind)
     inbound = place.chat._inbound(account, chat, None, None)
-    place.chat.deliver(replace(inbound, place=spot, standing=standing, answers=answers))
+    reply = {"answers": answers, "answers_us": answers.startswith("ours-")}
+    place.chat.deliver(replace(inbound, place=spot, standing=standing, **reply))
     await place.quiet()
     return "\n".join(told.outbound.text for told in list(place.chat.told)[before:])
 
@@ -99,3 +100,5 @@ async def test_in_reply_to_what_a_robot_did_that_one_goes() -> None:
         assert "omni: go to" in await send(place, account=BO)
         assert "kuka1: go to" in await send(place, account=BO, answers=told)
         assert "omni: go to" in await send(place, account=BO, answers="m-of-nobody")
+        forgotten = await send(place, account=BO, answers="ours-forgotten")
+        assert "Several robots can go there" in forgotten

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
-from rosic.core.message import ChatKind
-from tests.gateway.place import BO, VI, Place
+from typing import Any
+
+import pytest
+from msgspec.structs import replace
+
+from rosic.core.message import Chat, ChatKind
+from rosic.gateway.reply_context import REMEMBERED
+from tests.gateway.place import ADA, BO, VI, Place
 
 LAB = {"chat": "-5", "kind": ChatKind.GROUP}
 
@@ -49,6 +55,60 @@ async def test_the_same_number_in_another_chat_is_another_message() -> None:
         life = place.last()[0]
         await place.say("wave", answers=life, account=BO, chat="2")
         assert place.acted() == 1
+
+
+# ---- what is forgotten ----
+
+WHERE = {"in a group": LAB, "in private": {"chat": ADA, "kind": ChatKind.PRIVATE}}
+
+
+async def _reply(place: Place, text: str, answers: str, where: dict[str, Any]) -> None:
+    """Reply to a message that an earlier run has sent; its messenger still says whose it was."""
+    chat = Chat("memory", where["chat"], where["kind"])
+    inbound = place.chat._inbound(ADA, chat, f"new-{text}", None)
+    ours = {"answers": answers, "answers_us": True, "addressed": True}
+    place.chat.deliver(replace(inbound, text=text, **ours))
+    await place.quiet()
+
+
+@pytest.mark.parametrize("where", WHERE.values(), ids=WHERE)
+async def test_a_reply_to_a_life_of_an_earlier_run_asks_which_robot(where: dict[str, Any]) -> None:
+    first = Place()
+    async with first.open() as place:
+        await place.say("omni move 1 m", **where)
+        life = place.last()[0]
+        await place.say("use kuka1", **where)
+    async with Place(first.store, first.latch, clock=first.clock).open() as place:
+        await _reply(place, "wave", life, where)
+        told, asked = place.last()
+        assert place.acted() == 0
+        assert asked.text.startswith("Which robot is to")
+        labels = [button.label for row in asked.buttons for button in row]
+        assert "omni wave" in labels
+        assert all(label.split()[0] in {"cf1", "cf2", "kuka1", "omni"} for label in labels)
+        await _reply(place, "omni wave", told, where)
+        assert (place.acted("omni"), place.acted("kuka1")) == (1, 0)
+
+
+async def test_so_does_one_to_a_life_that_many_others_came_after() -> None:
+    async with Place().open() as place:
+        await place.say("omni move 1 m", **LAB)
+        life = place.last()[0]
+        await place.say("use kuka1", **LAB)
+        targets = place.gateway.pipeline._chat_sender.reply_targets
+        for number in range(2 * REMEMBERED):
+            targets.note("memory", Chat("memory", VI), f"later-{number}", "omni")
+        await place.say("wave", answers=life, **LAB)
+        assert place.acted("kuka1") == 0
+        assert place.last()[1].text.startswith("Which robot is to")
+
+
+async def test_a_reply_to_what_a_person_wrote_means_the_chosen_robot() -> None:
+    async with Place().open() as place:
+        await place.say("use kuka1", **LAB)
+        await place.say("hello there", account=BO, message="of-bo", **LAB)
+        await place.say("wave", answers="of-bo", **LAB)
+        assert place.acted("kuka1") == 1
 
 
 # ---- topics ----

@@ -117,6 +117,35 @@ def test_a_quotation_is_no_part_of_what_was_written() -> None:
     assert inbound(quote={"text": "stop", "position": 0}).text == "status"
 
 
+OWN: dict[str, Any] = {"id": 4, "is_bot": True, "username": "Lab_robots_bot"}
+
+
+@pytest.mark.parametrize(
+    ("author", "ours"),
+    [
+        (OWN, True),
+        (OWN | {"id": 77, "username": None}, True),  # by its number alone
+        ({"id": updates.TELEGRAM, "is_bot": False}, True),  # brought from a channel, perhaps ours
+        (ADA, False),
+        ({"id": updates.GROUP_ANONYMOUS_BOT, "is_bot": True, "username": "GroupBot"}, False),
+        (ADA | {"username": "lab_robots_bot"}, False),
+        (None, False),
+        (7, False),
+    ],
+)
+def test_whether_it_replies_to_a_message_of_ours(author: object, ours: bool) -> None:
+    received = RECEIVED._replace(account="77")
+    message = {"message_id": 7, "date": DATE, "chat": GROUP, "from": ADA, "text": "move 1 m"}
+    here = {"reply_to_message": {"message_id": 3, "chat": GROUP, "from": author}}
+    elsewhere = {"external_reply": {"origin": {"type": "user", "sender_user": author}}}
+    for reply, answers in ((here, "3"), (elsewhere, "")):
+        update = updates.parse({"update_id": 1, "message": message | reply})
+        found = incoming.read(update, "lab_robots_bot", received)
+        assert found is not None
+        assert (found.answers, found.answers_us) == (answers, ours)
+    assert not inbound(external_reply="malformed").answers_us
+
+
 def test_a_caption_counts_as_text_and_nothing_as_nothing() -> None:
     assert inbound(text=None, caption="stop", photo=[]).text == "stop"
     assert read(text=None, sticker={"emoji": "🛑"}) is None

@@ -109,6 +109,8 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         tap: The platform's handle for answering a tap; empty for a text.
         under: Id of the message whose button was tapped; empty for a text.
         answers: Id of the message in this chat that it replies to; empty for none.
+        answers_us: What it replies to, in this chat or another, is a message of ours, or the
+            platform does not tell that a person wrote it.
         shown_as: How the platform shows the sender. For showing somebody new; never compared.
         locale: What the sender's messenger is set to, where the platform says so: ``de``. Only the
             default for whoever has not chosen a language.
@@ -135,6 +137,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     tap: str = ""
     under: str = ""
     answers: str = ""
+    answers_us: bool = False
     shown_as: str = ""
     locale: str = ""
     addressed: bool = False

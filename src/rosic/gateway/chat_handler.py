@@ -154,7 +154,7 @@ class ChatHandler:
         container = self._rooms.container
         selected = (
             meant(message, self._reply_targets, container, visible, self._builtin.members)
-            if inbound.answers
+            if inbound.answers or inbound.answers_us
             else container.selected(caller.principal, inbound.chat)
         )
         lines = self._reader.lines(message.text, selected, visible)

@@ -50,7 +50,8 @@ class GoToLocation:
     def ask(self, messenger: Messenger, inbound: Inbound, caller: Caller) -> Reply:
         """Return the question whether a robot is meant to go there.
 
-        Meant is the robot whose message it answers; else the chosen one; else the only one.
+        Meant is the robot whose message it answers; else, unless it answers one of ours, the
+        chosen one; else the only one.
 
         Raises:
             NotUnderstood: No robot can, or several, and none is chosen.
@@ -100,7 +101,7 @@ class GoToLocation:
             if way is not None and rooms.organiser.allows(caller.principal, robot, way.skill.id)
         }
         chosen = self._reply_targets.answered(messenger.name, inbound)
-        if chosen not in visible:
+        if chosen not in visible and not inbound.answers_us:
             chosen = rooms.container.selected(caller.principal, inbound.chat)
         if chosen in able:
             return chosen, able[chosen]

@@ -26,7 +26,11 @@ REMEMBERED = 4_096
 
 
 class ReplyTargets:
-    """Bounded, in memory: of what is forgotten, a robot has to be named again."""
+    """Bounded, in memory: of what is forgotten, a robot has to be named again.
+
+    So a reply to a message of ours never falls to the robot that was chosen last: whoever replies
+    reads one robot's name there, and would move another.
+    """
 
     def __init__(self) -> None:
         # Two generations: the older one is dropped whole, so that no message costs a search.
@@ -58,13 +62,16 @@ def meant(
     visible: frozenset[RobotId],
     members: Callable[[str], tuple[RobotId, ...]],
 ) -> str:
-    """Return who is meant where a reply names nobody: whom it replies to, else whoever was chosen.
+    """Return who is meant where a message names nobody: whom it replies to, else who was chosen.
 
-    Nobody learns by it of a robot that they may not see.
+    Empty where neither is known, and in reply to a message of ours of which nobody knows any more
+    of whom it speaks: then it is asked. Nobody learns by it of a robot that they may not see.
     """
-    about = reply_targets.of(said)
+    about = reply_targets.of(said) if said.inbound.answers else ""
     if about and visible.intersection(members(about)):
         return about
+    if said.inbound.answers_us:
+        return ""
     return container.selected(said.caller.principal, said.inbound.chat)
 
 

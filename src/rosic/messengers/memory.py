@@ -153,7 +153,10 @@ class MemoryMessenger:
     ) -> Inbound:
         """Write a message, now unless `sent_ns` says otherwise, and return what will be seen."""
         inbound = self._inbound(account, Chat(self.platform, chat, kind, topic), message, sent_ns)
-        return self.deliver(replace(inbound, text=text, standing=standing, answers=answers))
+        shown = self._shown.get(answers)
+        ours = shown is not None and shown.chat.id == chat
+        heard = replace(inbound, text=text, standing=standing)
+        return self.deliver(replace(heard, answers=answers, answers_us=ours, addressed=ours))
 
     def enclose(  # noqa: PLR0913 - as `say`
         self,

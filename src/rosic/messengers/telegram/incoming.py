@@ -245,6 +245,7 @@ def _text(
         listening_since_ns=received.listening_since_ns,
         standing=standing,
         answers=_answered(message),
+        answers_us=_answers_us(message, own_name, received.account),
         shown_as="" if message.sender is None else message.sender.first_name,
         locale="" if message.sender is None else message.sender.language_code or "",
         addressed=named or bool(replied),
@@ -316,6 +317,24 @@ def _answered(message: updates.TelegramMessage) -> str:
     """Return the message that it replies to, if that is in the same chat."""
     first = _replied(message)
     return str(first.message_id) if first and first.chat.id == message.chat.id else ""
+
+
+def _answers_us(message: updates.TelegramMessage, own_name: str, account: str) -> bool:
+    """Whether it replies to a message of this bot's, in whatever chat that is.
+
+    What Telegram itself brought from a channel into its discussion may have been this bot's, too.
+    """
+    first, elsewhere = _replied(message), message.external_reply
+    author = first.sender if first is not None else None
+    if isinstance(elsewhere, dict) and isinstance(origin := elsewhere.get("origin"), dict):
+        author = author or origin.get("sender_user")
+    if not isinstance(author, dict):
+        return False
+    if author.get("id") == updates.TELEGRAM:
+        return True
+    name = author.get("username")
+    by_name = isinstance(name, str) and name.casefold() == own_name.casefold()
+    return author.get("is_bot") is True and (by_name or str(author.get("id")) == account)
 
 
 def _names(text: str, own_name: str) -> bool:

@@ -81,6 +81,7 @@ class TelegramMessage(msgspec.Struct, kw_only=True):
     location: Any = None
     venue: Any = None
     reply_to_message: RepliedMessage | None = None
+    external_reply: Any = None
     edit_date: int | None = None
     forward_origin: Any = None
     forward_date: int | None = None
