@@ -9,6 +9,7 @@ import pytest
 from rosic.core.i18n import ImperialCatalogue, in_language
 from rosic.core.policy.limits import limit_in_words, quantity_in_words
 from rosic.core.units import bound_in_words
+from tests.gateway.place import Place
 from tests.gateway.test_german_walk import CHATS, FLEET, SCRIPT, Simulated, follow
 
 FEET = ImperialCatalogue(None)
@@ -76,3 +77,22 @@ def test_bounds_in_feet_are_within_those_in_metres(value: float) -> None:
 def test_what_is_no_quantity_stays_as_it_was_said() -> None:
     assert in_language(quantity_in_words("as it is"), FEET) == "as it is"
     assert in_language(bound_in_words(0.0, "m", upper=True), FEET) == "0 ft"
+
+
+async def test_a_number_without_a_unit_is_no_metre_to_whoever_reads_feet() -> None:
+    async with Place().open() as place:
+        await place.say("/settings units imperial")
+        for typed, offers in (
+            ("omni move 1", ["omni move 1 ft", "omni move 3.28 ft"]),
+            ("omni move back 4", ["omni move back 4 ft", "omni move back 13.12 ft"]),
+            ("omni move distance=2", ["omni move distance=2 ft", "omni move distance=6.56 ft"]),
+        ):
+            await place.say(typed)
+            told = list(place.chat.told)[-1].outbound
+            assert told.text.startswith("Say the unit of ")
+            assert [button.label for row in told.buttons for button in row] == offers
+        assert place.acted() == 0
+        await place.say("omni move 1 ft")
+        await place.say("/settings units metric")
+        await place.say("kuka1 move 1")
+        assert (place.acted(), place.acted("kuka1")) == (1, 1)

@@ -7,8 +7,9 @@ import re
 from collections import OrderedDict
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.core.i18n import said
+from rosic.core.i18n import ImperialCatalogue, said
 from rosic.core.language import CommandLine, Do, Halt, Misunderstood, Resume, Use, kept_of
+from rosic.core.language.arguments import unit_needed
 from rosic.core.message import ChatKind
 from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, Repeated, Unrecognised
 from rosic.gateway.builtin_commands import BuiltinCommands
@@ -161,6 +162,18 @@ class ChatHandler:
         if inbound.nonce is not None:
             self._agreements.check(caller, lines, message.act)
         return lines
+
+    def check_units(self, message: MessageContext, line: Do) -> None:
+        """Refuse a number without a unit, typed by somebody who reads feet, with both readings.
+
+        Raises:
+            NotUnderstood: There is one.
+        """
+        catalogue = self._languages.of(message.caller.principal)
+        if message.inbound.nonce is None and isinstance(catalogue, ImperialCatalogue):
+            asked = unit_needed(self._reader.vocabulary, line)
+            if asked is not None:
+                raise NotUnderstood(asked.sentence, offers=asked.offers)
 
     async def _tapped(self, message: MessageContext) -> bool:
         """Take in what a tap says; whether it says a command that is not answered yet."""

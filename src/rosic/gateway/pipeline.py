@@ -196,13 +196,14 @@ class Pipeline:
         """Return what a line asks of each robot, counted against what its author may ask.
 
         Raises:
-            Refusal: It is too old, or too much.
+            Refusal: It is too old, or too much, or a number of it may be in feet or in metres.
         """
         caller = message.caller
         if self.cancels.last:
             self.cancels.check(caller, message.inbound)
         requests = self._requesting.requests(message, line, cid, self._clock.monotonic_ns())
         self._rooms.organiser.charge(caller)  # not for what was sent in vain while nobody listened
+        self._chat.check_units(message, line)
         return requests
 
     def _arguments_of(self, request: Request) -> Mapping[str, Argument]:
