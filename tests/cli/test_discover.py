@@ -11,6 +11,7 @@ import pytest
 from rosic.app.setup.discovery import left_out, robots_in
 from rosic.app.setup.profile_draft import JOINTS, LOCATED, SeenRobot, drafted, robot_id
 from rosic.app.setup.profile_draft_nav2 import FOLLOW, GRIP, NAVIGATE, ArmDraft, MapPose
+from rosic.cli.robots import write_drafts
 from rosic.config.profiles import read_profile
 from rosic.robots.ros2.client.graph import GraphSnapshot, GraphTopic, OfferedEndpoint
 from rosic.robots.ros2.profile import Ros2Profile, ros2_profile
@@ -80,6 +81,31 @@ def test_a_draft_is_a_profile_with_careful_bounds(tmp_path: Path) -> None:
         ("offline", "operators")
     ]
     assert "--try omni" in text
+
+
+@pytest.mark.parametrize("begun", [False, True])
+def test_a_robot_that_a_profile_reaches_is_not_drafted_under_another_id(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], *, begun: bool
+) -> None:
+    first = SEEN._replace(said={}) if begun else SEEN  # somebody has yet to add how it rests
+    path = tmp_path / "omni.yaml"
+    path.write_text(drafted(first, fields))
+    assert bool(read_profile(path).errors) == begun
+    apart = SEEN._replace(
+        namespace="/other",
+        heard={"/other/cmd_vel": "geometry_msgs/msg/Twist"},
+        said={"/other/odom": "nav_msgs/msg/Odometry"},
+        services={},
+        actions={},
+    )
+    drafts = {"lab_omni": drafted(SEEN._replace(namespace="/lab/omni"), fields)}
+
+    assert write_drafts(tmp_path, drafts | {"other": drafted(apart, fields)}) == 1
+
+    assert {one.name for one in tmp_path.iterdir()} == {"omni.yaml", "other.yaml"}
+    said = capsys.readouterr()
+    assert f"Not drafted again: {path} reaches the robot lab_omni already, by the " in said.err
+    assert f"Written: {tmp_path / 'other.yaml'}" in said.out
 
 
 def test_a_robot_without_velocities_states_no_watchdog(tmp_path: Path) -> None:

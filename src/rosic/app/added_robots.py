@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 from msgspec.structs import replace
 
+from rosic.config.plugins import same_robot
 from rosic.config.profile_validation import clash
 from rosic.config.profiles import read_profile_text
 from rosic.core.language.compiled import fold
@@ -78,7 +79,7 @@ def check_draft(draft: ProfileDraft, units: UnitTable) -> tuple[Profile, Sequenc
 
 
 def check_distinct(newcomer: Profile, known: Iterable[Profile]) -> None:
-    """See that a robot cannot be taken for another: id, title, namespace.
+    """See that a robot is not here already, and cannot be taken for another: id, title, names.
 
     Raises:
         NotUnderstood: Whose it is already.
@@ -91,6 +92,8 @@ def check_distinct(newcomer: Profile, known: Iterable[Profile]) -> None:
             raise NotUnderstood(words.same_title(newcomer.shown, robot.id))
         if space and robot.link.namespace.strip("/") == space:
             raise NotUnderstood(words.same_namespace(newcomer.link.namespace, robot.shown))
+        for found in same_robot((robot, newcomer)):
+            raise NotUnderstood(words.same_robot(robot.shown, newcomer.shown, found.name))
 
 
 def with_added(
@@ -107,6 +110,10 @@ def with_added(
     for profile in added:
         if profile.id in ids:
             log.info("%s is in the configuration now, which decides about it", profile.id)
+    twice = {found.other.id: found for found in same_robot((*configured, *wanted))}
+    for found in twice.values():
+        log.warning("%s, added earlier, is left out: %s", found.other.id, found.sentence)
+    wanted = [profile for profile in wanted if profile.id not in twice]
     if not wanted or not clash((*configured, *wanted), units):
         return (*configured, *wanted)
     good = list(configured)

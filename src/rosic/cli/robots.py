@@ -18,15 +18,22 @@ from rosic.app.setup.neighbours import MIXED
 from rosic.app.setup.profile_draft import NO_REST
 from rosic.cli.client import add_where, ask, data_of
 from rosic.config.plugins import check_robot, check_robot_kind, robot_factory
-from rosic.config.profiles import check_profile, find_profile, known_units, read_profile
+from rosic.config.profiles import (
+    SUFFIXES,
+    check_profile,
+    find_profile,
+    known_units,
+    reached_in,
+    read_profile,
+)
 from rosic.config.source_map import read_text
-from rosic.config.yaml_source import read_yaml
+from rosic.config.yaml_source import parse_yaml, read_yaml
 from rosic.errors import ConfigurationError, Fault
 from rosic.gateway.robot_registry import ProfileDraft
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from rosic.core.robot.profile import Profile
 
@@ -118,7 +125,7 @@ def add(arguments: Sequence[str]) -> int:
 
 DISCOVER_ABOUT = """Look at the live ROS 2 graph and write a draft profile for every robot seen
 there: its stop, how rest is measured, telemetry, and its actions, services and velocity topic as
-skills with careful bounds. Existing files are left alone."""
+skills with careful bounds. Existing files are left alone, and robots that they reach."""
 
 
 def discover_robots(arguments: Sequence[str]) -> int:
@@ -138,9 +145,13 @@ def discover_robots(arguments: Sequence[str]) -> int:
     if options.output is None:
         print("\n---\n".join(drafts.values()), end="")
         return 0
-    return max(
-        [_write(Path(options.output) / f"{name}.yaml", text) for name, text in drafts.items()]
-    )
+    return write_drafts(Path(options.output), drafts)
+
+
+def write_drafts(folder: Path, drafts: Mapping[str, str]) -> int:
+    """Write drafts, by robot, of robots that no profile in a folder reaches; 1 if one was not."""
+    here = _reached_from(folder)
+    return max([_write(folder / f"{name}.yaml", text, here) for name, text in drafts.items()])
 
 
 def _skipped(name: str) -> None:
@@ -150,7 +161,26 @@ def _skipped(name: str) -> None:
     )
 
 
-def _write(path: Path, text: str) -> int:
+def _reached_from(folder: Path) -> dict[str, Path]:
+    """Return what robots answer to that a folder has profiles of, and which profile that is."""
+    here: dict[str, Path] = {}
+    for path in sorted(path for suffix in SUFFIXES for path in folder.glob(f"*{suffix}")):
+        try:
+            here |= dict.fromkeys(reached_in(read_yaml(path)), path)
+        except ConfigurationError:
+            continue  # `rosic robot check` says why
+    return here
+
+
+def _write(path: Path, text: str, here: Mapping[str, Path]) -> int:
+    shared = sorted(reached_in(parse_yaml(text, path.name)) & here.keys())
+    if shared and not path.exists():
+        print(
+            f"Not drafted again: {here[shared[0]]} reaches the robot {path.stem} already, "
+            f"by {shared[0]}.",
+            file=sys.stderr,
+        )
+        return 1
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("x", encoding="utf-8") as file:

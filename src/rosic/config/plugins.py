@@ -12,7 +12,7 @@ from rosic.core.order_gate import OrderGate
 from rosic.errors import ConfigurationError, how_to_install
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from rosic.contracts.adapter import MessengerFactory, ProfileSchema, RobotFactory
     from rosic.contracts.clock import Clock
@@ -28,6 +28,22 @@ class PluginFault(NamedTuple):
     place: tuple[str, ...]
     sentence: str
     hint: str
+
+
+class ProfileConflict(NamedTuple):
+    """Two profiles that reach one robot, and what both name."""
+
+    one: Profile
+    other: Profile
+    name: str
+
+    @property
+    def sentence(self) -> str:
+        """What is wrong."""
+        return (
+            f"{self.one.id} and {self.other.id} reach one robot: both name {self.name}. "
+            "A stop or a lock of one would not hold for the other."
+        )
 
 
 def messenger_factory(kind: str) -> MessengerFactory:
@@ -121,6 +137,27 @@ def shared_spaces(profiles: Iterable[Profile]) -> Iterator[str]:
                 f"{' and '.join(robots)} have one namespace, {space}: what one of them is told, "
                 "the others hear as well."
             )
+
+
+def same_robot(
+    profiles: Iterable[Profile], schemas: Callable[[str], ProfileSchema | None] = profile_schema
+) -> Iterator[ProfileConflict]:
+    """Find the profiles that reach a robot which an earlier one of them reaches.
+
+    Args:
+        profiles: Of a fleet, in order.
+        schemas: Returns what profiles of a kind say: that is asked which names are a robot's own.
+    """
+    owners: dict[str, Profile] = {}
+    for profile in profiles:
+        schema = schemas(profile.link.kind)
+        known = schema is not None and isinstance(profile, schema.profile)
+        names = sorted(set(schema.reaches(profile))) if schema is not None and known else []
+        shared = next((name for name in names if name in owners), "")
+        if shared:
+            yield ProfileConflict(owners[shared], profile, shared)
+        for name in names:
+            owners.setdefault(name, profile)
 
 
 def _find(group: str, kind: str, what: str) -> EntryPoint:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 from msgspec import inspect
 
-from rosic.config.plugins import profile_schema
+from rosic.config.plugins import profile_schema, same_robot
 from rosic.config.profile_validation import clash, profile_rules
 from rosic.config.units import compile_units
 from rosic.config.validation import SourceValidator, opaque_fields
@@ -157,6 +157,21 @@ def known_units() -> UnitTable:
     return compile_units()
 
 
+def reached_in(source: SourceMap) -> frozenset[str]:
+    """Return what a profile's robot alone can answer to; also where its rules are not kept yet.
+
+    Nothing, where it is no profile at all: whoever reads it for use says why.
+    """
+    schema = profile_schema(_kind_in(source.data))
+    if schema is None:
+        return frozenset()
+    try:
+        profile = _with_skill_ids(msgspec.convert(source.data, schema.profile))
+    except (msgspec.ValidationError, ValueError):
+        return frozenset()
+    return frozenset(schema.reaches(profile))
+
+
 def shipped_profiles() -> dict[str, Path]:
     """Return the profiles that come with ROSIC: their names, and where they are."""
     folder = Path(str(files("rosic.robots").joinpath("profiles")))
@@ -206,6 +221,12 @@ def fleet_findings(profiles: Sequence[Profile], units: UnitTable) -> Iterator[Va
         if fault:
             yield ValidationFinding(place, fault, "Give one of them another name.")
             known.pop()
+    # Profiles of one id have been refused already, and may well be the same file.
+    places = {id(profile): index for index, profile in enumerate(profiles)}
+    for found in same_robot(known):
+        yield ValidationFinding(
+            ("robot", places[id(found.other)], "profile"), found.sentence, "Keep one of the two."
+        )
 
 
 def _reach_by(data: Data, kind: str) -> None:

@@ -69,6 +69,12 @@ def stops_itself(factory: RobotFactory) -> bool:
 # ---- profiles ----
 
 Advice: TypeAlias = Callable[[Any], Iterator[ValidationFinding]]
+Reaches: TypeAlias = Callable[[Any], Iterator[str]]
+
+
+def shares_nothing(_profile: Profile) -> Iterator[str]:
+    """Say that no other profile can reach this robot: it is made for this one."""
+    return iter(())
 
 
 class ProfileSchema(NamedTuple):
@@ -81,11 +87,16 @@ class ProfileSchema(NamedTuple):
         rules: What is asked of these keys beyond their types. What is asked of every robot's is
             asked as well.
         advice: Says what is allowed, but worse than it could be; takes such a profile.
+        reaches: Returns what one robot alone can answer to, in words that hold for every robot of
+            an installation, whatever its kind: what it is commanded, stopped and measured by. Two
+            profiles that share a word reach one robot, and are refused: its second id would pass
+            by a stop and a lock of the first.
     """
 
     profile: type[Profile]
     rules: Rules
     advice: Advice
+    reaches: Reaches = shares_nothing
 
 
 def no_advice(_profile: Profile) -> Iterator[ValidationFinding]:

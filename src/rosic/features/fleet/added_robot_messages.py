@@ -133,6 +133,16 @@ def same_namespace(namespace: str, robot: str) -> str:
     )
 
 
+def same_robot(robot: str, newcomer: str, name: str) -> str:
+    """Return that a robot is here already, under another id."""
+    return said(
+        "{newcomer} is the robot that is here as {robot}: both name {name}. Nothing was changed.",
+        newcomer=newcomer,
+        robot=robot,
+        name=name,
+    )
+
+
 def unspeakable(why: str) -> str:
     """Return that people could not tell it from what is here."""
     return said("{why} Nothing was changed.", why=why)

@@ -249,7 +249,7 @@ def of_one_type(profile: Ros2Profile) -> Iterator[ValidationFinding]:
     """See that every topic, service and action has one type, wherever it is named."""
     known: dict[tuple[str, str], str] = {}
     for place, sort, name, kind in _named(profile):
-        full = name if name.startswith("/") else f"{profile.link.namespace.rstrip('/')}/{name}"
+        full = _full(profile, name)
         other = known.setdefault((sort, full), kind)
         if other != kind:
             yield ValidationFinding(
@@ -278,6 +278,28 @@ def _named(profile: Ros2Profile) -> Iterator[tuple[Place, str, str, str]]:
     if deliver is not None and deliver.service is not None:
         where: Place = ("files", "deliver", "service", "type")
         yield where, "service", deliver.service.name, deliver.service.type
+
+
+def reaches(profile: Ros2Profile) -> Iterator[str]:
+    """Return the names on the graph by which one robot alone is moved, stopped and measured.
+
+    Two arms may share a topic that shows the joints of both, but not the fields of it by which
+    their rest is measured.
+    """
+    moving = {skill.id for skill in profile.skills.values() if skill.kind is SkillClass.MOTION}
+    for (part, *where), sort, name, _ in _named(profile):
+        # A light or a camera may belong to a room, and to every robot in it.
+        if part == "stop" or (part == "skills" and where[0] in moving):
+            yield f"the {sort} {_full(profile, name)}"
+    if profile.at_rest is not None:
+        for field in profile.at_rest.fields:
+            yield f"{field} of the topic {_full(profile, profile.at_rest.topic)}"
+    if profile.link.dialogue:
+        yield f"the topic {_full(profile, 'to_robot_topic')}"
+
+
+def _full(profile: Ros2Profile, name: str) -> str:
+    return name if name.startswith("/") else f"{profile.link.namespace.rstrip('/')}/{name}"
 
 
 def among(profile: Ros2Profile) -> Iterator[ValidationFinding]:

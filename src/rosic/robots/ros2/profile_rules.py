@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from rosic.contracts.adapter import ProfileSchema, no_advice
+from rosic.contracts.adapter import ProfileSchema, no_advice, shares_nothing
 from rosic.contracts.file_rules import Field, FieldForm, NumberBounds, Rule, Rules
 from rosic.core.time_units import DAY_S
 from rosic.robots.ros2.joints import Joints
@@ -37,6 +37,7 @@ from rosic.robots.ros2.profile_checks import (
     moved,
     of_one_type,
     reached,
+    reaches,
     said_stop,
     stoppable,
     streamed,
@@ -166,10 +167,13 @@ SCHEMA: Final = ProfileSchema(
         checks=_PARTS | {Ros2Profile: (reached, *_ALONE, stoppable, of_one_type, among)},
     ),
     advice=advice,
+    reaches=reaches,
 )
 
 # For a link whose robots stand in for those of a graph, from the same file: what it says has to be
 # right, and nobody is looked for on a graph.
 STAND_IN: Final = SCHEMA._replace(
-    rules=SCHEMA.rules._replace(checks=_PARTS | {Ros2Profile: _ALONE}), advice=no_advice
+    rules=SCHEMA.rules._replace(checks=_PARTS | {Ros2Profile: _ALONE}),
+    advice=no_advice,
+    reaches=shares_nothing,
 )
