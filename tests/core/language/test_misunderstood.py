@@ -3,6 +3,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
+from msgspec.structs import replace
 
 from rosic.core.language import Do, Misunderstood
 
@@ -163,3 +164,41 @@ def test_caps_come_first(means: Means, text: str, sentence: str) -> None:
 def test_the_largest_message_is_read(means: Means) -> None:
     assert isinstance(means("omni move 1 m" + " " * 4083), Do)
     assert isinstance(means("omni move" + " please" * 28 + " 1 m"), Do)
+
+
+@pytest.mark.parametrize(
+    ("text", "offers"),
+    [
+        ("omni forward 1 m", ("omni move forward 1 m",)),
+        ("omni vor 1 m", ("omni move vor 1 m",)),
+        ("omni go forward 1 m", ("omni move forward 1 m",)),
+        ("omni picture", ("picture omni",)),
+    ],
+)
+def test_what_leaves_the_skill_out_or_says_it_the_other_way_round_is_offered(
+    means: Means, text: str, offers: tuple[str, ...]
+) -> None:
+    line = means(text)
+    assert isinstance(line, Misunderstood)
+    assert line.offers == offers
+
+
+@pytest.mark.parametrize("text", ["stat", "stio", "stapp", "anhaltn", "fermatti"])
+def test_a_word_that_resembles_a_stop_offers_it_first(means: Means, text: str) -> None:
+    line = means(text)
+    assert isinstance(line, Misunderstood)
+    assert line.offers[0] == "stop"
+
+
+@pytest.mark.parametrize("text", ["hallo", "hello", "stand up", "grsp"])
+def test_no_other_word_offers_a_stop(means: Means, text: str) -> None:
+    line = means(text)
+    assert isinstance(line, Misunderstood)
+    assert "stop" not in line.offers
+
+
+def test_politeness_and_the_words_of_a_button_are_understood(means: Means) -> None:
+    plain = means("omni move 1 m")
+    for text in ("bitte omni move 1 m", "omni bitte move 1 m"):
+        assert means(text) == replace(plain, text=text)
+    assert means("alle freigeben") == means("freigeben alle") == means("resume all")

@@ -33,6 +33,9 @@ FILLERS = frozenset({"a", "an", "and", "at", "by", "for", "of", "please", "the",
 # is called so, that is meant.
 SOFT_FILLERS = frozenset({"bitte", "mit", "nach", "um", "und"})
 
+# Said before or behind a name, where nothing is called so.
+POLITE = frozenset({"bitte"})
+
 EVERYTHING = frozenset({"all", "everybody", "everyone", "everything"})
 # Likewise elsewhere, where no robot is called so; and what goes along: ``weitermachen lassen``.
 EVERYTHING_ELSEWHERE = frozenset({"alle", "alles"})

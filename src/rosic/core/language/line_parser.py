@@ -26,6 +26,7 @@ from rosic.core.language.keywords import (
     HELP_PAGES,
     NOTHING,
     PAGE_ALIASES,
+    POLITE,
 )
 from rosic.core.language.line_words import past_fillers
 from rosic.core.language.skill_values import fits
@@ -134,7 +135,7 @@ class LineReader:
         ours = slash or word not in self._vocabulary.longest_skill
         if ours:
             word = commands.aliases.get(word, word)
-        verb = _VERBS.get(word)
+        verb = LineReader.resume_all if self._everybody_resumes(at) else _VERBS.get(word)
         if verb is not None:
             return verb(self, None, at + 1)
         two = commands.pairs.get(tuple(self._low[at:])) if len(self._low) == at + 2 else None
@@ -145,10 +146,25 @@ class LineReader:
             return CommandLine(word, "" if alone else self._rest(at + 1))
         return self._unaddressed(at, slash=slash)
 
+    def _everybody_resumes(self, at: int) -> bool:
+        """Whether it says ``all resume``: in German that is the order of words of the button."""
+        word, *rest = self._low[at:]
+        if len(rest) != 1 or not (word in EVERYTHING or word in EVERYTHING_ELSEWHERE):
+            return False
+        return self._vocabulary.commands.aliases.get(rest[0], rest[0]) == "resume"
+
     # ---- whom ----
 
     def _past_fillers(self, at: int) -> int:
-        return past_fillers(self._low, at)
+        at = past_fillers(self._low, at)
+        while at < len(self._low) and self._low[at] in POLITE and not self._is_called(at):
+            at = past_fillers(self._low, at + 1)
+        return at
+
+    def _is_called(self, at: int) -> bool:
+        """Whether a robot, a group or a skill is called by the word that stands here."""
+        word, vocabulary = self._low[at], self._vocabulary
+        return word in vocabulary.longest_callee or word in vocabulary.longest_skill
 
     def _callee(self, at: int) -> tuple[NameTarget | None, int]:
         """Return the visible robot or group named here, and where its name ends."""
@@ -333,6 +349,10 @@ class LineReader:
     def resume(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``resume`` and the names after it."""
         return self._several(callee, at, Resume)
+
+    def resume_all(self, _: NameTarget | None, __: int) -> Line:
+        """Read ``alle freigeben``."""
+        return Resume(self._everybody(), False)
 
     def _several(
         self,

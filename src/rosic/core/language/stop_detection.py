@@ -56,6 +56,11 @@ LONGEST_WORD = 16
 # What ends a clause: whoever shouts stop at the end of a sentence means it.
 ENDS = ",;:.!?"
 KINDS_KEPT = 4096
+RESEMBLED = (
+    *("stop", "stoppen", "freeze", "anhalten", "arretez", "detente", "fermati"),
+    *("zatrzymaj", "zastav", "zaustavi", "durdur", "berhenti", "остановись", "зупинись"),
+)
+"""What is looked for in a word that is not understood: two letters off, it is offered."""
 
 _BLANKED = str.maketrans({mark: " " for mark in punctuation if mark not in "_@"})
 _MENTION = re.compile(r"@(\w*)\S*")
@@ -320,6 +325,18 @@ def _is_shouted(folded: list[str], at: int) -> bool:
     if before in UNSAID:
         return before in FAILS or (before in NOT and not FAILS.isdisjoint(folded[:at]))
     return before not in TOLD and folded[max(0, at - 2) : at] != HAD_TO
+
+
+def resembles_stop(word: str) -> bool:
+    """Whether a word that nothing is called by may be a stop that was hurried: ``stahp``, ``stio``.
+
+    Asked of lines of one word that are not understood alone. Short words have to begin alike: many
+    words of every day lie two letters away from them.
+    """
+    folded = fold_stop(word)
+    if len(folded) > LONGEST_WORD:
+        return False
+    return any(folded[:1] == stop[0] and distance(folded, stop, 2) < 3 for stop in RESEMBLED)  # noqa: PLR2004
 
 
 def speaks_of_stop(text: str, known: Container[str] = ()) -> bool:

@@ -14,7 +14,7 @@ from rosic.core.language.ast import Misunderstood
 from rosic.core.language.command import VERBS
 from rosic.core.language.keywords import HINTS
 from rosic.core.language.sanitise import quote
-from rosic.core.language.stop_detection import speaks_of_stop
+from rosic.core.language.stop_detection import resembles_stop, speaks_of_stop
 from rosic.core.language.suggestions import MOST_CANDIDATES, did_you_mean, listed, one_each
 
 if TYPE_CHECKING:
@@ -97,6 +97,8 @@ class SyntaxErrorBuilder:
             if callee.group
             else said("{shown} has no {quote}.", shown=_shown(callee), quote=quote(self._raw[at]))
         )
+        if offered := self._reordered(callee, at):
+            return _meant(sentence, offered)
         close = one_each(did_you_mean(self._low[at], _phrases(callee)), _skills(callee))
         prefix = f"{callee.name} " if chosen else ""
         mended = self._mended(at, close, prefix)
@@ -108,6 +110,27 @@ class SyntaxErrorBuilder:
                 (f"help {callee.name}",),
             )
         return _meant(sentence, mended)
+
+    def _reordered(self, callee: NameTarget, at: int) -> dict[str, str]:
+        """Return the lines that say it with what was left out, or the other way round.
+
+        ``omni forward 1 m`` names a direction but no skill; ``omni picture`` a command that begins
+        with itself.
+        """
+        lines = [" ".join((word, callee.name, *self._raw[at + 1 :])) for word in self._commands(at)]
+        for first in (at, at + 1)[: len(self._low) - at]:
+            lines += [
+                " ".join((callee.name, skill.spoken, *self._raw[first:])).replace(" = ", "=")
+                for skill in islice(callee.robots[0].skills.values(), MOST_CANDIDATES // 8)
+                if self._low[first] in skill.words
+            ]
+        read = (line for line in lines if len(line) <= LONGEST_OFFER and self._reads(line))
+        return {line: line for line in islice(read, MOST_OFFERS)}
+
+    def _commands(self, at: int) -> tuple[str, ...]:
+        """Return the command that a word behind a name is, if it is one that asks for a name."""
+        word = self._vocabulary.commands.aliases.get(self._low[at], self._low[at])
+        return (word,) if word in self._vocabulary.commands.words else ()
 
     def no_such_robot(self, at: int) -> Misunderstood:
         """A name names nobody the person may see."""
@@ -124,7 +147,10 @@ class SyntaxErrorBuilder:
         """The line begins with nothing that is known."""
         if (stop := self._stop_inside("")) is not None:
             return stop
-        return self._guess(at, said("I do not know {quote}.", quote=quote(self._raw[at])))
+        sentence = said("I do not know {quote}.", quote=quote(self._raw[at]))
+        if len(self._low) == at + 1 and resembles_stop(self._low[at]):
+            return self._stop_first(at, sentence)
+        return self._guess(at, sentence)
 
     def which_robot(
         self, chosen: NameTarget | None, phrase: str, at: int, able: list[RobotId]
@@ -164,6 +190,13 @@ class SyntaxErrorBuilder:
             return None
         offers = (f"stop {name}", "stop") if name else ("stop",)
         return Misunderstood(said("To stop, send stop in a line of its own."), offers)
+
+    def _stop_first(self, at: int, sentence: str) -> Misunderstood:
+        """A line of one word that resembles a stop: that is offered before anything else."""
+        close = (
+            word for word in did_you_mean(self._low[at], self._first_words()) if word != "stop"
+        )
+        return _meant(sentence, {"stop": "stop", **self._mended(at, tuple(close))})
 
     def _guess(self, at: int, sentence: str) -> Misunderstood:
         word = self._low[at]
