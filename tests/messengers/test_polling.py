@@ -69,9 +69,12 @@ async def test_what_a_group_lets_it_hear_hangs_on_what_it_hears_everywhere() -> 
 
 
 async def test_a_token_that_is_not_accepted_is_the_operators_business() -> None:
-    inbox = HarnessInbox(who=[InvalidToken("no")])
-    async with inbox.listening() as task:
+    inbox = HarnessInbox(who=[InvalidToken("no")] * 3)
+    async with inbox.listening(6.9) as task:
+        assert not task.done()
+        await inbox.clock.advance(0.1)
         assert isinstance(task.exception(), ConfigurationError)
+        assert len(inbox.alarms) == 1, "whoever is reached otherwise is told"
         assert "does not accept the token of the messenger lab" in str(task.exception())
     inbox = HarnessInbox(who=[InvalidToken("no"), NetworkError("away")])
     with pytest.raises(ConfigurationError):

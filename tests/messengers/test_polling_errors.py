@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
+import asyncio
 import errno
+import json
 from types import SimpleNamespace
 
 import pytest
 from telegram.error import Conflict, Forbidden, InvalidToken, NetworkError
 
+from rosic.core.secret import Secret
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessengerFault
-from rosic.messengers.telegram.bot_client import CALL_S, polled_within_s
-from rosic.messengers.telegram.errors import FloodControl
+from rosic.messengers.telegram.bot_client import (
+    CALL_S,
+    BotClient,
+    _retry_after_s,
+    polled_within_s,
+)
+from rosic.messengers.telegram.errors import DEFAULT_WAIT_S, ErrorKind, FloodControl, TelegramError
 from rosic.messengers.telegram.polling import AWAKE_S
 from rosic.messengers.telegram.polling_gap import CALM_NS
+from rosic.messengers.telegram.settings import TelegramSettings
 from rosic.testing.clock import ManualClock
 from tests.messengers.inbox import POLL_S, HarnessInbox, Held, text
+
+ME = SimpleNamespace(username="lab_bot", can_read_all_group_messages=True)
 
 
 async def test_it_waits_longer_and_longer_until_telegram_answers_and_then_anew(
@@ -106,11 +117,69 @@ async def test_it_is_said_again_when_it_happens_again(caplog: pytest.LogCaptureF
 
 
 async def test_a_token_that_is_no_longer_accepted_ends_it() -> None:
-    inbox = HarnessInbox([], InvalidToken("no"))
-    async with inbox.listening() as task:
+    inbox = HarnessInbox([], InvalidToken("no"), who=[ME, InvalidToken("no"), InvalidToken("no")])
+    async with inbox.listening(6.9) as task:
+        assert not task.done()
+        assert inbox.alarms == []
+        await inbox.clock.advance(0.1)
         fault = task.exception()
         assert type(fault) is MessengerFault
         assert "no longer accepts the token of the messenger lab" in str(fault)
+        assert list(map(str, inbox.alarms)) == [str(fault)]
+
+
+@pytest.mark.parametrize("then", [ME, NetworkError("away")])
+async def test_one_denial_is_not_believed(then: object, caplog: pytest.LogCaptureFixture) -> None:
+    inbox = HarnessInbox([], InvalidToken("no"), [text(1, "hello")], who=[ME, then])
+    async with inbox.listening(3.0):
+        assert inbox.texts == ["hello"]
+        assert inbox.alarms == []
+        assert "no longer accepts the token of the messenger lab." in caplog.text
+    inbox = HarnessInbox([text(1, "hello")], who=[InvalidToken("no"), ME])
+    async with inbox.listening(3.0):
+        assert inbox.texts == ["hello"]
+
+
+async def _answers(status: str, body: bytes, kind: str) -> ErrorKind:
+    """Return what a call is that a server answers so."""
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await reader.readuntil(b"\r\n\r\n")
+        head = f"HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {len(body)}\r\n"
+        writer.write(f"{head}Connection: close\r\n\r\n".encode() + body)
+        await writer.drain()
+        writer.close()
+
+    server = await asyncio.start_server(serve, "127.0.0.1", 0)
+    port = server.sockets[0].getsockname()[1]
+    line = BotClient(
+        TelegramSettings(token=Secret("42:token"), api_base=f"http://127.0.0.1:{port}/bot")
+    )
+    async with server:
+        with pytest.raises(TelegramError) as caught:
+            await line.updates(None, 0, (), 1)
+        with pytest.raises(TelegramError) as again:
+            await line.ask(lambda bot: bot.get_me())
+    assert again.value.kind is caught.value.kind
+    return caught.value.kind
+
+
+@pytest.mark.parametrize("status", ["404 Not Found", "401 Unauthorized"])
+async def test_only_the_bot_api_itself_denies_a_token(status: str) -> None:
+    """A proxy, or a server that is just starting again, answers with a page of its own."""
+    said = json.dumps({"ok": False, "error_code": int(status[:3]), "description": status}).encode()
+    other = json.dumps({"error": status}).encode()
+
+    assert await _answers(status, said, "application/json") is ErrorKind.UNUSABLE
+    assert await _answers(status, other, "application/json") is ErrorKind.LOST
+    assert await _answers(status, b"<html>nginx</html>", "text/html") is ErrorKind.LOST
+
+
+async def test_a_wait_that_is_no_number_is_the_usual_one() -> None:
+    line = b'{"ok":false,"error_code":429,"parameters":{"retry_after":NaN}}'
+    assert await _answers("429 Too Many Requests", line, "application/json") is ErrorKind.TOO_FAST
+    assert _retry_after_s(line) == DEFAULT_WAIT_S
+    assert _retry_after_s(line.replace(b"NaN", b"1e999")) == DEFAULT_WAIT_S
 
 
 async def test_any_other_refusal_is_waited_out() -> None:

@@ -9,6 +9,7 @@ import sys
 from contextlib import aclosing
 from http import HTTPStatus
 from importlib.util import find_spec
+from math import isfinite
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import httpx
@@ -52,6 +53,8 @@ CALL_S = 20.0
 POLL_GRACE_S = 5.0
 """How much longer than asked for a poll may take before the connection counts as dead."""
 SIDE_BY_SIDE = 32
+DENIED = frozenset({401, 404})
+"""How the Bot API answers to a token that it does not know."""
 
 
 class _Request(HTTPXRequest):
@@ -69,11 +72,15 @@ class _Request(HTTPXRequest):
         return answer
 
     async def do_request(self, *args: Any, **kwargs: Any) -> tuple[int, bytes]:  # noqa: ANN401
-        """Ask, and recognise 429 whoever says it.
+        """Ask, and recognise 429 whoever says it, and 401 and 404 from the Bot API alone.
+
+        A proxy, or a server of one's own that starts again, answers 404 with a page of its own:
+        that says nothing of the token.
 
         Raises:
             TooFast: The call has taken no effect.
             Spoilt: Likewise; the file is not what was promised.
+            NetworkError: Somebody else than the Bot API answered.
         """
         if isinstance(kwargs.get("request_data"), UploadStream):
             code, payload = await self._upload(**kwargs)
@@ -81,6 +88,8 @@ class _Request(HTTPXRequest):
             code, payload = await super().do_request(*args, **kwargs)
         if code == HTTPStatus.TOO_MANY_REQUESTS:
             raise FloodControl(_retry_after_s(payload))
+        if code in DENIED and not _says(code, payload):
+            raise NetworkError(f"the answer {code} is not what Telegram says")
         return code, payload
 
     async def _upload(
@@ -300,8 +309,18 @@ def polled_within_s(timeout_s: int) -> float:
     return CONNECT_S + timeout_s + 2 * POLL_GRACE_S
 
 
+def _says(code: int, payload: bytes) -> bool:
+    """Whether an answer is the Bot API's own, and gives that code."""
+    try:
+        said = json.loads(payload)
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(said, dict) and said.get("error_code") == code
+
+
 def _retry_after_s(payload: bytes) -> float:
     try:
-        return float(json.loads(payload)["parameters"]["retry_after"])
-    except (ValueError, KeyError, TypeError, RecursionError):
+        wait_s = float(json.loads(payload)["parameters"]["retry_after"])
+    except (ValueError, KeyError, TypeError, RecursionError, OverflowError):
         return DEFAULT_WAIT_S
+    return wait_s if isfinite(wait_s) else DEFAULT_WAIT_S

@@ -35,6 +35,8 @@ FULL_S = 0.05
 """So long what fills an answer may take before it is confirmed all the same, a stop behind it."""
 WAITS_S = (0.5, 1.0, 2.0, 4.0)
 CONTESTED_WAIT_S = 2.0
+DENIED_WAITS_S = (2.0, 5.0)
+"""A token counts as denied when it is denied again after each of these."""
 LONGEST_WAIT_S = 60.0
 AWAKE_S = 5.0
 OF_BOTFATHER = "BotFather shows it again with /mybots, or gives a new one."
@@ -57,7 +59,8 @@ class Poller:
     Args:
         name: Of the messenger, for the log.
         poll_timeout_s: How long an empty poll stays open.
-        alarm: Told when motion is frozen because somebody else receives, and when that has ended.
+        alarm: Told when motion is frozen because somebody else receives, and when that has ended;
+            and that the token is denied, before it ends.
 
     Attributes:
         reading: Reads what is received; told, at the beginning, whether the account hears
@@ -152,13 +155,17 @@ class Poller:
         """Ask who we are, for as long as it takes.
 
         Raises:
-            ConfigurationError: Telegram does not accept the token.
+            ConfigurationError: Telegram does not accept the token, however often it is asked.
         """
         account: BotAccount | None = None
+        denied = 0
         while account is None:
             asked = self._now()
             try:
                 account = await self.ask_account()
+            except ConfigurationError as refusal:
+                await self._doubt(refusal, denied)
+                denied += 1
             except TelegramError as trouble:
                 self._outage.failed(asked, self._now(), trouble.network, CALL_S + AWAKE_S)
                 await self._wait_out(trouble)
@@ -247,13 +254,45 @@ class Poller:
             MessengerFault: The account cannot be used any more.
         """
         if trouble.kind is ErrorKind.UNUSABLE:
-            raise MessengerFault(
-                f"Telegram no longer accepts the token of the messenger {self._name}."
-            ) from trouble
-        if trouble.kind is ErrorKind.CONFLICT:
+            await self._denied(trouble)
+        elif trouble.kind is ErrorKind.CONFLICT:
             await self._contest(trouble)
         else:
             await self._wait_out(trouble)
+
+    async def _denied(self, trouble: TelegramError) -> None:
+        """Ask who we are before one answer is believed: the gateway ends with it.
+
+        Raises:
+            MessengerFault: It is denied again and again.
+        """
+        fault = MessengerFault(
+            f"Telegram no longer accepts the token of the messenger {self._name}."
+        )
+        for times in range(len(DENIED_WAITS_S)):
+            await self._doubt(fault, times)
+            try:
+                await self.ask_account()
+            except ConfigurationError:
+                continue
+            except TelegramError as other:
+                await self._wait_out(other)
+            return
+        self._alarm(fault)
+        raise fault from trouble
+
+    async def _doubt(self, refusal: MessengerFault | ConfigurationError, times: int) -> None:
+        """Wait before the token is tried once more.
+
+        Raises:
+            ConfigurationError: It was tried often enough.
+        """
+        if times == len(DENIED_WAITS_S):
+            self._alarm(MessengerFault(str(refusal)))
+            raise refusal
+        wait_s = DENIED_WAITS_S[times]
+        log.error("%s: %s It is tried again in %g s.", self._name, refusal, wait_s)
+        await self._clock.sleep(wait_s)
 
     async def _contest(self, trouble: TelegramError) -> None:
         self._listening.contested(self._now())
