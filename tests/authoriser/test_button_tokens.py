@@ -6,6 +6,7 @@ import pytest
 
 from rosic.authoriser.button_tokens import (
     ANYBODY,
+    EACH_AT_MOST,
     LIFETIME_NS,
     MENU_LIFETIME_NS,
     ButtonTokens,
@@ -178,6 +179,18 @@ def test_the_oldest_buttons_die_first_when_there_are_too_many() -> None:
     with pytest.raises(Expired):
         shown.tap(nonces[0])
     assert all(shown.tap(nonce) for nonce in nonces[1:])
+
+
+def test_nobodys_buttons_have_those_of_others_die() -> None:
+    shown = Shown(at_most=10 * EACH_AT_MOST)
+    other = shown.buttons.issue(MOVE, "p2", "c1").nonce
+    nonces = [shown.buttons.issue(MOVE, "p1", "c1").nonce for _ in range(20 * EACH_AT_MOST)]
+    assert len(shown.buttons._bound) == EACH_AT_MOST + 1
+    assert shown.tap(other, "p2")
+    with pytest.raises(Expired):
+        shown.tap(nonces[-EACH_AT_MOST - 1])
+    assert all(shown.tap(nonce) for nonce in nonces[-EACH_AT_MOST:])
+    assert not shown.buttons._own
 
 
 def test_what_is_refused_is_refused_though_nobody_counts() -> None:

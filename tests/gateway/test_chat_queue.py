@@ -6,8 +6,10 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.core.message import SendPriority
+from rosic.core.message import Chat, Outbound, SendPriority
 from rosic.errors import MessengerFault
+from rosic.gateway.delivery.chat_queue import OutgoingMessage
+from rosic.gateway.delivery.sender import UNSAID_AT_MOST
 from rosic.messengers.memory import MemoryMessenger
 from rosic.stores.memory import MemoryStore
 from tests.gateway.place import ADA, FLEET, Place
@@ -15,7 +17,7 @@ from tests.gateway.place import ADA, FLEET, Place
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from rosic.core.message import Chat, Outbound
+    import pytest
 
 
 class Paced(MemoryMessenger):
@@ -140,3 +142,22 @@ async def test_a_stop_asks_for_no_turn_of_its_chat() -> None:
 
 
 assert FLEET[0].id == "omni"
+
+
+async def test_a_full_queue_says_what_answers_the_newest_message_and_logs_what_it_drops(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    async with paced() as (place, chat):
+        before = len(chat.told)
+        sender = place.gateway.pipeline._chat_sender
+        for number in range(UNSAID_AT_MOST + 50):
+            asked = Outbound(chat=Chat("memory", ADA), text=f"question {number}")
+            sender.say(OutgoingMessage(chat, asked))
+        await place.say("robots", chat=ADA)
+        queue = sender._queues[chat.name, ADA]
+        assert len(queue.items) <= UNSAID_AT_MOST
+        newest = queue.items[-1]
+        assert isinstance(newest, OutgoingMessage)
+        assert "Which robot?" in newest.outbound.text
+        assert "1 messages were dropped there" in caplog.text
+        assert len(chat.told) == before

@@ -38,7 +38,7 @@ async def test_it_shows_what_an_admin_opens_and_obeys_nothing(
         news = await place.control.create_chat(
             "channel", "News", members=[place.ada], bot="administrator"
         )
-        await place.reads(place.ada, "I was put into the channel News. It shows nothing yet.")
+        await place.reads(place.ada, "Ada put me into the channel News. It shows nothing yet.")
         assert await place.control.messages(news, by_bot=True) == []
         await place.ask(place.bo, "/channel", "Only who may give rights")
         await tap(place, place.ada, "Show Ant", "News shows Ant, to everybody who reads it.")

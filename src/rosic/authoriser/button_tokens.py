@@ -43,6 +43,10 @@ OPEN_WHOLE = ("robots", "again")
 CARRIED_BYTES = 64
 
 
+# Of one person: whatever somebody is asked, be it by others' doing, voids nobody else's buttons.
+EACH_AT_MOST: Final = 400
+
+
 class RedeemedButton(NamedTuple):
     """What a tap says.
 
@@ -69,10 +73,10 @@ class _Bound(msgspec.Struct, frozen=True):
 
 
 class ButtonTokens:
-    """Issues and redeems nonces. Bounded: the oldest buttons die first.
+    """Issues and redeems nonces. Bounded, each person for themselves: the oldest buttons die first.
 
     Args:
-        at_most: Buttons that are good at a time.
+        at_most: Buttons that are good at a time, of all people together.
         count: Hears of each tap that was refused, by kind.
     """
 
@@ -89,6 +93,7 @@ class ButtonTokens:
         self._entropy = entropy
         self._at_most = at_most
         self._bound: OrderedDict[str, _Bound] = OrderedDict()
+        self._own: dict[PrincipalId, OrderedDict[str, None]] = {}
 
     def issue(
         self,
@@ -125,9 +130,24 @@ class ButtonTokens:
             lifetime_ns,
             still,
         )
+        if principal != ANYBODY:
+            own = self._own.setdefault(principal, OrderedDict())
+            own[nonce] = None
+            if len(own) > EACH_AT_MOST:
+                self._drop(next(iter(own)))
         if len(self._bound) > self._at_most:
-            self._bound.popitem(last=False)
+            self._drop(next(iter(self._bound)))
         return msgspec.structs.replace(button, nonce=nonce, good_for_ns=lifetime_ns)
+
+    def _drop(self, nonce: str) -> None:
+        self._disown(nonce, self._bound.pop(nonce).principal)
+
+    def _disown(self, nonce: str, principal: PrincipalId) -> None:
+        own = self._own.get(principal)
+        if own is not None:
+            own.pop(nonce, None)
+            if not own:
+                del self._own[principal]
 
     def void(self, principal: PrincipalId, begins: str) -> int:
         """Let somebody's buttons be no good any more whose command begins so; return how many."""
@@ -137,7 +157,7 @@ class ButtonTokens:
             if bound.principal == principal and bound.command.startswith(begins)
         ]
         for nonce in gone:
-            self._bound.pop(nonce)
+            self._drop(nonce)
         return len(gone)
 
     def asked(self, nonce: str) -> PrincipalId | None:
@@ -165,6 +185,7 @@ class ButtonTokens:
             raise NotPermitted(said("This question was asked of somebody else."))
         if bound.principal != ANYBODY:
             del self._bound[nonce]
+        self._disown(nonce, bound.principal)
         age_ns = passed_ns(self._clock, bound.issued)
         missed = bound.issued.wall_ns < inbound.listening_since_ns and not bound.still
         if age_ns > bound.lifetime_ns or missed:

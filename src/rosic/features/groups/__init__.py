@@ -90,7 +90,9 @@ def setup(kernel: Kernel) -> GroupsFeature:
         rooms.vocabulary.commands,
     )
     changes.after(menus.look)
-    windows = ChannelDisplays(kernel.shared.dashboards.get(), rooms, changes, kernel.reach)
+    windows = ChannelDisplays(
+        kernel.shared.dashboards.get(), rooms, changes, kernel.reach, kernel.machine_clock
+    )
     windows.register(kernel.commands)
     feature = GroupsFeature(groups, topics, menus, windows)
     for messenger in kernel.messengers:

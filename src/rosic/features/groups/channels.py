@@ -1,8 +1,9 @@
 """Channels as windows: a live card of some robots, for reading. Nothing comes in through one.
 
-Putting a bot into a channel shows nothing there. An admin of this place who may give rights opens
-the window, for the robots named, with their own eyes: what they may see no longer, it shows no
-longer. There is no button under it, and no person's name on it.
+Putting a bot into a channel shows nothing there, and asks nobody anything: anybody may do it. An
+admin of this place who may give rights opens the window, for the robots named, with their own eyes:
+what they may see no longer, it shows no longer. When one of them has put it there, they are
+asked. There is no button under it, and no person's name on it.
 """
 
 from __future__ import annotations
@@ -10,12 +11,13 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import OrderedDict
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.i18n import joined, said
 from rosic.core.language import clean_name
-from rosic.core.message import Button, ChatEventKind, ChatKind
+from rosic.core.message import Button, Chat, ChatEventKind, ChatKind
 from rosic.core.policy.scope import FLEET, GRANT
+from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.records import Decided
 from rosic.core.time_units import DAY_S
 from rosic.errors import NotPermitted, NotUnderstood, Refusal
@@ -25,9 +27,10 @@ from rosic.gateway.commands import Reply, check_private
 from rosic.gateway.delivery.notifier import Notification
 
 if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
-    from rosic.core.message import Chat, ChatEvent
+    from rosic.core.message import ChatEvent
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.chat_dashboards import ChatDashboards
     from rosic.gateway.commands import CommandContext, CommandRegistry
@@ -37,7 +40,13 @@ if TYPE_CHECKING:
 
 VERB: Final = "channel"
 KNOWN_AT_MOST: Final = 100
+STRANGE_AT_MOST: Final = 20
+"""Channels into which somebody else put us; kept apart, so that no stranger has ours forgotten."""
 OFFERED_AT_MOST: Final = 11
+ASKED_AT_MOST: Final = 10
+"""Channels that the list offers to ask about."""
+# Whoever puts us into channels fast is asked about the last of them by the list alone.
+QUESTIONS: Final = RateLimit(burst=6.0, per_s=0.02)
 GOOD_FOR_S: Final = float(DAY_S)
 ALL: Final = "all"
 CLOSE: Final = "close"
@@ -45,18 +54,41 @@ CLOSE: Final = "close"
 log = logging.getLogger("rosic.groups")
 
 
+class KnownChannel(NamedTuple):
+    """A channel that a messenger has told of.
+
+    Attributes:
+        by: Who put us there, as they are called here; empty where that is not known any more.
+    """
+
+    messenger: Messenger
+    chat: Chat
+    title: str = ""
+    by: str = ""
+
+
 class ChannelDisplays:
     """Every channel that this place may show robots in."""
 
     def __init__(
-        self, live: ChatDashboards, rooms: Components, changes: Transactions, reach: Notifier
+        self,
+        live: ChatDashboards,
+        rooms: Components,
+        changes: Transactions,
+        reach: Notifier,
+        clock: Clock,
     ) -> None:
         self._live = live
         self._rooms = rooms
         self._changes = changes
         self._reach = reach
+        self._clock = clock
         # Only what a messenger has called a channel is one: no id that somebody writes is trusted.
-        self._known: OrderedDict[str, tuple[Messenger, Chat, str]] = OrderedDict()
+        self._known: OrderedDict[str, KnownChannel] = OrderedDict()
+        self._strange: OrderedDict[str, KnownChannel] = OrderedDict()
+        self._questions = Bucket(QUESTIONS, clock.monotonic_ns())
+        # By messenger and chat of an admin: the question that stands there, so that it is one.
+        self._asked: dict[tuple[str, str], str] = {}
         # Their card is being ended; should that not be written, they are not shown all the same.
         self._left: set[str] = set()
         self._tasks: set[asyncio.Task[None]] = set()
@@ -74,6 +106,7 @@ class ChannelDisplays:
         key = key_of(messenger, passing.chat)
         if passing.what is ChatEventKind.REMOVED:
             self._known.pop(key, None)
+            self._strange.pop(key, None)
             if self._live.of(messenger, passing.chat) is not None:
                 self._left.add(key)
             task = asyncio.create_task(self._close(messenger, passing.chat))
@@ -81,25 +114,45 @@ class ChannelDisplays:
             task.add_done_callback(self._tasks.discard)
         elif passing.what is ChatEventKind.ADDED:
             self._left.discard(key)
-            title = clean_name(passing.title)
-            self._known[key] = (messenger, passing.chat, title)
-            if len(self._known) > KNOWN_AT_MOST:
-                self._known.popitem(last=False)
-            self._offer(key, title)
+            self._added(key, messenger, passing)
 
-    def _offer(self, key: str, title: str) -> None:
+    def _added(self, key: str, messenger: Messenger, passing: ChatEvent) -> None:
+        directory = self._rooms.authoriser.directory
+        found = directory.at(passing.who) if passing.who is not None else None
+        by = said("Somebody I do not know") if found is None else clean_name(found[0].name)
+        channel = KnownChannel(messenger, passing.chat, clean_name(passing.title), by)
+        self._known.pop(key, None)
+        self._strange.pop(key, None)
+        ours = found is not None and self._acts(found[0].id)
+        known, most = (self._known, KNOWN_AT_MOST) if ours else (self._strange, STRANGE_AT_MOST)
+        known[key] = channel
+        if len(known) > most:
+            known.popitem(last=False)
+        if ours and not self._questions.take(self._clock.monotonic_ns()):
+            self._offer(key, channel)
+
+    def _acts(self, who: PrincipalId) -> bool:
+        """Whether somebody may open windows, and their key is good."""
+        return self._may(who) and self._rooms.authoriser.has_access(who)
+
+    def _offer(self, key: str, channel: KnownChannel) -> None:
         """Ask whoever may open it what it is to show, each for what they see themselves."""
         organiser = self._rooms.organiser
         for who in organiser.rights.givers(FLEET, organiser.wall_ns()):
             robots = sorted(organiser.visible(who))
             if robots and self._may(who):
                 notice = Notification(
-                    text=put_into(title),
+                    text=put_into(channel),
                     buttons=self._choices(key, robots),
                     lifetime_s=GOOD_FOR_S,
                     still=True,
+                    instead_of=self._asked,
+                    landed=self._landed,
                 )
                 self._reach.give((who,), notice)
+
+    def _landed(self, messenger: Messenger, chat: Chat, message: str) -> None:
+        self._asked[messenger.name, chat.id] = message
 
     def _choices(self, key: str, robots: list[RobotId]) -> tuple[tuple[Button, ...], ...]:
         profiles = self._rooms.profiles
@@ -127,12 +180,18 @@ class ChannelDisplays:
         if not self._may(who):
             raise NotPermitted(said("Only who may give rights here decides what a channel shows."))
         key, _, what = asked.rest.strip().partition(" ")
+        where = (asked.messenger.name, asked.inbound.chat.id)
+        if asked.inbound.under and self._asked.get(where) == asked.inbound.under:
+            del self._asked[where]  # the answer stands there now
         if not key:
             return self._list()
         known = self._all()
         if key not in known:
             raise NotUnderstood(GONE, offers=(f"/{VERB}",))
-        messenger, chat, title = known[key]
+        messenger, chat, title, _ = channel = known[key]
+        if not what:
+            seen = sorted(self._rooms.organiser.visible(who))
+            return Reply(put_into(channel), self._choices(key, seen))
         if what == CLOSE:
             await self._close(messenger, chat)
             return Reply(said("{channel} shows no robot any more.", channel=_named(title)))
@@ -156,18 +215,32 @@ class ChannelDisplays:
             raise NotUnderstood(said("I know no such robot."), offers=("robots",))
         return robots
 
-    def _all(self) -> dict[str, tuple[Messenger, Chat, str]]:
+    def _all(self) -> dict[str, KnownChannel]:
         """Return the channels that were heard of, and those that an earlier run has opened."""
-        opened = {card.key: (card.messenger, card.chat, "") for card in self._live.in_channels()}
-        return {key: it for key, it in (opened | self._known).items() if key not in self._left}
+        opened = {
+            card.key: KnownChannel(card.messenger, card.chat) for card in self._live.in_channels()
+        }
+        heard = opened | self._strange | self._known
+        return {key: it for key, it in heard.items() if key not in self._left}
 
     def _list(self) -> Reply:
         lines: list[str] = []
         buttons: list[Button] = []
-        for key, (messenger, chat, title) in self._all().items():
+        offered = 0
+        for key, (messenger, chat, title, by) in reversed(self._all().items()):
             card = self._live.of(messenger, chat)
             if card is None:
-                lines.append(said("{channel} shows no robot.", channel=_named(title)))
+                lines.append(
+                    said(
+                        "{channel} shows no robot. {who} put me there.",
+                        channel=_named(title),
+                        who=by,
+                    )
+                )
+                if offered < ASKED_AT_MOST:
+                    offered += 1
+                    label = said("Show something in {channel}", channel=_named(title))
+                    buttons.append(Button(label, f"/{VERB} {key}"))
             else:
                 lines.append(self._shown(title, card.robots))
                 buttons.append(self._closing(key))
@@ -213,13 +286,14 @@ def _named(title: str) -> str:
     return title or said("A channel")
 
 
-def put_into(title: str) -> str:
-    """Say that we are in a channel, and ask what it is to show."""
+def put_into(channel: KnownChannel) -> str:
+    """Say that we are in a channel, and by whom, and ask what it is to show."""
     return said(
-        "I was put into the channel {channel}. It shows nothing yet. Whatever you show there,"
+        "{who} put me into the channel {channel}. It shows nothing yet. Whatever you show there,"
         " everybody who reads the channel sees: how the robot is and what it was asked, no names."
         " Nothing that is written there commands anything.",
-        channel=_named(title),
+        who=channel.by or said("Somebody I do not know"),
+        channel=_named(channel.title),
     )
 
 

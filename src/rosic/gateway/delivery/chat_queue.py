@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
@@ -60,6 +61,11 @@ class OutgoingMessage(msgspec.Struct):
 
 
 Item: TypeAlias = OrderMessage | OutgoingMessage
+DROPPED_TOGETHER = 100
+"""What finds no room is logged so often."""
+
+log = logging.getLogger("rosic.telling")
+
 OUTCOME, QUESTION, FEEDBACK = SendPriority.OUTCOME, SendPriority.QUESTION, SendPriority.FEEDBACK
 
 
@@ -69,9 +75,10 @@ class ChatQueue:
     Attributes:
         turn: What its messenger asks for a turn; None: there is always room.
         asking: While it waits for a turn, and with which weight.
+        dropped: How many messages found no room so far.
     """
 
-    __slots__ = ("asking", "items", "task", "turn", "wake", "weight")
+    __slots__ = ("asking", "dropped", "items", "task", "turn", "wake", "weight")
 
     def __init__(self, turn: Turn | None) -> None:
         self.turn = turn
@@ -80,11 +87,34 @@ class ChatQueue:
         self.wake: asyncio.Future[None] | None = None
         self.asking: asyncio.Future[None] | None = None
         self.weight = SendPriority.FEEDBACK
+        self.dropped = 0
 
     def hasten(self, item: Item) -> None:
         """Have it ask anew if it asks for a turn with less weight than this deserves."""
         if self.asking is not None and weight_of(item) < self.weight:
             self.asking.cancel()
+
+    def make_room(self, item: Item, messenger: str) -> bool:
+        """Return whether something is to be said though the queue is full.
+
+        What answers somebody takes the place of the oldest thing that nobody has asked for, else
+        of the oldest answer: so whoever has just written is answered.
+        """
+        if matters(item):
+            return True
+        self.dropped += 1
+        if self.dropped % DROPPED_TOGETHER == 1:
+            log.warning(
+                "%s: too much waits to be said in one chat: %d messages were dropped there",
+                messenger,
+                self.dropped,
+            )
+        spare = [at for at, waiting in enumerate(self.items) if not matters(waiting)]
+        if not spare or not is_answer(item):
+            return False
+        unasked = (at for at in spare if not is_answer(self.items[at]))
+        del self.items[next(unasked, spare[0])]
+        return True
 
     def take(self) -> Item:
         """Take out the most important thing; of several the one that has waited longest."""
@@ -126,6 +156,11 @@ def matters(item: Item) -> bool:
     if isinstance(item, OrderMessage):
         return not item.open
     return item.cid is not None or item.then is not None
+
+
+def is_answer(item: Item) -> bool:
+    """Whether somebody waits for it who has just written or tapped."""
+    return isinstance(item, OrderMessage) or bool(item.outbound.reply_to or item.edit_of)
 
 
 def weight_of(item: Item) -> SendPriority:

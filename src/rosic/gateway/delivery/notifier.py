@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
@@ -41,6 +41,7 @@ class Notification(msgspec.Struct, frozen=True, kw_only=True):
         urgent: It overtakes what is not.
         lifetime_s: How long the buttons are good.
         still: Nothing moves by any of them, so a gap in listening does not void them.
+        instead_of: By messenger and chat, the message whose place it takes where it can be edited.
         landed: Hears through which messenger, in which chat, which message says it.
         matter: What it is about, so that a later run that says it again can offer the same anew;
             ids and numbers only. Without one, what offers a button is lost in a crash.
@@ -51,6 +52,7 @@ class Notification(msgspec.Struct, frozen=True, kw_only=True):
     urgent: bool = False
     lifetime_s: float = 60.0
     still: bool = False
+    instead_of: Mapping[tuple[str, str], str] = msgspec.field(default_factory=dict)
     landed: Callable[[Messenger, Chat, str], None] | None = None
     matter: bytes = b""
 
@@ -121,6 +123,7 @@ class Notifier:
             for messenger, chat in self._chats(principal):
                 outbound = Outbound(chat=chat, text=notice.text, weight=weight)
                 note = OutgoingMessage(messenger, outbound)
+                note.edit_of = notice.instead_of.get(note.where_to, "")
                 self._offer(principal, note, notice)
                 if lasts:
                     self._outbox.say(principal, note, notice.matter)

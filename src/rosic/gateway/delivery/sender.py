@@ -140,7 +140,7 @@ class ChatSender:
             if items[-1] is item:
                 queue.hasten(item)
                 return  # it will be read when it is its turn, as it is then
-            if len(items) >= UNSAID_AT_MOST and not matters(item):
+            if len(items) >= UNSAID_AT_MOST and not queue.make_room(item, where[0]):
                 return
         items.append(item)
         if queue.task is None:
