@@ -77,8 +77,10 @@ def test_only_a_robot_that_is_seen_can_be_the_usual_one_and_none_undoes_it() -> 
     said = sentence(book, "set_robot", "arm", frozenset({"omni"}))
     assert said == 'You see no robot "arm".'
     make_so(book, book.set_robot(ADA, "OMNI", frozenset({"omni"})))
+    assert book.usual == {ADA: "omni"}
     assert book.of(ADA).robot == "omni"
     taken_back = make_so(book, book.set_robot(ADA, "none", frozenset()))
+    assert book.usual == {}
     assert book.of(ADA) == UNSET
     assert taken_back.body == b""
 

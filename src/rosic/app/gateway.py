@@ -194,7 +194,7 @@ class Gateway(RunningGateway):
             parts.store,
             parts.clock,
             {robot: n for robot, (n, _) in numbers.items()},
-            usual=lambda principal: self.preferences.of(principal).robot,
+            usual=self.preferences.usual,
         )
         for choice in memory.selected:
             container.restore_selection(choice.principal, choice.chat, choice.robot)

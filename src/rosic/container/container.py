@@ -129,7 +129,7 @@ class Containers:
     """One container per principal and per robot, and the record behind them.
 
     Attributes:
-        usual: Returns the robot that somebody means where they chose none; empty for none.
+        usual: The robot that somebody means where they chose none.
         here: Returns the robot that a part of a chat is about; empty for none.
     """
 
@@ -139,7 +139,7 @@ class Containers:
         store: Store,
         clock: Clock,
         numbers: Mapping[RobotId, int],
-        usual: Callable[[PrincipalId], str],
+        usual: Mapping[PrincipalId, str],
     ) -> None:
         self._vocabularies = vocabularies
         self._store = store
@@ -345,7 +345,7 @@ class Containers:
         container = self._people.get(principal)
         chosen = container.selected(chat_digest(chat)) if container is not None else ""
         chosen = chosen or (self.here(chat) if chat.topic else "")
-        return chosen or self.usual(principal)
+        return chosen or self.usual.get(principal, "")
 
     def forget(self, principal: PrincipalId) -> None:
         """Let somebody's choices go: they are erased."""

@@ -138,6 +138,10 @@ class PreferenceBook:
         clock: Says when something was set.
         caps: Works out what a speed means.
         languages: What is spoken here.
+
+    Attributes:
+        usual: The robot or group that somebody means where they chose none; looked up for each
+            line, so it is a mapping and no call.
     """
 
     def __init__(self, clock: Clock, caps: SpeedLimits, languages: Languages = ENGLISH) -> None:
@@ -145,6 +149,7 @@ class PreferenceBook:
         self._clock = clock
         self._caps = caps
         self._set: dict[PrincipalId, Preferences] = {}
+        self.usual: dict[PrincipalId, str] = {}
         self._limits: dict[PrincipalId, tuple[str, ...]] = {}
         self._damaged: set[PrincipalId] = set()
 
@@ -294,6 +299,7 @@ class PreferenceBook:
         """
         principal = fact.key
         self._set.pop(principal, None)
+        self.usual.pop(principal, None)
         self._limits.pop(principal, None)
         self._damaged.discard(principal)
         if not fact.body:
@@ -307,6 +313,8 @@ class PreferenceBook:
             self._limits[principal] = self._caps.slowest()
             return
         self._set[principal] = kept
+        if kept.robot:
+            self.usual[principal] = kept.robot
         if limits:
             self._limits[principal] = limits
 

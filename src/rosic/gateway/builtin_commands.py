@@ -287,7 +287,7 @@ class BuiltinCommands:
         container = self._container
         chosen = container.selected(principal, chat)
         here = container.here(chat) if chat.topic else ""
-        meant_anyhow = here or container.usual(principal)
+        meant_anyhow = here or container.usual.get(principal, "")
         return "" if chosen == meant_anyhow else chosen
 
     def _shown(self, caller: Caller, chat: Chat, name: str) -> Reply:

@@ -144,7 +144,7 @@ class Hall:
             lease_idle_s=30.0,
         )
         vocabularies = VocabularyHolder(Vocabulary.build(FLEET, known_units(), command_table()))
-        containers = Containers(vocabularies, self.store, self.clock, {}, usual=lambda _: "")
+        containers = Containers(vocabularies, self.store, self.clock, {}, usual={})
         self.chat_sender = ChatSender(containers, self.clock, nobody_to_tell)
         self.outbox = Outbox(self.store, self.clock, entropy, self.chat_sender)
         self.reader = LanguageReader(vocabularies)

@@ -134,7 +134,7 @@ class Lab:
             key = AuthorisationKey(id=f"k{who}", principal=who, issuer=ADA, issued_ns=0)
             self.authoriser.enrol(person, key)
         chat_sender = ChatSender(
-            Containers(vocabularies, self.store, clock, {}, usual=lambda _: ""),
+            Containers(vocabularies, self.store, clock, {}, usual={}),
             clock,
             nobody_to_tell,
         )
