@@ -76,6 +76,30 @@ def place() -> Place:
     return Place()
 
 
+async def test_what_is_not_there_and_was_never_seen_at_rest_stays_stopped(place: Place) -> None:
+    rest = await stopped(place)
+    assert not rest.confirmed
+    place.robot.online = False
+    with pytest.raises(RobotUnreachable, match="omni is not there; its stop was never confirmed"):
+        await place.linker.resume("omni", 1)
+    assert place.board["omni"].latched
+
+    place.robot.online = True
+    await place.pass_s(5 * EVERY_S)
+    assert place.robot.at_rest
+    place.robot.online = False  # it went away at rest, as it was seen
+    assert await place.linker.resume("omni", 1)
+    assert not place.board["omni"].latched
+
+
+async def test_what_an_earlier_run_stopped_may_be_resumed_while_it_is_away() -> None:
+    place = Place({"omni": (4, True)})
+    place.robot.online = False
+    place.linker.watch_stopped()
+    await place.pass_s(2 * EVERY_S)
+    assert await place.linker.resume("omni", 4)
+
+
 async def stopped(place: Place) -> RestReport:
     halting = place.linker.stop(["omni"], "p1")
     await halting.latched

@@ -302,6 +302,11 @@ def not_resumed_as_it_moves(shown: str) -> str:
     )
 
 
+def not_resumed_in_doubt(shown: str) -> str:
+    """Return why a stop is not undone of a robot that may still move, where nobody sees it."""
+    return said("{shown} is not there; its stop was never confirmed.", shown=shown)
+
+
 def at_rest_now(shown: str) -> str:
     """Return what is said once a stop was confirmed later than its answer."""
     return said("{shown} is at rest now.", shown=shown)

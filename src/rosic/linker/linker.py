@@ -227,7 +227,8 @@ class Linker:
             False if a later stop has come: it stays stopped.
 
         Raises:
-            RobotUnreachable: It is measured to move, or its side did not answer; it stays stopped.
+            RobotUnreachable: It is measured to move, or is not there and was never seen at rest, or
+                its side did not answer; it stays stopped.
             StoreFault: The latch cannot be written; it stays stopped.
         """
         # A stop's own entry must not be written after the one that undoes it; and the entry comes
@@ -238,6 +239,8 @@ class Linker:
             return False
         if self._robots[robot_id].presence().moves:
             raise RobotUnreachable(messages.not_resumed_as_it_moves(self.profile(robot_id).shown))
+        if self.pursuit.in_doubt(robot_id):
+            raise RobotUnreachable(messages.not_resumed_in_doubt(self.profile(robot_id).shown))
         try:
             await self._latch.write(robot_id, generation, latched=False)
             await self._robots[robot_id].resume(generation)

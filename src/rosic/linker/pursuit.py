@@ -37,6 +37,7 @@ class StopPursuit:
         self._stops = stops
         self._clock = clock
         self._under_way: dict[RobotId, asyncio.Task[RestReport | None]] = {}
+        self._told: set[RobotId] = set()
 
     def begin(self, stop: Stop, first: asyncio.Task[RestReport] | None) -> None:
         """Go on after a first try.
@@ -47,6 +48,8 @@ class StopPursuit:
                 is seen to move.
         """
         self.end(stop.robot)
+        if first is not None:
+            self._told.add(stop.robot)
         task = asyncio.create_task(self._pursue(stop, first))
         self._under_way[stop.robot] = task
         task.add_done_callback(lambda done: self._over(stop.robot, done))
@@ -54,12 +57,20 @@ class StopPursuit:
     def end(self, robot: RobotId) -> None:
         """Leave a robot alone: its stop is undone, or it is not ours any more."""
         task = self._under_way.pop(robot, None)
+        self._told.discard(robot)
         if task is not None:
             task.cancel()
 
     def __contains__(self, robot: RobotId) -> bool:
         """Whether the stop of a robot is not confirmed yet."""
         return robot in self._under_way
+
+    def in_doubt(self, robot: RobotId) -> bool:
+        """Whether this run told a robot to stop, never saw it at rest, and it is not there now.
+
+        What was stopped before this run may have been seen at rest then: that is not known.
+        """
+        return robot in self._told and self._robots[robot].presence().online is False
 
     async def rested(self, robot: RobotId) -> RestReport | None:
         """Wait until a stop was confirmed. None: it was undone first, or it is not known any more.
@@ -80,6 +91,7 @@ class StopPursuit:
     def _over(self, robot: RobotId, task: asyncio.Task[RestReport | None]) -> None:
         if self._under_way.get(robot) is task:
             del self._under_way[robot]
+            self._told.discard(robot)
 
     async def _pursue(
         self, stop: Stop, first: asyncio.Task[RestReport] | None
@@ -101,6 +113,7 @@ class StopPursuit:
                 return None
             elif unheard or presence.at_rest is not None:
                 unheard, asked = False, True
+                self._told.add(stop.robot)
                 rest = await _come_of(stop, robot.stop(stop))
         return rest
 

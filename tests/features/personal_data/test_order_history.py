@@ -22,7 +22,7 @@ async def test_everybody_reads_what_they_asked_for_and_what_came_of_it() -> None
         assert "omni: move, 1.00 m forward" in told[0], "what was meant, and its name once"
         assert "done" in told[0]
         assert '"omni move 40 m" · omni: one move may be at most 5 m' in told[1]
-        assert told[2].endswith("stop omni · stopped")
+        assert told[2].endswith("stop omni · told to stop")
         assert "resume omni" in told[3]
         bos = await place.say("/history", account=BO, chat=BO)
         assert "kuka1: wave" in bos
@@ -63,10 +63,10 @@ async def test_a_stop_of_several_is_one_line_and_stands_with_each_robot() -> Non
         await place.say("omni move 1 m")
         await place.say("stop", account=BO, chat=BO)
         bos = await place.say("/history", account=BO, chat=BO)
-        assert bos.endswith("stop omni, kuka1, cf1, cf2 · stopped")
+        assert bos.endswith("stop omni, kuka1, cf1, cf2 · told to stop")
         assert len(bos.splitlines()) == 1
         told = (await place.say("/history kuka1")).splitlines()
-        assert [line.partition(" · ")[2] for line in told] == ["Bo · stop kuka1 · stopped"]
+        assert [line.partition(" · ")[2] for line in told] == ["Bo · stop kuka1 · told to stop"]
         assert "stop" not in await place.say("/history"), "Ada stopped nothing"
 
 

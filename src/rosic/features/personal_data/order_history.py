@@ -254,7 +254,7 @@ def _came(entry: HistoryEntry) -> str:
     if entry.kind == RESUMED:
         return said("stayed stopped") if entry.outcome else said("ready again")
     if entry.kind == STOPPED:
-        return said("stopped")
+        return said("told to stop")  # whether it came to rest is not on the record
     if entry.kind == REFUSED:
         return _refusal(entry)
     if entry.words:
