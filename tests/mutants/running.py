@@ -18,6 +18,7 @@ import tempfile
 import time
 import traceback
 from functools import partial
+from inspect import CO_ITERABLE_COROUTINE
 from pathlib import Path
 from types import CodeType, FunctionType
 from typing import TYPE_CHECKING
@@ -343,7 +344,11 @@ def _take_over(functions: list[FunctionType], compiled: CodeType) -> int:
     for function in functions:
         code = function.__code__
         new = codes.get((code.co_qualname, code.co_firstlineno))
-        if new is not None and new != code and new.co_freevars == code.co_freevars:
+        if new is None or new.co_freevars != code.co_freevars:
+            continue
+        # `types.coroutine` marks the code itself; without that it can be awaited no more.
+        new = new.replace(co_flags=new.co_flags | code.co_flags & CO_ITERABLE_COROUTINE)
+        if new != code:
             function.__code__ = new
             changed += 1
     return changed

@@ -186,6 +186,37 @@ def test_what_a_parameter_defaults_to_is_changed_too(project: Path, *, whole: bo
     }
 
 
+AWAITED = """
+from types import coroutine
+
+@coroutine
+def passed_on(given):
+    yield
+    return given + 1
+"""
+TESTS_OF_AWAITED = """
+import asyncio
+from doors import passed_on
+
+def test_passed_on():
+    async def passing():
+        return await passed_on(1)
+    assert asyncio.run(passing()) == 2
+"""
+
+
+def test_a_generator_that_is_awaited_can_still_be(project: Path) -> None:
+    """`types.coroutine` marks the code of a function: what takes its place is marked as well."""
+    (project / "src" / "doors.py").write_text(AWAITED)
+    (project / "tests" / "test_doors.py").write_text(TESTS_OF_AWAITED)
+    found = tried(DOORS, wanted(project), project / "src", project)
+    assert not found.failing
+    assert [each.end for each in found.results.values()] == ["killed"] * len(found.results)
+    (project / "tests" / "test_doors.py").write_text(TESTS_OF_AWAITED.replace("== 2", "> 1"))
+    found = tried(DOORS, wanted(project), project / "src", project)
+    assert "passed_on: one more: 1 -> 2" in {each.id for each in found.survivors()}
+
+
 TIRED = """
 import time
 from pathlib import Path
