@@ -15,6 +15,7 @@ from rosic.core.message import Chat, Inbound, MessageValidity
 from rosic.core.time_units import SECOND_NS
 from rosic.messengers.telegram.update_window import (
     ATTEMPTS,
+    FIRST_WAIT_S,
     HELD_NS,
     OVERDUE_AT_MOST,
     WAITING_AT_MOST,
@@ -129,6 +130,38 @@ async def test_an_offset_is_not_repeated(table: Table) -> None:
     assert table.window.offset == 4
 
 
+async def test_what_is_received_while_a_poll_confirms_what_is_before_it_stays_known(
+    table: Table,
+) -> None:
+    """Telegram gives it out once more: the offset that it took was the number itself."""
+    table.hold(11)
+    take(table.window, [news(10), news(11)])
+    await settle()
+    assert table.window.offset == 11
+    table.held["11"].set()
+    await settle()
+    table.window.confirmed(11)
+    assert not table.window.knows(10)
+    assert take(table.window, [news(11)]) == 0
+    await settle()
+    assert table.heard == ["10", "11"]
+    assert table.window.offset == 12
+
+
+async def test_whose_message_it_is_is_asked_anew_where_a_number_comes_again(table: Table) -> None:
+    """A stranger's may be confirmed before it is received; that of somebody known may not."""
+    table.window.expect(10, light=True)
+    take(table.window, [news(10, "stranger")])
+    await settle()
+    table.window.confirmed(11)
+    table.hold(10)
+    take(table.window, [news(10)])
+    await settle()
+    assert table.heard == ["10", "10"]
+    table.window.clear_the_way()
+    assert table.window.offset is None
+
+
 async def test_what_is_given_out_again_is_not_handed_over_again(table: Table) -> None:
     table.hold(10)
     assert take(table.window, [news(10), news(11, "2"), news(11, "2")]) == 2
@@ -169,6 +202,18 @@ async def test_what_breaks_is_tried_again_and_given_up_in_the_end(table: Table) 
     assert table.heard[-1] == "12"
     assert table.window.offset == 13
     assert table.window._counts == {"received": 2, "given-up": 1}
+
+
+async def test_what_is_given_up_is_given_up_with_the_last_attempt(table: Table) -> None:
+    """What is behind it waits no longer for something that is not tried again."""
+    table.broken["10"] = ATTEMPTS
+    take(table.window, [news(10), news(11)])
+    waits = [FIRST_WAIT_S * 2**n for n in range(ATTEMPTS - 1)]
+    await table.clock.advance(sum(waits) - FIRST_WAIT_S / 2)
+    assert table.heard == ["10"] * (ATTEMPTS - 1)
+    await table.clock.advance(FIRST_WAIT_S / 2)
+    assert table.heard == ["10"] * ATTEMPTS + ["11"]
+    assert table.window.offset == 12
 
 
 async def test_waiting_for_it_ends_as_soon_as_everything_is_received(table: Table) -> None:
@@ -244,7 +289,9 @@ async def held_up(table: Table, count: int, chats: int = 1) -> None:
         table.window.confirmed(table.window.offset)
 
 
-async def test_of_too_much_that_is_held_up_what_waited_for_long_is_given_up(table: Table) -> None:
+async def test_of_too_much_that_is_held_up_what_waited_for_long_is_given_up(
+    table: Table, caplog: pytest.LogCaptureFixture
+) -> None:
     table.hold(0)
     await held_up(table, OVERDUE_AT_MOST)
     await table.clock.advance(HELD_NS / SECOND_NS)
@@ -254,6 +301,9 @@ async def test_of_too_much_that_is_held_up_what_waited_for_long_is_given_up(tabl
     table.window.relieve()
     assert table.window.offset == first + 2
     assert table.window._counts["given-up"] == late, "all but what was begun and what came now"
+    assert caplog.messages == [
+        f"messages were given up because they cannot be followed: {late}",
+    ]
     await settled()
     assert table.told == [str(n) for n in range(1, OVERDUE_AT_MOST)], "and whoever sent it is told"
     table.held["0"].set()
@@ -264,7 +314,7 @@ async def test_of_too_much_that_is_held_up_what_waited_for_long_is_given_up(tabl
 
 
 async def test_of_too_much_that_is_held_up_nothing_is_given_up_or_confirmed_at_once(
-    table: Table,
+    table: Table, caplog: pytest.LogCaptureFixture
 ) -> None:
     """What is handed over may still be followed: only what waited for long is not."""
     table.hold(0)
@@ -275,11 +325,46 @@ async def test_of_too_much_that_is_held_up_nothing_is_given_up_or_confirmed_at_o
     table.window.relieve()
     assert table.window.offset is None
     assert not table.window._counts["given-up"]
+    assert not caplog.messages
     table.held["0"].set()
     await settled()
     assert table.window.offset == OVERDUE_AT_MOST + 1
     assert table.window._counts["received"] == OVERDUE_AT_MOST + 1
     assert table.told == []
+
+
+async def test_as_much_as_may_be_held_up_is_confirmed_once_the_rest_is_given_up(
+    table: Table,
+) -> None:
+    """Each chat has one under way, the first of them another that waited for long."""
+    last = OVERDUE_AT_MOST
+    table.hold(*range(last + 1))
+    await held_up(table, last, chats=last - 1)
+    assert len(table.window._overdue) == OVERDUE_AT_MOST, "so many may be"
+    await table.clock.advance(HELD_NS / SECOND_NS)
+    take(table.window, [news(last, "another")])
+    await settled()
+    table.window.relieve()
+    assert table.window._counts["given-up"] == 1
+    assert table.window.offset == last + 1
+
+
+async def test_where_some_is_given_up_what_is_still_to_be_read_is_not_confirmed(
+    table: Table,
+) -> None:
+    """Nor is anything of what was given up looked after any longer."""
+    table.hold(0)
+    await held_up(table, OVERDUE_AT_MOST)
+    late, unread = OVERDUE_AT_MOST, OVERDUE_AT_MOST + 1
+    take(table.window, [news(late, "0")])
+    await settled()
+    await table.clock.advance(HELD_NS / SECOND_NS)
+    table.window.expect(unread)
+    table.window.relieve()
+    assert table.window._counts["given-up"] == late, "all but what was begun"
+    assert table.window.offset == unread
+    assert table.window.knows(unread)
+    assert table.window._overdue == {0}
 
 
 async def test_what_cannot_be_followed_at_all_is_told_of_in_its_own_way(table: Table) -> None:
