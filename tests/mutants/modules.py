@@ -118,6 +118,14 @@ MODULES = (
         ),
     ),
     Module(
+        "waits for the record",
+        "container/bounded_writes.py",
+        (
+            "tests/container/test_bounded_writes.py",
+            "tests/gateway/test_hung.py",
+        ),
+    ),
+    Module(
         "root key",
         "stores/root_key.py",
         (
@@ -176,6 +184,16 @@ MODULES = (
         (
             "tests/messengers/test_polling.py",
             "tests/messengers/test_polling_errors.py",
+            "tests/messengers/test_reading.py",
+        ),
+    ),
+    Module(
+        "Telegram handing over",
+        "messengers/telegram/update_window.py",
+        (
+            "tests/messengers/test_update_window.py",
+            "tests/messengers/test_alike_lines.py",
+            "tests/messengers/test_polling.py",
             "tests/messengers/test_reading.py",
         ),
     ),
