@@ -13,6 +13,9 @@ from rosic.authoriser.invite_codes import ALPHABET
 from rosic.bench.steps import LoopStep, MeteredLoop, pace_of_machine, undisturbed
 from rosic.bench.strangers import NAMED
 from rosic.core.language import Cancel, Halt, LanguageReader
+from rosic.core.robot.profile import Link, Profile
+from rosic.core.robot.skill import Parameter, Skill
+from tests.gateway.place import FLEET
 from tests.gateway.received import (
     ADA,
     BO,
@@ -39,11 +42,11 @@ ROUNDS = int(os.environ.get("ROSIC_STEPS_ROUNDS", "3000"))
 GROUP, CHANNEL = -100_500, -100_777
 
 
-def run(act: Callable[[Receiving], Awaitable[None]]) -> None:
+def run(act: Callable[[Receiving], Awaitable[None]], fleet: tuple[Profile, ...] = FLEET) -> None:
     """Receive on a loop of its own, which meters its steps."""
 
     async def main() -> None:
-        async with receiving() as place:
+        async with receiving(fleet=fleet) as place:
             await place.longest(place.message(ADA, "status"))  # what is made once is made
             await act(place)
 
@@ -88,6 +91,60 @@ def test_no_text_of_somebody_known_makes_a_step_long() -> None:
         await none_is_long(place, ADA, [*texts()][SEED % EVERY :: EVERY])
 
     run(act)
+
+
+def herd(count: int) -> tuple[Profile, ...]:
+    """Return robots of one group, each with ten skills that no other has, named much alike."""
+    bounds = Parameter(unit="m", min=0.01, max=5.0)
+    return tuple(
+        Profile(
+            id=f"rob{n}",
+            link=Link(kind="memory"),
+            groups=("herd",),
+            skills={
+                name: Skill(id=name, title=name, parameters={"distance": bounds})
+                for name in ("move", *(f"skill{n}x{k}" for k in range(10)))
+            },
+        )
+        for n in range(count)
+    )
+
+
+TO_MANY = [
+    "/task herd " + " then ".join(["skill1x1"] * 64),
+    "/task herd " + " then ".join(f"skill1x1 {n}" for n in range(33)),
+    "/task herd " + " then ".join(f"move 1.{n:02} m" for n in range(33)),
+    "/task herd " + " then ".join(f"move 1.{n:02} m" for n in range(60)),
+    "/task any " + " then ".join(["move 9 m"] * 64),
+    "/task herd " + " then ".join(["move"] * 64),
+    "/task herd " + " then ".join([*["move 1 m"] * 62, "mvoe 1 m"]),
+    "\n".join(["/task herd skill1x1 then skilx 1"] * 5),
+    "/broadcast herd skill1x1",
+    "/broadcast herd mvoe 1 m",
+    "/together herd skill1x1",
+    "/together herd move 9 m",
+    "herd skill1x1",
+    "status herd",
+    "status " + " ".join(f"rob{n}" for n in range(31)),
+    "resume herd",
+    "robots",
+    "/fleet herd",
+    "/wish herd skill1x1 tomorrow 14:00 for 1h",
+    "/wish any of herd 1h mon-fri 8-18 priority 3",
+    "/plan",
+    "/handover herd Bo",
+    "/quiet herd",
+]
+
+
+@pytest.mark.parametrize("text", TO_MANY, ids=range(len(TO_MANY)))
+def test_no_line_that_is_about_many_robots_makes_a_step_long(text: str) -> None:
+    """What is typed is multiplied by sixty robots with ten skills each."""
+
+    async def act(place: Receiving) -> None:
+        await none_is_long(place, ADA, [text])
+
+    run(act, herd(60))
 
 
 KNOWN = [

@@ -180,6 +180,19 @@ class Organiser:
         if self._warned:
             self._warned.discard(caller.principal)
 
+    def charge_work(self, caller: Caller, lines: float) -> None:
+        """Take what a line costs besides itself, as it keeps the gateway busy for long.
+
+        Args:
+            caller: One was taken from them already.
+            lines: As much as so many more; at most what a full bucket has left.
+
+        Raises:
+            TooManyRequests: Nothing was taken.
+        """
+        if refusal := self.rates.spend(caller.principal, 1 + lines, (), ()):
+            raise refusal
+
     def admit(
         self,
         caller: Caller,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules, SkillPrecondition
+from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Parameter, Skill
 from tests.features.fleet.test_tasks import Warehouse, heard, tasks
@@ -144,3 +145,17 @@ async def test_a_way_to_stop_stays_offered() -> None:
     async with place().open() as here:
         assert "in a line of its own" in await here.say("/task carrier2 goto dock stop")
         assert commands(here) == ["stop carrier2", "stop"]
+
+
+async def test_steps_times_robots_are_bounded_and_what_they_cost_is_the_persons_own() -> None:
+    fleet = tuple(carrier(f"carrier{n}") for n in range(60))
+    async with Warehouse(fleet=fleet, limit=RateLimit(burst=20.0, per_s=0.01)).open() as here:
+        for steps, told in (
+            (34, "That is 34 different steps for 60 robots; steps times robots are at most 2000"),
+            (33, "one of 60 robots"),  # costs nine lines more
+            (33, "That is more than one person may ask."),
+        ):
+            said = " then ".join(f"creep length=1.{n:02} m" for n in range(steps))
+            at_once = await here.say(f"/task carriers {said}")
+            assert told in at_once + await heard(here)
+        assert "carrier1" in await here.say("status carrier1")

@@ -413,12 +413,11 @@ class LineReader:
 
     def _trouble(self) -> SyntaxErrorBuilder:
         words = (self._raw, self._low)
-        return SyntaxErrorBuilder(words, self._vocabulary, self._visible, self._reads)
+        reads = self._reads if self._mends else None
+        return SyntaxErrorBuilder(words, self._vocabulary, self._visible, reads)
 
     def _reads(self, other: str) -> bool:
         """Whether another line, offered instead, would be read to its end."""
-        if not self._mends:
-            return False
         raw = other.replace("=", " = ").split()
         low = [word.casefold() for word in raw]
         line = LineReader(other, (raw, low), self._vocabulary, self._context, mends=False).read()

@@ -29,7 +29,9 @@ LONGEST_TEXT = 4096
 MOST_LINES = 20
 
 
-def understand(text: str, vocabulary: Vocabulary, context: LineContext) -> tuple[Line, ...]:
+def understand(
+    text: str, vocabulary: Vocabulary, context: LineContext, *, mends: bool = True
+) -> tuple[Line, ...]:
     """Return what each line of a message means, in order; at least one.
 
     Takes time linear in the text, whatever the number of robots, skills and people: only for what
@@ -39,11 +41,12 @@ def understand(text: str, vocabulary: Vocabulary, context: LineContext) -> tuple
         text: As received; any ``str``. A stop was looked for before, by `hears_stop`.
         vocabulary: What can be said.
         context: Whom this person may see, and chose.
+        mends: Whether to look for what may have been meant. Not in a line that is only tried.
     """
     if len(text) > LONGEST_TEXT:
         return (Misunderstood(_too_long(len(text))),)
     if is_plain(text):
-        return (_line(text.strip(), vocabulary, context),)
+        return (_line(text.strip(), vocabulary, context, mends=mends),)
     lines = _with_words(text)
     if len(lines) > MOST_LINES:
         return (
@@ -55,7 +58,8 @@ def understand(text: str, vocabulary: Vocabulary, context: LineContext) -> tuple
                 )
             ),
         )
-    return tuple([_cleaned(line, vocabulary, context) for line in lines]) or (_EMPTY,)
+    read = [_cleaned(line, vocabulary, context, mends=mends) for line in lines]
+    return tuple(read) or (_EMPTY,)
 
 
 def places(text: str, written: str) -> tuple[int, ...]:
@@ -95,17 +99,17 @@ def _too_long(length: int) -> str:
     )
 
 
-def _cleaned(line: str, vocabulary: Vocabulary, context: LineContext) -> Line:
+def _cleaned(line: str, vocabulary: Vocabulary, context: LineContext, *, mends: bool) -> Line:
     if not REORDERING.isdisjoint(line):
         return _REORDERED
-    return _line(clean(line).strip(), vocabulary, context)
+    return _line(clean(line).strip(), vocabulary, context, mends=mends)
 
 
-def _line(line: str, vocabulary: Vocabulary, context: LineContext) -> Line:
+def _line(line: str, vocabulary: Vocabulary, context: LineContext, *, mends: bool) -> Line:
     if not line:
         return _EMPTY
     raw, low, slash = words_of(line)
-    return LineReader(line, (raw, low), vocabulary, context, mends=True).read(slash=slash)
+    return LineReader(line, (raw, low), vocabulary, context, mends=mends).read(slash=slash)
 
 
 # ---- reading with a memory ----

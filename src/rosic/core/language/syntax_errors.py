@@ -38,7 +38,7 @@ class SyntaxErrorBuilder:
         words: Those of the line as typed, and in small letters.
         vocabulary: What can be said.
         visible: The robots that this person may see.
-        reads: Whether a line would be read to its end.
+        reads: Whether a line would be read to its end; None where nothing is to be proposed.
     """
 
     __slots__ = ("_low", "_raw", "_reads", "_visible", "_vocabulary")
@@ -48,7 +48,7 @@ class SyntaxErrorBuilder:
         words: tuple[list[str], list[str]],
         vocabulary: Vocabulary,
         visible: frozenset[RobotId],
-        reads: Callable[[str], bool],
+        reads: Callable[[str], bool] | None,
     ) -> None:
         self._raw, self._low = words
         self._vocabulary = vocabulary
@@ -99,7 +99,7 @@ class SyntaxErrorBuilder:
         )
         if offered := self._reordered(callee, at):
             return _meant(sentence, offered)
-        close = one_each(did_you_mean(self._low[at], _phrases(callee)), _skills(callee))
+        close = one_each(self._close(at, _phrases(callee)), _skills(callee))
         prefix = f"{callee.name} " if chosen else ""
         mended = self._mended(at, close, prefix)
         if not mended and chosen:
@@ -117,6 +117,8 @@ class SyntaxErrorBuilder:
         ``omni forward 1 m`` names a direction but no skill; ``omni picture`` a command that begins
         with itself.
         """
+        if self._reads is None:
+            return {}
         lines = [" ".join((word, callee.name, *self._raw[at + 1 :])) for word in self._commands(at)]
         for first in (at, at + 1)[: len(self._low) - at]:
             lines += [
@@ -124,7 +126,7 @@ class SyntaxErrorBuilder:
                 for skill in islice(callee.robots[0].skills.values(), MOST_CANDIDATES // 8)
                 if self._low[first] in skill.words
             ]
-        read = (line for line in lines if len(line) <= LONGEST_OFFER and self._reads(line))
+        read = self._read(line for line in lines if len(line) <= LONGEST_OFFER)
         return {line: line for line in islice(read, MOST_OFFERS)}
 
     def _commands(self, at: int) -> tuple[str, ...]:
@@ -134,7 +136,7 @@ class SyntaxErrorBuilder:
 
     def no_such_robot(self, at: int) -> Misunderstood:
         """A name names nobody the person may see."""
-        close = did_you_mean(self._low[at], self._alike(at, self._callees()))
+        close = self._close(at, self._alike(at, self._callees()))
         mended = self._mended(at, one_each(close, self._vocabulary.callees))
         sentence = said("I know no robot {quote}.", quote=quote(self._raw[at]))
         if not mended:
@@ -165,7 +167,9 @@ class SyntaxErrorBuilder:
         some = (*groups, *able)[:MOST_OFFERS]
         more = len(groups) + len(able) > len(some)
         rest = " ".join(self._raw[at:]).replace(" = ", "=")
-        lines = [f"{name} {rest}" for name in some]
+        lines = self._read(
+            [f"{name} {rest}" for name in some] if len(rest) <= LONGEST_OFFER else []
+        )
         has_not = (
             said("{shown} has no {quote}. ", shown=_shown(chosen), quote=quote(phrase))
             if chosen is not None
@@ -178,7 +182,7 @@ class SyntaxErrorBuilder:
                 phrase=phrase,
                 listed=listed((*some, said("another")) if more else some),
             ),
-            tuple([line for line in lines if len(rest) <= LONGEST_OFFER and self._reads(line)]),
+            tuple(lines),
         )
 
     def _seen_members(self, group: str) -> set[RobotId]:
@@ -201,13 +205,22 @@ class SyntaxErrorBuilder:
     def _guess(self, at: int, sentence: str) -> Misunderstood:
         word = self._low[at]
         hint = HINTS.get(word)
-        close = (hint,) if hint else did_you_mean(word, self._alike(at, self._first_words()))
+        close = (hint,) if hint else self._close(at, self._alike(at, self._first_words()))
         mended = self._mended(at, one_each(close, self._vocabulary.callees))
         if not mended:
             return Misunderstood(
                 said("{sentence} Say help for what can be said.", sentence=sentence), ("help",)
             )
         return _meant(sentence, mended)
+
+    def _close(self, at: int, candidates: Iterable[str]) -> tuple[str, ...]:
+        """Return what may have been meant by a word, where anything is to be proposed at all."""
+        return did_you_mean(self._low[at], candidates) if self._reads is not None else ()
+
+    def _read(self, lines: Iterable[str]) -> Iterator[str]:
+        """Yield those lines that would be read to their end."""
+        if self._reads is not None:
+            yield from filter(self._reads, lines)
 
     def _alike(self, at: int, candidates: Iterable[str]) -> Iterator[str]:
         """Yield what a word can have been meant for: with a number it names one, and no group."""
@@ -246,11 +259,8 @@ class SyntaxErrorBuilder:
         lines = {
             word: prefix + " ".join([*before, word, *after]).replace(" = ", "=") for word in words
         }
-        return {
-            word: line
-            for word, line in lines.items()
-            if len(line) <= LONGEST_OFFER and self._reads(line)
-        }
+        read = set(self._read(line for line in lines.values() if len(line) <= LONGEST_OFFER))
+        return {word: line for word, line in lines.items() if line in read}
 
 
 def _meant(sentence: str, mended: dict[str, str]) -> Misunderstood:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from rosic.core.language import Do, LineContext, Misunderstood, understand
+from rosic.core.language import Do, Line, LineContext, Misunderstood, understand
 from rosic.core.language.arguments import place
 from rosic.core.language.formatting import usual_values
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, Refusal
@@ -29,21 +29,47 @@ LONGEST_OFFER: Final = 128
 Lines = tuple[str, ...]
 
 
-def read_step(rooms: Components, robot: RobotId, line: str) -> Do:
-    """Return one line as one robot understands it; its values are not looked at yet.
+class StepReader:
+    """Reads lines as commands of one robot each; every line once for each robot.
 
-    Raises:
-        NotUnderstood: It is no single command of this robot.
+    Lines are only tried here, against many robots: what may have been meant by one is looked for
+    where it is asked for, and not before.
     """
-    context = LineContext(robot, frozenset({robot}))
-    lines = understand(f"{robot} {line}", rooms.vocabulary, context)
-    if len(lines) != 1 or not isinstance(lines[0], Do) or lines[0].robots != (robot,):
-        close = lines[0].offers if isinstance(lines[0], Misunderstood) else ()
-        raise NotUnderstood(
-            words.no_command(rooms.profiles[robot].shown, line),
-            offers=tuple(offer for offer in close if offer.startswith(f"{robot} ")),
-        )
-    return lines[0]
+
+    def __init__(self, rooms: Components) -> None:
+        self.rooms = rooms
+        self._read: dict[tuple[RobotId, str], Do | None] = {}
+
+    def read(self, robot: RobotId, line: str) -> Do:
+        """Return one line as one robot understands it; its values are not looked at yet.
+
+        Raises:
+            NotUnderstood: It is no single command of this robot.
+        """
+        try:
+            step = self._read[robot, line]
+        except KeyError:
+            lines = self._lines(robot, line, mends=False)
+            single = len(lines) == 1 and isinstance(lines[0], Do) and lines[0].robots == (robot,)
+            step = self._read[robot, line] = lines[0] if single else None  # type: ignore[assignment]
+        if step is None:
+            raise NotUnderstood(words.no_command(self.rooms.profiles[robot].shown, line))
+        return step
+
+    def close(self, robot: RobotId, line: str) -> Lines:
+        """Return lines that may have been meant by one that is no command of a robot."""
+        try:
+            self.read(robot, line)
+        except NotUnderstood:
+            [first, *_] = self._lines(robot, line, mends=True)
+            offers = first.offers if isinstance(first, Misunderstood) else ()
+            to_it = f"{robot} "
+            return tuple(offer.removeprefix(to_it) for offer in offers if offer.startswith(to_it))
+        return ()
+
+    def _lines(self, robot: RobotId, line: str, *, mends: bool) -> Sequence[Line]:
+        context = LineContext(robot, frozenset({robot}))
+        return understand(f"{robot} {line}", self.rooms.vocabulary, context, mends=mends)
 
 
 class MissingPart(NamedTuple):
@@ -71,13 +97,13 @@ class TaskAlternatives:
     """Looks for what one robot could carry out instead.
 
     Args:
-        rooms: Where lines are read.
+        steps: Reads lines.
         robot: Whose lines.
         check: Raises why the robot cannot carry out all of some lines.
     """
 
-    def __init__(self, rooms: Components, robot: RobotId, check: Callable[[Lines], object]) -> None:
-        self._rooms = rooms
+    def __init__(self, steps: StepReader, robot: RobotId, check: Callable[[Lines], object]) -> None:
+        self._steps = steps
         self._robot = robot
         self._check = check
 
@@ -86,11 +112,9 @@ class TaskAlternatives:
         at = next((at for at, line in enumerate(lines) if self._refused((line,))), 0)
         to_it = f"{self._robot} "
         other = tuple(offer for offer in why.offers if not offer.startswith(to_it))
-        found = [
-            (*lines[:at], offer.removeprefix(to_it), *lines[at + 1 :])
-            for offer in why.offers
-            if offer.startswith(to_it)
-        ]
+        offered = [o.removeprefix(to_it) for o in why.offers if o.startswith(to_it)]
+        offered += self._steps.close(self._robot, lines[at])
+        found = [(*lines[:at], offer, *lines[at + 1 :]) for offer in offered]
         instead = tuple(whole for whole in found if self._refused(whole) is None)
         if instead:
             return MissingPart(why, instead, other=other)
@@ -112,8 +136,8 @@ class TaskAlternatives:
     def _filled(self, line: str) -> str:
         """Return a line with some value wherever one is missing."""
         try:
-            step = read_step(self._rooms, self._robot, line)
-            [skill], vocabulary = step.skills, self._rooms.vocabulary
+            step = self._steps.read(self._robot, line)
+            [skill], vocabulary = step.skills, self._steps.rooms.vocabulary
             compiled, given = place(vocabulary, self._robot, skill, step.spoken)
         except Refusal:
             return line

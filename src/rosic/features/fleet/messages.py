@@ -352,6 +352,17 @@ def too_many_steps(most: int) -> str:
     return said("A task has at most {most} steps.", most=most)
 
 
+def too_much_to_read(steps: int, robots: int, most: int) -> str:
+    """Return that a task has too many steps for so many robots."""
+    return said(
+        "That is {steps} different steps for {robots} robots; steps times robots are at most "
+        "{most} in one task. Name fewer robots, or give several tasks. Nothing was done.",
+        steps=steps,
+        robots=robots,
+        most=most,
+    )
+
+
 def too_long(most: int) -> str:
     """Return that more was said than is read."""
     return said(

@@ -33,12 +33,12 @@ from rosic.features.fleet.dispatch_state import TaskText
 from rosic.features.fleet.mission_schedule import KIND as TIMES
 from rosic.features.fleet.mission_schedule import PLANS_AT_MOST, MissionChat, MissionPlan
 from rosic.features.fleet.task_commands import ANY, ASSIGN, check_room
-from rosic.features.fleet.task_parser import able
+from rosic.features.fleet.task_parser import PermittedSteps, able
 from rosic.gateway.commands import Reply
 from rosic.gateway.requests import check_command_fresh
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from rosic.core.fleet.mission import MissionTask
     from rosic.core.fleet.template import TemplateValues
@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from rosic.features.fleet.dispatcher import Given
     from rosic.features.fleet.mission_schedule import MissionSchedule
     from rosic.features.fleet.task_commands import TaskCommands
+    from rosic.features.fleet.task_parser import CapableRobots
     from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
     from rosic.gateway.transactions import Transactions
@@ -263,7 +264,9 @@ class MissionCommands:
         self, who: PrincipalId, meant: ResolvedMission, cid: CommandId
     ) -> tuple[str, int]:
         """Give all tasks of a mission at once; each waits for those before it."""
-        given = await self._dispatching.give(cid, lambda: self._made(who, meant, cid))
+        self._dispatching.origins.check(cid)
+        tasks = await self._capable(who, meant)
+        given = await self._dispatching.give(cid, lambda: self._made(who, meant, cid, tasks))
         return given[0][0].mission, len(given)
 
     def _laid_out(
@@ -271,44 +274,73 @@ class MissionCommands:
     ) -> list[MissionTask]:
         return lay_out(mission, self._missions, self._rooms.vocabulary.units, given)
 
-    def _made(self, who: PrincipalId, meant: ResolvedMission, cid: CommandId) -> Given:
-        """Return the tasks of a mission.
+    async def _capable(
+        self, who: PrincipalId, meant: ResolvedMission
+    ) -> list[tuple[MissionTask, CapableRobots]]:
+        """Return the tasks of a mission, each with who can carry it out.
 
         Raises:
             TooManyRequests, NotUnderstood: None of it is begun.
         """
+        leaves = self._laid_out(meant.mission, meant.given)
+        check_room(self._dispatching.fleet, who, len(leaves))
+        steps = PermittedSteps(self._rooms, who)
+        found = [await self._able(who, steps, leaf, n) for n, leaf in enumerate(leaves, 1)]
+        return list(zip(leaves, found, strict=True))
+
+    async def _able(
+        self, who: PrincipalId, steps: PermittedSteps, leaf: MissionTask, number: int
+    ) -> CapableRobots:
+        """Return who can carry out one task.
+
+        Raises:
+            NotUnderstood: Nobody; none of the mission is begun.
+        """
+        on = leaf.part.on
+        fleet, robots = self._dispatching.fleet, self._robots(on, who)
+        found = await able(steps, self._rooms, fleet, robots, leaf.steps)
+        if not found.robots:
+            why = found.lacking.why.sentence if found.lacking is not None else ""
+            raise NotUnderstood(words.nobody_can(number, on, why))
+        return found
+
+    def _made(
+        self,
+        who: PrincipalId,
+        meant: ResolvedMission,
+        cid: CommandId,
+        leaves: Sequence[tuple[MissionTask, CapableRobots]],
+    ) -> Given:
+        """Return the tasks of a mission, each of those who can carry it out.
+
+        Raises:
+            TooManyRequests: None of it is begun.
+        """
         fleet, mission, where = self._dispatching.fleet, meant.mission, meant.where
-        leaves = self._laid_out(mission, meant.given)
         check_room(fleet, who, len(leaves))
         first = int(fleet.next_id())
         run = f"{mission.name}{NUMBERED}{first}"
         given = [
             (
-                replace(self._task(who, leaf, run, first, number), due=self._due(mission, leaf)),
+                replace(
+                    self._task(who, leaf, found, run, first + number), due=self._due(mission, leaf)
+                ),
                 TaskText(leaf.steps, where.messenger, where.chat),
             )
-            for number, leaf in enumerate(leaves)
+            for number, (leaf, found) in enumerate(leaves)
         ]
         decided = Decided(
             act="mission", by=who, about=run, at_ns=self._rooms.organiser.wall_ns(), digest=cid
         )
         return given, decided
 
-    def _task(self, who: PrincipalId, leaf: MissionTask, run: str, first: int, number: int) -> Task:
-        """Return one task.
-
-        Raises:
-            NotUnderstood: Nobody can carry it out; none of the mission is begun.
-        """
-        part = leaf.part
-        fleet, robots = self._tasks.dispatching.fleet, self._robots(part.on, who)
-        found = able(self._rooms, fleet, who, robots, leaf.steps)
-        if not found.robots:
-            why = found.lacking.why.sentence if found.lacking is not None else ""
-            raise NotUnderstood(words.nobody_can(number + 1, part.on, why))
+    def _task(
+        self, who: PrincipalId, leaf: MissionTask, found: CapableRobots, run: str, number: int
+    ) -> Task:
+        part, first = leaf.part, int(run.rpartition(NUMBERED)[2])
         units = self._rooms.vocabulary.units
         return Task(
-            id=str(first + number),
+            id=str(number),
             author=who,
             among=found.robots,
             wanted="" if part.on in ANY else part.on,
@@ -371,16 +403,16 @@ class MissionCommands:
         moment = self._rooms.organiser.moment("", at_ns)  # as it is kept
         text = words.planned(key, mission.name, moment, again=bool(when.rrule))
         meant = ResolvedMission(mission, values.given, where)
-        remark = self._conflict(who, meant, asked.cid)
+        remark = await self._conflict(who, meant)
         return Reply(joined("\n", filter(None, (text, remark))), words.off_button(key))
 
-    def _conflict(self, who: PrincipalId, meant: ResolvedMission, cid: CommandId) -> str:
+    async def _conflict(self, who: PrincipalId, meant: ResolvedMission) -> str:
         """Return what would keep a mission from beginning now; empty if nothing would.
 
         It is planned all the same: until its time comes, a robot may be back, or a right given.
         """
         try:
-            self._made(who, meant, cid)
+            await self._capable(who, meant)
         except Refusal as why:
             return words.could_not_begin_now(why.sentence)
         return ""

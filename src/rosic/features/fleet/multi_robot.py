@@ -22,7 +22,7 @@ from rosic.core.policy.roles import StepRequired
 from rosic.core.synchronised_start import begin_together
 from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, RobotBusy
 from rosic.features.fleet import multi_robot_messages as words
-from rosic.features.fleet.alternatives import TaskAlternatives, refused
+from rosic.features.fleet.alternatives import StepReader, TaskAlternatives, refused
 from rosic.features.fleet.attempt import AwaitedOrder
 from rosic.features.fleet.messages import wants_a_person
 from rosic.features.fleet.readiness import why_not_ready
@@ -144,7 +144,7 @@ class MultiRobotCommands:
             Refusal: Why one of them may not; none has moved.
         """
         meant = self._meant(asked, "together")
-        steps = [self._step(meant, robot) for robot in meant.robots]
+        steps = [await self._step(meant, robot) for robot in meant.robots]
         states = {robot: self.why_not_ready(asked, robot) for robot in meant.robots}
         if any(states.values()):
             return self._none(meant, states)
@@ -157,18 +157,20 @@ class MultiRobotCommands:
         self._begin(asked, said, meant, orders, start)
         return Reply("")
 
-    def _step(self, meant: ResolvedRobots, robot: RobotId) -> Do:
+    async def _step(self, meant: ResolvedRobots, robot: RobotId) -> Do:
         """Return what one of them is to do; whatever is offered instead is for all of them.
+
+        Others have their turn before each: a stop is not to wait for a line to many.
 
         Raises:
             Refusal: It cannot do that.
         """
+        await asyncio.sleep(0)
         try:
             return step_for(self._rooms, robot, meant.line)
         except Refusal as why:
-            found = TaskAlternatives(self._rooms, robot, partial(self._check, robot)).lacking(
-                (meant.line,), why
-            )
+            instead = TaskAlternatives(StepReader(self._rooms), robot, partial(self._check, robot))
+            found = instead.lacking((meant.line,), why)
             raise refused(found, found.why.sentence, meant.typed) from why
 
     def _check(self, robot: RobotId, lines: Sequence[str]) -> None:
@@ -204,6 +206,7 @@ class MultiRobotCommands:
         busy: list[RobotId] = []
         one_busy, late = "", False
         for robot in meant.robots:
+            await asyncio.sleep(0)  # a stop is not to wait for a line to many
             try:
                 orders += await self._one(asked, said, meant._replace(robots=(robot,)))
             except RobotBusy as refusal:

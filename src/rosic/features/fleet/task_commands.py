@@ -17,7 +17,13 @@ from rosic.features.fleet import messages as words
 from rosic.features.fleet.alternatives import refused
 from rosic.features.fleet.dispatch_state import TaskText
 from rosic.features.fleet.readiness import why_waits
-from rosic.features.fleet.task_parser import ANYBODY, able, read_wish
+from rosic.features.fleet.task_parser import (
+    ANYBODY,
+    PermittedSteps,
+    able,
+    read_wish,
+    readings,
+)
 from rosic.gateway.commands import Reply
 from rosic.gateway.requests import check_command_fresh
 
@@ -31,7 +37,7 @@ if TYPE_CHECKING:
     from rosic.features.fleet.alternatives import MissingPart
     from rosic.features.fleet.dispatcher import Given, TaskDispatcher
     from rosic.features.fleet.integration import TaskNotifications
-    from rosic.features.fleet.task_parser import TaskWish
+    from rosic.features.fleet.task_parser import CapableRobots, TaskWish
     from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
 
@@ -39,6 +45,8 @@ OPEN_AT_MOST: Final = 2_000
 OF_ONE_AT_MOST: Final = 500
 """So many are one person's, so that nobody keeps the others from giving any."""
 SHOWN_AT_MOST: Final = 20
+READINGS_OF_ONE: Final = 200
+"""So many readings of a step cost somebody as much of their rate as one more line."""
 ANY: Final = frozenset({ANYBODY, "anybody", "anyone", "irgendwer"})
 ASSIGN: Final = "assign"
 
@@ -130,28 +138,41 @@ class TaskCommands:
 
     async def _give(self, asked: CommandContext) -> Reply:
         check_command_fresh(asked.inbound, f"/task {asked.rest}")
-        [(task, said)] = await self.dispatching.give(asked.cid, lambda: self._made(asked))
+        self.dispatching.origins.check(asked.cid)
+        check_room(self.dispatching.fleet, asked.caller.principal, 1)
+        organiser, who = self._rooms.organiser, asked.caller.principal
+        wish = read_wish(asked.rest, organiser.wall_ns(), organiser.calendar.zone(who))
+        wanted, robots, used = self._target(wish, who)
+        lines = wish.lines(used)
+        organiser.charge_work(asked.caller, readings(robots, lines) / READINGS_OF_ONE)
+        steps = PermittedSteps(self._rooms, who)
+        found = await able(steps, self._rooms, self.dispatching.fleet, robots, lines)
+        if not found.robots:
+            raise self._nobody(wanted, found.lacking, partial(wish.typed, used))
+        [(task, said)] = await self.dispatching.give(
+            asked.cid, lambda: self._made(asked, wish, wanted, lines, found)
+        )
         names = [self._telling.shown(robot) for robot in task.among]
-        until_ns, who = task.until_ns, asked.caller.principal
-        by = self._rooms.organiser.moment(who, until_ns) if until_ns else ""
+        until_ns = task.until_ns
+        by = organiser.moment(who, until_ns) if until_ns else ""
         return Reply(words.given(task, said.shown, words.one_of(names), by))
 
-    def _made(self, asked: CommandContext) -> Given:
-        """Return the task that somebody asks for.
+    def _made(
+        self,
+        asked: CommandContext,
+        wish: TaskWish,
+        wanted: str,
+        lines: tuple[str, ...],
+        found: CapableRobots,
+    ) -> Given:
+        """Return the task that somebody asks for, of those who can carry it out.
 
         Raises:
-            Refusal: As `task`.
+            TooManyRequests: There are too many by now.
         """
         fleet, who = self.dispatching.fleet, asked.caller.principal
         check_room(fleet, who, 1)
-        organiser = self._rooms.organiser
-        now_ns = organiser.wall_ns()
-        wish = read_wish(asked.rest, now_ns, organiser.calendar.zone(who))
-        wanted, robots, used = self._target(wish, who)
-        lines = wish.lines(used)
-        found = able(self._rooms, fleet, who, robots, lines)
-        if not found.robots:
-            raise self._nobody(wanted, found.lacking, partial(wish.typed, used))
+        now_ns = self._rooms.organiser.wall_ns()
         task = Task(
             id=fleet.next_id(),
             author=who,

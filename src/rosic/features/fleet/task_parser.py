@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING, Final, NamedTuple
@@ -14,11 +15,11 @@ from rosic.core.language.time_parser import RequestedTime, read_when
 from rosic.core.language.time_tokens import length_said
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 from rosic.features.fleet import messages as words
-from rosic.features.fleet.alternatives import TaskAlternatives, read_step
+from rosic.features.fleet.alternatives import MissingPart, StepReader, TaskAlternatives
 from rosic.features.fleet.robot_messages import is_retired
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
     from rosic.core.fleet.state import FleetState
     from rosic.core.fleet.task import Task
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from rosic.core.language import Do
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.core.robot.skill import Argument
-    from rosic.features.fleet.alternatives import MissingPart
     from rosic.gateway.components import Components
     from rosic.organiser.timezones import Zone
 
@@ -208,7 +208,11 @@ _READ: dict[str, Callable[[TaskWish, list[str], int, Zone], bool]] = {
 
 # ---- which robots can do it ----
 
-LOOKED_AT_MOST = 50  # robots, for what one of them could do instead
+READ_AT_MOST: Final = 2_000
+"""So many different steps are read for one task, of all robots it may be for together."""
+READ_IN_A_ROW: Final = 16
+"""After so many the others of the gateway have their turn: a stop is not to wait for a task."""
+LOOKED_AT_MOST = 20  # robots, for what one of them could do instead
 GO_TO_PARTS = 3  # of what a profile says: a skill, x and y
 
 
@@ -234,74 +238,157 @@ def step_for(rooms: Components, robot: RobotId, line: str) -> Do:
     Raises:
         Refusal: It is no single command of this robot, or a value is missing or out of bounds.
     """
-    step = read_step(rooms, robot, line)
+    step = StepReader(rooms).read(robot, line)
     bind(rooms.vocabulary, robot, step.skills[0], step.spoken)
     return step
 
 
-def able(
+class ReadStep(NamedTuple):
+    """One line that a robot can carry out.
+
+    Attributes:
+        skill: By id.
+        place: Where it leads to; None when it leads nowhere.
+    """
+
+    skill: str
+    place: tuple[float, float] | None
+
+
+class PermittedSteps:
+    """What robots can carry out for one person; each line is looked at once for each robot.
+
+    Attributes:
+        reader: Reads lines, whoever asks.
+    """
+
+    def __init__(self, rooms: Components, who: PrincipalId) -> None:
+        self._rooms = rooms
+        self._who = who
+        self.reader = StepReader(rooms)
+        self._seen: dict[tuple[RobotId, str], ReadStep | Refusal] = {}
+        self._in_a_row = 0
+
+    async def look(self, robot: RobotId, lines: Iterable[str], *, to_the_end: bool) -> None:
+        """Read lines ahead of `all`, and give way to others meanwhile.
+
+        Args:
+            robot: Whose lines.
+            lines: What it is to do.
+            to_the_end: Also those behind one that it cannot carry out.
+        """
+        for line in dict.fromkeys(lines):
+            if (robot, line) not in self._seen:
+                self._in_a_row += 1
+                if self._in_a_row >= READ_IN_A_ROW:
+                    self._in_a_row = 0
+                    await asyncio.sleep(0)
+            if isinstance(self._one(robot, line), Refusal) and not to_the_end:
+                return
+
+    def all(self, robot: RobotId, lines: Iterable[str]) -> list[ReadStep]:
+        """Return lines as one robot can carry them out.
+
+        Raises:
+            Refusal: It cannot, or not for this person.
+        """
+        found: list[ReadStep] = []
+        for line in lines:
+            step = self._one(robot, line)
+            if isinstance(step, Refusal):
+                raise step.with_traceback(None)
+            found.append(step)
+        return found
+
+    def _one(self, robot: RobotId, line: str) -> ReadStep | Refusal:
+        seen = self._seen.get((robot, line))
+        if seen is None:
+            try:
+                seen = self._read(robot, line)
+            except Refusal as refusal:
+                seen = refusal
+            self._seen[robot, line] = seen
+        return seen
+
+    def _read(self, robot: RobotId, line: str) -> ReadStep:
+        organiser, profile = self._rooms.organiser, self._rooms.profiles[robot]
+        [skill] = (step := self.reader.read(robot, line)).skills
+        arguments = bind(self._rooms.vocabulary, robot, skill, step.spoken)
+        if not organiser.allows(self._who, robot, skill.id):
+            raise words.not_permitted(profile.shown, skill)
+        if organiser.rights.caution(robot, skill.id).needs:
+            raise words.wants_a_person(profile.shown, skill)
+        leads = profile.go_to.split()[:1] == [skill.id]
+        return ReadStep(skill.id, _place(profile, arguments) if leads else None)
+
+
+def readings(robots: Collection[RobotId], lines: Iterable[str]) -> int:
+    """Return how many lines are read to find out who can carry out all of them.
+
+    Raises:
+        OutOfBounds: More than are read for one task.
+    """
+    different = len(set(lines))
+    if different * len(robots) > READ_AT_MOST:
+        raise OutOfBounds(words.too_much_to_read(different, len(robots), READ_AT_MOST))
+    return different * len(robots)
+
+
+async def able(
+    steps: PermittedSteps,
     rooms: Components,
     fleet: FleetState,
-    who: PrincipalId,
     robots: Iterable[RobotId],
     lines: Sequence[str],
 ) -> CapableRobots:
     """Return which of some robots can carry out all of the lines, by rights and by skills.
 
-    One that is retired can do nothing: nobody waits for it.
+    One that is retired can do nothing: nobody waits for it. Others have their turn meanwhile, and
+    a robot may be gone afterwards.
     """
     found: list[RobotId] = []
     refused: list[tuple[RobotId, Refusal]] = []
     place: tuple[float, float] | None = None
+    skills: tuple[str, ...] = ()
     for robot in robots:
+        if robot in rooms.profiles and fleet.standing(robot) is not FleetMembership.RETIRED:
+            await steps.look(robot, lines, to_the_end=False)
+        if (profile := rooms.profiles.get(robot)) is None:
+            continue
         try:
             if fleet.standing(robot) is FleetMembership.RETIRED:
-                raise NotUnderstood(is_retired(rooms.profiles[robot].shown, robot))
-            leads = _all(rooms, who, robot, lines)
+                raise NotUnderstood(is_retired(profile.shown, robot))
+            does = steps.all(robot, lines)
         except Refusal as refusal:
             refused.append((robot, refusal))
         else:
+            skills = skills or tuple(step.skill for step in does)
             found.append(robot)
-            place = place or leads
+            place = place or next((step.place for step in does if step.place), None)
     if not found:
-        why = (
-            TaskAlternatives(rooms, robot, partial(_all, rooms, who, robot)).lacking(lines, refusal)
-            for robot, refusal in refused
-        )
-        return CapableRobots((), None, (), _rather(why))
-    skills = tuple(step_for(rooms, found[0], line).skills[0].id for line in lines)
+        return CapableRobots((), None, (), await _rather(steps, rooms, refused, lines))
     return CapableRobots(tuple(found), place, skills, None)
 
 
-def _rather(found: Iterable[MissingPart]) -> MissingPart | None:
-    """Return the first that helps, or else the first."""
+async def _rather(
+    steps: PermittedSteps,
+    rooms: Components,
+    refused: Iterable[tuple[RobotId, Refusal]],
+    lines: Sequence[str],
+) -> MissingPart | None:
+    """Return what is lacking to the first that something would help, or else to the first."""
     first: MissingPart | None = None
-    for one in islice(found, LOOKED_AT_MOST):
-        if one.helps:
-            return one
-        first = first or one
+    for robot, refusal in islice(refused, LOOKED_AT_MOST):
+        await asyncio.sleep(0)  # for each it takes as long as for a line that was mistyped
+        await steps.look(robot, lines, to_the_end=True)
+        if robot not in rooms.profiles:
+            continue
+        instead = TaskAlternatives(steps.reader, robot, partial(steps.all, robot))
+        lacking = instead.lacking(lines, refusal)
+        if lacking.helps:
+            return lacking
+        first = first or lacking
     return first
-
-
-def _all(
-    rooms: Components, who: PrincipalId, robot: RobotId, lines: Sequence[str]
-) -> tuple[float, float] | None:
-    """Return where the lines lead to first.
-
-    Raises:
-        Refusal: It cannot, or not for this person.
-    """
-    place: tuple[float, float] | None = None
-    organiser, profile = rooms.organiser, rooms.profiles[robot]
-    for line in lines:
-        [skill] = (step := step_for(rooms, robot, line)).skills
-        if not organiser.allows(who, robot, skill.id):
-            raise words.not_permitted(profile.shown, skill)
-        if organiser.rights.caution(robot, skill.id).needs:
-            raise words.wants_a_person(profile.shown, skill)
-        if place is None and profile.go_to.split()[:1] == [skill.id]:
-            place = _place(profile, bind(rooms.vocabulary, robot, skill, step.spoken))
-    return place
 
 
 def _place(profile: Profile, arguments: Mapping[str, Argument]) -> tuple[float, float] | None:
