@@ -198,3 +198,20 @@ def test_what_is_refused_is_refused_though_nobody_counts() -> None:
     shown.buttons = ButtonTokens(shown.clock, SeededEntropy(), count=shown.refused.append)
     with pytest.raises(Expired):
         shown.tap("unknown")
+
+
+def test_whom_a_button_was_shown_is_known_while_nobody_has_used_it() -> None:
+    shown = Shown()
+    own = shown.buttons.issue(MOVE, "p1", "c1").nonce
+    shared = shown.buttons.issue(MOVE, ANYBODY, "c1").nonce
+    assert shown.buttons.asked(own) == "p1"
+    assert shown.buttons.asked(shared) is None
+    assert shown.buttons.asked("unknown") is None
+    shown.tap(own)
+    assert shown.buttons.asked(own) is None
+
+
+def test_what_anybody_may_tap_is_not_counted_as_one_persons() -> None:
+    shown = Shown(at_most=2 * EACH_AT_MOST)
+    shared = [shown.buttons.issue(MOVE, ANYBODY, "c1").nonce for _ in range(EACH_AT_MOST + 1)]
+    assert shown.tap(shared[0]) == ("omni move 1 m", b"act")
