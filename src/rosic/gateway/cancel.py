@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from rosic.core.i18n import joined, said
 from rosic.core.identity import PrincipalId
-from rosic.core.language import CommandLine, hears_cancel
+from rosic.core.language import CommandLine, hears_cancel, leaves_out
 from rosic.core.message import Button
 from rosic.core.robot.profile import RobotId
 from rosic.core.time_units import MINUTE_NS
@@ -203,6 +203,8 @@ class CancelLane:
         if not (rests or waited or others):
             return self._nothing(caller, robots)
         parts = [words.CANCELLED, *rests, words.waited(len(waited)), *others]
+        if not robots and leaves_out(inbound.text):
+            parts.append(words.NOBODY_LEFT_OUT)
         if "\n" in inbound.text.strip():
             parts.append(words.NOTHING_ELSE)
         return Reply(joined(" ", filter(None, parts)), anew=True)

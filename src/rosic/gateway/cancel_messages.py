@@ -7,6 +7,7 @@ from rosic.core.i18n import said, said_n
 CANCELLED = said("Cancelled.")
 NOTHING = said("Nothing of yours is under way.")
 NOTHING_ELSE = said("Nothing else of that message was done.")
+NOBODY_LEFT_OUT = said("That left nothing out: all of yours was ended.")
 NOT_ALL = said("Something else of yours could not be ended. See status, and say stop if it moves.")
 CANCEL_A_BOOKING = said("Cancel a booking")
 

@@ -177,8 +177,7 @@ class LeaseHandover:
 
     def _robot(self, asked: CommandContext) -> RobotId:
         words = asked.rest.split()
-        named = words[1] if words[:1] == ["over"] and len(words) > 1 else " ".join(words)
-        return self._named(named, asked)
+        return self._named(" ".join(words[1:] if words[:1] == ["over"] else words), asked)
 
     def _named(self, named: str, asked: CommandContext) -> RobotId:
         robot = named.casefold()

@@ -105,7 +105,9 @@ class ResumeHandler:
                 self._container.stays_stopped(robot_cid)
                 raise
 
-        return await self._each(generations, one)
+        told = await self._each(generations, one)
+        spared = [self._linker.profile(r).shown for r in line.spared if self._board[r].latched]
+        return joined("\n", (told, messages.still_stopped(spared))) if spared else told
 
     async def by_operator(self, robots: Collection[RobotId], at_ns: int) -> str:
         """Resume robots for the operator of this machine, who asks no organiser, and on the record.

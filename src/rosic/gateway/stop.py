@@ -13,6 +13,7 @@ from msgspec.structs import replace
 from rosic.authoriser.button_tokens import ANYBODY, MENU_LIFETIME_NS
 from rosic.core import messages
 from rosic.core.i18n import in_language, joined, said
+from rosic.core.language import leaves_out
 from rosic.core.message import Button, ChatKind, Inbound, Outbound, SendPriority
 from rosic.core.order import RestReport
 from rosic.core.records import Stopped
@@ -96,6 +97,7 @@ if TYPE_CHECKING:
 ANSWERS_AT_MOST = 8
 LATCH_WITHIN_S = 10.0
 NOT_WRITTEN = said("I could not write this down: after a restart, look before you move anything.")
+NOBODY_LEFT_OUT = said("A stop leaves nobody out: all of them were stopped.")
 
 log = logging.getLogger("rosic.stop")
 
@@ -249,7 +251,7 @@ class StopLane:
             sent = Outbound(chat=inbound.chat, text=plain, weight=SendPriority.STOP)
             message = await self._say(messenger, sent, "")
         rests = [await self._rest(robot, task) for robot, task in halting.rests.items()]
-        text = messages.rests(self._profiles, rests)
+        text = self._told(inbound, rests)
         if not await asyncio.shield(halting.latched):
             text = joined(" ", (text, NOT_WRITTEN))
         who, asking = self._who_can(inbound, tuple(halting.rests), by)
@@ -269,6 +271,12 @@ class StopLane:
             task = asyncio.create_task(self._when_at_rest(messenger, inbound, rest.robot))
             self._following.add(task)
             task.add_done_callback(self._following.discard)
+
+    def _told(self, inbound: Inbound, rests: list[RestReport]) -> str:
+        """Return what became of a stop; and that it left nobody out, where it was to."""
+        text = messages.rests(self._profiles, rests)
+        all_the_same = len(rests) > 1 and leaves_out(inbound.text)
+        return joined("\n", (text, NOBODY_LEFT_OUT)) if all_the_same else text
 
     async def _when_at_rest(self, messenger: Messenger, inbound: Inbound, robot: RobotId) -> None:
         """Say so once a robot is at rest whose stop was answered without that."""

@@ -173,6 +173,68 @@ def test_a_verb(means: Means, text: str, line: Line) -> None:
     assert means(text) == line
 
 
+@pytest.mark.parametrize(
+    ("text", "spared"),
+    [
+        ("resume all but omni", {"omni"}),
+        ("/resume all except omni and kuka1", {"omni", "kuka1"}),
+        ("resume everything but the crazyflies", {"cf1", "cf2", "cf3"}),
+        ("resume everyone, except for omni!", {"omni"}),
+        ("resume all apart from cf1", {"cf1"}),
+        ("resume alle außer omni", {"omni"}),
+        ("resume alles bis auf omni und cf2", {"omni", "cf2"}),
+        ("resume alle roboter wieder ohne KUKA iiwa", {"kuka1"}),
+        ("resume all now", set()),
+        ("resume omni and all", set()),
+    ],
+)
+def test_who_is_left_out_stays_as_they_are(
+    means: Means, everyone: frozenset[str], text: str, spared: set[str]
+) -> None:
+    line = means(text)
+    assert isinstance(line, Resume), line
+    assert set(line.robots) == everyone - spared
+    assert set(line.spared) == spared
+    assert not line.named
+    assert means(text.replace("resume", "status", 1)) == Status(line.robots)
+
+
+def test_all_before_a_name_is_all_of_that_name(means: Means) -> None:
+    drones = ("cf1", "cf2", "cf3")
+    assert means("resume all crazyflies") == Resume(drones, named=True)
+    assert means("resume crazyflies except cf2") == Resume(("cf1", "cf3"), True, ("cf2",))
+    assert means("resume all of omni", "cf1") == Resume(("omni",), named=True)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "resume all foo bar",
+        "/resume all but",
+        "resume all but nobody's",
+        "resume all but omni later",
+        "resume all but all",
+        "resume everything but the drones",
+        "resume omni but omni",
+        "resume not omni",
+        "resume but omni",
+        "resume all in 5 minutes",
+        "use omni later",
+        "use omni and kuka1",
+    ],
+)
+def test_no_word_behind_a_verb_is_left_out(means: Means, text: str) -> None:
+    line = means(text)
+    assert isinstance(line, Misunderstood), line
+    assert all(not isinstance(means(offer), Misunderstood) for offer in line.offers)
+
+
+def test_who_is_not_seen_is_left_out_by_no_name(means: Means) -> None:
+    line = means("resume all but kuka1", "", frozenset({"omni", "cf1"}))
+    assert isinstance(line, Misunderstood)
+    assert "kuka1" not in " ".join(line.offers)
+
+
 def test_several_lines_keep_their_order(vocabulary: Vocabulary, everyone: frozenset[str]) -> None:
     lines = understand(
         "omni move 1 m\r\n\n  \nmvoe\nstatus\nstop omni", vocabulary, LineContext("", everyone)

@@ -26,6 +26,7 @@ from rosic.core.language.cancel_detection import hears_cancel, is_urgent
 from rosic.core.language.compiled import SAY, skills_of
 from rosic.core.language.formatting import show
 from rosic.core.language.line_parser import MOST_WORDS
+from rosic.core.language.line_words import leaves_out
 from rosic.core.language.numbers import Unit, UnitTable
 from rosic.core.language.parser import LONGEST_TEXT, MOST_LINES, LanguageReader, places, understand
 from rosic.core.language.sanitise import clean, clean_name, inert_text
@@ -64,6 +65,7 @@ __all__ = [
     "inert_text",
     "is_urgent",
     "kept_of",
+    "leaves_out",
     "places",
     "show",
     "skills_of",

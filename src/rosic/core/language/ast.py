@@ -80,10 +80,12 @@ class Resume(msgspec.Struct, frozen=True):
         robots: Empty when none was named and none is selected: the one that is stopped, if it is
             only one; else the person has to say which.
         named: The line names them: they are not merely what is chosen in that chat, or all.
+        spared: Those that it leaves out by their names: ``all but omni``.
     """
 
     robots: tuple[RobotId, ...] = ()
     named: bool = False
+    spared: tuple[RobotId, ...] = ()
 
 
 class Start(msgspec.Struct, frozen=True):

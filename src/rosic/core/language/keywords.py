@@ -39,7 +39,15 @@ POLITE = frozenset({"bitte"})
 EVERYTHING = frozenset({"all", "everybody", "everyone", "everything"})
 # Likewise elsewhere, where no robot is called so; and what goes along: ``weitermachen lassen``.
 EVERYTHING_ELSEWHERE = frozenset({"alle", "alles"})
-ALONG_ELSEWHERE = frozenset({"bitte", "lassen", "und", "wieder"})
+ALONG_ELSEWHERE = frozenset(
+    {"again", "jetzt", "now", "robots", "roboter"} | {"bitte", "lassen", "und", "wieder"}
+)
+# What leaves out of those named before it whoever is named behind it, where no robot is called so.
+EXCEPTING: frozenset[tuple[str, ...]] = frozenset(
+    {("but",), ("except",), ("excepting",), ("excluding",), ("minus",), ("not",), ("without",)}
+    | {("apart", "from"), ("other", "than"), ("but", "not")}
+    | {("ausser",), ("nicht",), ("ohne",), ("aber", "nicht"), ("bis", "auf"), ("nur", "nicht")}
+)
 NOTHING = frozenset({"nobody", "none", "nothing"})
 
 NUMBERS: dict[str, float] = {

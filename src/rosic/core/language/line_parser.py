@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from rosic.core.i18n import said
 from rosic.core.language.ast import (
     CommandLine,
     Do,
@@ -28,7 +29,7 @@ from rosic.core.language.keywords import (
     PAGE_ALIASES,
     POLITE,
 )
-from rosic.core.language.line_words import past_fillers
+from rosic.core.language.line_words import past_excepting, past_fillers
 from rosic.core.language.skill_values import fits
 from rosic.core.language.stop_detection import hears_stop
 from rosic.core.language.syntax_errors import SyntaxErrorBuilder
@@ -67,6 +68,8 @@ def help_named(word: str, commands: CommandTable) -> CommandLine | Help | None:
 MOST_WORDS = 32
 LONGEST_PAYLOAD = 64
 CONTINUE = "continue"
+ONE_CHOSEN: Final = said("One robot or one group is chosen at a time. Which one?")
+NOBODY_LEFT: Final = Misunderstood(said("That leaves no robot. Nothing was done."), ("robots",))
 
 
 class LineReader:
@@ -213,8 +216,8 @@ class LineReader:
             return verb(self, callee, at + 1)
         if word == CONTINUE:
             return CommandLine(CONTINUE, " ".join((callee.name, self._rest(at + 1))).rstrip())
-        if (said := self._said(callee, at)) is not None:
-            return said
+        if (speech := self._said(callee, at)) is not None:
+            return speech
         return self._trouble().no_such_skill(callee, at)
 
     def _skill(
@@ -344,7 +347,7 @@ class LineReader:
 
     def status(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``status`` and the names after it."""
-        return self._several(callee, at, lambda robots, _: Status(robots))
+        return self._several(callee, at, lambda robots, _, __: Status(robots))
 
     def resume(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``resume`` and the names after it."""
@@ -358,28 +361,51 @@ class LineReader:
         self,
         callee: NameTarget | None,
         at: int,
-        make: Callable[[tuple[RobotId, ...], bool], Line],
+        make: Callable[[tuple[RobotId, ...], bool, tuple[RobotId, ...]], Line],
     ) -> Line:
+        """Read names to the end of the line: no word of it is left out, or it means nothing.
+
+        ``all`` before a name belongs to it (``all crazyflies``); behind what leaves some out
+        (``all but omni``) stand names only.
+        """
         if len(self._low) > MOST_WORDS:
             return self._trouble().too_many_words(MOST_WORDS)
-        meant = dict.fromkeys(robot.id for robot in callee.robots) if callee is not None else {}
-        while (at := self._past_fillers(at)) < len(self._low):
-            if self._low[at] in EVERYTHING:
-                return make(self._everybody(), False)
-            named, after = self._callee(at)
-            if named is None and self._low[at] in EVERYTHING_ELSEWHERE:
-                return make(self._everybody(), False)
-            if named is None and self._low[at] in ALONG_ELSEWHERE:
-                at += 1
-                continue
-            if named is None:
-                return self._trouble().no_such_robot(at)
-            meant.update(dict.fromkeys([robot.id for robot in named.robots]))
-            at = after
-        named_one = bool(meant)
-        if not named_one and (chosen := self._chosen()) is not None:
+        before = (callee,) if callee is not None else ()
+        meant, everybody, at = self._names(before, at, all_too=True)
+        spared: dict[RobotId, None] = {}
+        if (everybody or meant) and (end := past_excepting(self._low, at)):
+            spared, _, after = self._names((), end, all_too=False)
+            at = after if spared else at
+        if at < len(self._low):
+            return self._trouble().no_such_robot(at)
+        named_one = bool(meant) and not everybody
+        if everybody:
+            meant = dict.fromkeys(self._everybody())
+        elif not meant and (chosen := self._chosen()) is not None:
             meant = dict.fromkeys(robot.id for robot in chosen.robots)
-        return make(tuple(meant), named_one)
+        left = tuple([robot for robot in meant if robot not in spared])
+        return make(left, named_one, tuple(spared)) if left or not spared else NOBODY_LEFT
+
+    def _names(
+        self, before: tuple[NameTarget, ...], at: int, *, all_too: bool
+    ) -> tuple[dict[RobotId, None], bool, int]:
+        """Return whom the words from here on name, whether that is all, and where names end."""
+        meant = dict.fromkeys(robot.id for callee in before for robot in callee.robots)
+        everybody = False
+        while (at := self._past_fillers(at)) < len(self._low):
+            word = self._low[at]
+            named, after = self._callee(at)
+            if named is not None:
+                everybody = False
+                meant.update(dict.fromkeys(robot.id for robot in named.robots))
+            elif all_too and (word in EVERYTHING or word in EVERYTHING_ELSEWHERE):
+                everybody, after = True, at + 1
+            elif word in ALONG_ELSEWHERE:
+                after = at + 1
+            else:
+                break
+            at = after
+        return meant, everybody, at
 
     def help(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``help`` and the name after it."""
@@ -399,12 +425,20 @@ class LineReader:
     def use(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``use`` and the name after it."""
         at = self._past_fillers(at)
-        if callee is not None:
-            return Use(callee.name)
-        if at == len(self._low) or self._low[at] in NOTHING:
+        if callee is None and (at == len(self._low) or self._low[at] in NOTHING):
             return Use()
-        named, _ = self._callee(at)
-        return Use(named.name) if named is not None else self._trouble().no_such_robot(at)
+        named, at = (callee, at) if callee is not None else self._callee(at)
+        if named is None:
+            return self._trouble().no_such_robot(at)
+        at = self._past_fillers(at)
+        while at < len(self._low) and self._low[at] in ALONG_ELSEWHERE:
+            at = self._past_fillers(at + 1)
+        if at == len(self._low):
+            return Use(named.name)
+        other, _ = self._callee(at)
+        if other is None:
+            return self._trouble().no_such_robot(at)
+        return Misunderstood(ONE_CHOSEN, (f"use {named.name}", f"use {other.name}"))
 
     def start(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``start`` and the payload of an invitation; behind a robot's name stands none."""

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from rosic.core.language.keywords import FILLERS
-from rosic.core.language.sanitise import fold_word
+from rosic.core.language.keywords import EXCEPTING, FILLERS
+from rosic.core.language.sanitise import clean, fold_word
 
 FOLDED_AT_MOST: Final = 1024
+
+NEGATING: Final = frozenset({"minus", "nicht", "not"})
+"""Of what leaves robots out, the words that also say something else in many a sentence."""
 
 _ENDS: Final = ".,;:!?"
 
@@ -49,6 +52,22 @@ def past_fillers(low: list[str], at: int) -> int:
     while at < len(low) and low[at] in FILLERS:
         at += 1
     return at
+
+
+def past_excepting(low: list[str], at: int) -> int:
+    """Return where what leaves robots out ends that begins here; 0: nothing does."""
+    for end in (at + 2, at + 1):
+        if end <= len(low) and tuple(low[at:end]) in EXCEPTING:
+            return end
+    return 0
+
+
+def leaves_out(text: str) -> bool:
+    """Whether a text, which stops or ends everything, was perhaps to leave somebody out."""
+    if len(text) > FOLDED_AT_MOST:
+        return False
+    low = clean(" ".join(text.split())).casefold().split()
+    return any(past_excepting(low, at) and low[at] not in NEGATING for at in range(1, len(low)))
 
 
 def _folded(raw: list[str]) -> list[str]:

@@ -214,7 +214,7 @@ class RobotToRobotCommands:
         robot, shown, rest = self._whom(who, said)
         if not self._around.rights.operates(who, robot):
             raise NotPermitted(words.may_not_quiet(shown))
-        if rest and rest[0] in OFF:
+        if len(rest) == 1 and rest[0] in OFF:
             await self._messaging.silence(robot, who, 0)
             self._tell_others(robot, who, lambda _: words.heard_again(shown))
             return Reply(words.heard_again(shown), about=robot)
