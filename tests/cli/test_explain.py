@@ -118,6 +118,21 @@ def test_ones_own_highest_speed_counts_as_in_a_chat(place: Place) -> None:
     assert "Ada may.\n" in place.good("explain", "Ada", "omni move 1 m speed=0.1")
 
 
+def test_a_default_above_ones_own_limit_is_lowered_as_in_a_chat(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    own = OWN.replace("kuka1:*", "omni:*").replace("force <= 20 N", "speed <= 0.2 m/s")
+    place = Place(tmp_path, capsys, MEMORY.replace('"operator"', '"junior"') + own).begun()
+    first, *rest = place.good("explain", "Bob", "omni fahre 0,2 m").splitlines()
+    assert first == "omni: move, 0.20 m, 0.2 m/s forward"
+    assert rest[:2] == ["Bob may.", "What the line leaves open is lowered to their own limits."]
+    assert not any(line.startswith("no  ") for line in rest)
+
+    assert "is broken" in no(place, "Bob", "omni fahre 0,2 m speed=0.25")
+    assert "lowered" not in place.good("explain", "Bob", "omni move 0.2 m speed=0.1")
+    assert "lowered" not in place.good("explain", "Ada", "omni move 0.2 m")
+
+
 async def sets_speed(data: Path, name: str, speed: str) -> None:
     """Keep somebody's own highest speed on the record, as `/settings speed` does."""
     clock = SystemClock()

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, NamedTuple
 from msgspec.structs import replace
 
 from rosic.core.i18n import joined, said
-from rosic.core.language.arguments import place
-from rosic.core.order import Request, SpokenValue
+from rosic.core.language.arguments import bind, place
+from rosic.core.order import SpokenValue
 from rosic.core.policy.limits import limit_in_words
 from rosic.core.policy.query import Deny, PolicyCode
 from rosic.core.policy.roles import Assurance
-from rosic.organiser.organiser import AuthContext
+from rosic.organiser.organiser import AuthContext, Organiser
 from rosic.organiser.refusals import bound_of
 
 if TYPE_CHECKING:
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.core.identity import Caller, CommandId
-    from rosic.core.language import Do
+    from rosic.core.language import Do, VocabularyHolder
     from rosic.core.language.compiled import CompiledParameter, CompiledSkill
     from rosic.core.language.numbers import Unit, UnitTable
-    from rosic.core.order import Permit
+    from rosic.core.order import Permit, Request
     from rosic.core.policy.limits import Limit
     from rosic.core.robot.profile import RobotId
     from rosic.core.robot.skill import Argument
@@ -42,10 +42,79 @@ ANYWHERE = AuthContext(channel=Assurance.LOCAL)
 WHOLE = 1e-6
 
 
-class LimitClamping:
-    """Brings what was left open within somebody's limits."""
+class DefaultLowering:
+    """Brings what a line leaves open within somebody's limits, and admits nothing."""
+
+    def __init__(self, vocabularies: VocabularyHolder, organiser: Organiser) -> None:
+        self._vocabularies = vocabularies
+        self._organiser = organiser
+
+    def of(self, caller: Caller, line: Do) -> tuple[Do, str]:
+        """Return the same; the line as it is, and nothing to say, where nothing is lowered.
+
+        Raises:
+            NotUnderstood, OutOfBounds: It cannot be carried out as it was said.
+        """
+        vocabulary = self._vocabularies.current
+        open_at: dict[str, list[_Open]] = {}
+        notes: dict[str, None] = {}
+        for robot, skill in zip(line.robots, line.skills, strict=True):
+            compiled, given = place(vocabulary, robot, skill, line.spoken, group=line.group)
+            arguments = bind(vocabulary, robot, skill, line.spoken, group=line.group)
+            found, limits = self.within(caller, robot, compiled, arguments, given)
+            for parameter in compiled.numbers:
+                usual = arguments.get(parameter.name)
+                if isinstance(usual, int | float):
+                    here = _Open(parameter.unit, usual, found.get(parameter.name, usual))
+                    open_at.setdefault(parameter.name, []).append(here)
+            notes.update(dict.fromkeys(self._said(caller, limit) for limit in limits))
+        if not notes:
+            return line, ""
+        units = vocabulary.units
+        changed = {name: of for name, of in open_at.items() if any(o.value != o.usual for o in of)}
+        more = [_for_all(name, each, units) for name, each in changed.items()]
+        said = tuple(spoken for spoken in more if spoken is not None)
+        if len(said) < len(more):
+            return line, ""
+        return replace(line, spoken=(*line.spoken, *said)), joined(", ", notes)
+
+    def within(
+        self,
+        caller: Caller,
+        robot: RobotId,
+        compiled: CompiledSkill,
+        arguments: Mapping[str, Argument],
+        given: Collection[str],
+    ) -> tuple[dict[str, float], list[Limit]]:
+        """Return what becomes of values that nobody gave, SI, and by which limits."""
+        organiser = self._organiser
+        skill = compiled.skill.id
+        decision = organiser.decision(caller, robot, skill, arguments, ANYWHERE)
+        if not isinstance(decision, Deny) or decision.code is not PolicyCode.OVER_LIMIT:
+            return {}, []
+        lowered: dict[str, float] = {}
+        limits: list[Limit] = []
+        for limit in decision.way.limits if decision.way is not None else ():
+            value, parameter = arguments.get(limit.parameter), compiled.by_name[limit.parameter]
+            if limit.parameter in given or not isinstance(value, int | float):
+                continue
+            if not limit.min <= value <= limit.max:
+                lowered[limit.parameter] = _within(parameter, float(value), limit)
+                limits.append(limit)
+        return lowered, limits
+
+    def _said(self, caller: Caller, limit: Limit) -> str:
+        bound = bound_of(limit.said)
+        if any(own in limit.said for own in self._organiser.own_limits(caller.principal)):
+            return said("as much as your own setting allows ({limit})", limit=limit_in_words(bound))
+        return said("as much as your limit allows ({limit})", limit=limit_in_words(bound))
+
+
+class LimitClamping(DefaultLowering):
+    """Brings what was left open within somebody's limits, and admits that."""
 
     def __init__(self, rooms: Components, requesting: RequestFactory, clock: Clock) -> None:
+        super().__init__(rooms.vocabularies, rooms.organiser)
         self._rooms = rooms
         self._requesting = requesting
         self._clock = clock
@@ -77,68 +146,6 @@ class LimitClamping:
             said.caller, requests, lambda one: complete(one).arguments, said.auth_context
         )
         return line, requests, permits
-
-    def of(self, caller: Caller, line: Do) -> tuple[Do, str]:
-        """Return the same; the line as it is, and nothing to say, where nothing is lowered.
-
-        Raises:
-            NotUnderstood, OutOfBounds: It cannot be carried out as it was said.
-        """
-        open_at: dict[str, list[_Open]] = {}
-        notes: dict[str, None] = {}
-        for robot, skill in zip(line.robots, line.skills, strict=True):
-            compiled, given = place(
-                self._rooms.vocabulary, robot, skill, line.spoken, group=line.group
-            )
-            request = Request(b"", robot, skill, line.spoken, line.text, 0, 0, 0, 0, line.group)
-            arguments = self._rooms.container.complete(request).arguments
-            found, limits = self.within(caller, robot, compiled, arguments, given)
-            for parameter in compiled.numbers:
-                usual = arguments.get(parameter.name)
-                if isinstance(usual, int | float):
-                    here = _Open(parameter.unit, usual, found.get(parameter.name, usual))
-                    open_at.setdefault(parameter.name, []).append(here)
-            notes.update(dict.fromkeys(self._said(caller, limit) for limit in limits))
-        if not notes:
-            return line, ""
-        units = self._rooms.vocabulary.units
-        changed = {name: of for name, of in open_at.items() if any(o.value != o.usual for o in of)}
-        more = [_for_all(name, each, units) for name, each in changed.items()]
-        said = tuple(spoken for spoken in more if spoken is not None)
-        if len(said) < len(more):
-            return line, ""
-        return replace(line, spoken=(*line.spoken, *said)), joined(", ", notes)
-
-    def within(
-        self,
-        caller: Caller,
-        robot: RobotId,
-        compiled: CompiledSkill,
-        arguments: Mapping[str, Argument],
-        given: Collection[str],
-    ) -> tuple[dict[str, float], list[Limit]]:
-        """Return what becomes of values that nobody gave, SI, and by which limits."""
-        organiser = self._rooms.organiser
-        skill = compiled.skill.id
-        decision = organiser.decision(caller, robot, skill, arguments, ANYWHERE)
-        if not isinstance(decision, Deny) or decision.code is not PolicyCode.OVER_LIMIT:
-            return {}, []
-        lowered: dict[str, float] = {}
-        limits: list[Limit] = []
-        for limit in decision.way.limits if decision.way is not None else ():
-            value, parameter = arguments.get(limit.parameter), compiled.by_name[limit.parameter]
-            if limit.parameter in given or not isinstance(value, int | float):
-                continue
-            if not limit.min <= value <= limit.max:
-                lowered[limit.parameter] = _within(parameter, float(value), limit)
-                limits.append(limit)
-        return lowered, limits
-
-    def _said(self, caller: Caller, limit: Limit) -> str:
-        bound = bound_of(limit.said)
-        if any(own in limit.said for own in self._rooms.organiser.own_limits(caller.principal)):
-            return said("as much as your own setting allows ({limit})", limit=limit_in_words(bound))
-        return said("as much as your limit allows ({limit})", limit=limit_in_words(bound))
 
 
 class _Open(NamedTuple):

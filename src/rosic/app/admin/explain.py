@@ -23,6 +23,7 @@ from rosic.core.policy.explain import PolicyTexts, explain
 from rosic.core.policy.query import STOP, Allow
 from rosic.core.policy.scope import READ, RESUME
 from rosic.errors import NotUnderstood, Refusal
+from rosic.gateway.limit_clamping import DefaultLowering
 from rosic.organiser.organiser import AuthContext
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ NO_RULE = (
 )
 
 
+LOWERED = "What the line leaves open is lowered to their own limits."
 MAY_NOT = " may not."
 
 
@@ -55,6 +57,7 @@ class Explainer:
 
     def __init__(self, books: AdminContext) -> None:
         self._books = books
+        self._lowering = DefaultLowering(books.vocabularies, books.organiser)
 
     def explain(self, name: str, line: str) -> tuple[str, ...]:
         """Return the decision about each robot, with its rules.
@@ -68,13 +71,25 @@ class Explainer:
         if hidden:
             texts.append(f"To {clean(person.name)} there is no such robot; they are told so.")
         name = clean(person.name)
+        said, lowered = self._as_admitted(person, said)
         for robot, skill, shown, arguments in self._asked(said, person):
             decision = self._decide(person, robot, skill, arguments)
             verdict = _verdict(decision, name)
             if isinstance(said, Do) and arguments is None:  # whatever the rules say
                 verdict = f"{name}{MAY_NOT} The robot's own bounds refuse it, for everybody."
-            texts.append("\n".join((shown, verdict, *explain(decision, self._wording()))))
+            rules = explain(decision, self._wording())
+            texts.append("\n".join((shown, verdict, *lowered, *rules)))
         return tuple(texts)
+
+    def _as_admitted(self, person: Principal, line: Line) -> tuple[Line, tuple[str, ...]]:
+        """Return a line as it is admitted: what it leaves open is within their limits then."""
+        if not isinstance(line, Do):
+            return line, ()
+        try:
+            lowered, note = self._lowering.of(self._caller(person), line)
+        except Refusal:
+            return line, ()
+        return lowered, (LOWERED,) if note else ()
 
     def _understood(self, person: Principal, line: str) -> tuple[Line, bool]:
         """Return what a line means to somebody, and whether they may not know of its robot."""
@@ -141,11 +156,15 @@ class Explainer:
         arguments: Mapping[str, Argument] | None,
     ) -> Decision:
         books = self._books
-        key = books.authoriser.directory.key_of(person.id)
-        address = person.addresses[0] if person.addresses else Address(OPERATOR, "")
-        caller = Caller(person.id, person.name, address, "" if key is None else key.id, "")
         auth_context = AuthContext(channel=books.assurance_of(person))
-        return books.organiser.decision(caller, robot, skill, arguments, auth_context)
+        return books.organiser.decision(
+            self._caller(person), robot, skill, arguments, auth_context
+        )
+
+    def _caller(self, person: Principal) -> Caller:
+        key = self._books.authoriser.directory.key_of(person.id)
+        address = person.addresses[0] if person.addresses else Address(OPERATOR, "")
+        return Caller(person.id, person.name, address, "" if key is None else key.id, "")
 
     def _wording(self) -> PolicyTexts:
         books = self._books
