@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 from msgspec.structs import replace
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
 
-from rosic.core.i18n import Sentence
+from rosic.config.translations import catalogue
+from rosic.core.i18n import Sentence, in_language
 from rosic.core.robot.view import (
     Ball,
     Box,
@@ -31,7 +32,17 @@ from rosic.core.robot.view import (
 from rosic.errors import NothingToSee
 from rosic.rendering.axes import ticks, written
 from rosic.rendering.draw import draw
-from rosic.rendering.style import ACCENT, ALERT, GOOD, SEVERAL
+from rosic.rendering.style import (
+    ACCENT,
+    ALERT,
+    GOOD,
+    INK,
+    PAPER,
+    SEVERAL,
+    Sheet,
+    font,
+    readable,
+)
 
 if TYPE_CHECKING:
     from rosic.contracts.renderer import Renderer
@@ -192,6 +203,59 @@ def test_words_in_a_drawing_are_those_of_whoever_looks() -> None:
         templates = {text.template for text in written if isinstance(text, Sentence)}
         assert templates == set(words)
         assert other.content != english.content, "they were drawn so"
+
+
+def _pixels(words: str) -> bytes:
+    sheet = Sheet(400, 30)
+    sheet.text((4, 4), words, size=16)
+    return sheet.finished().tobytes()
+
+
+LETTERS = "äöüÄÖÜßéñçłøåžșğя²–„“→·…°µΩЖщїє"  # noqa: RUF001 - people write it
+
+
+def test_every_letter_of_latin_greek_and_cyrillic_is_drawn_as_itself() -> None:
+    drawn = {letter: _pixels(letter) for letter in LETTERS}
+    assert len(set(drawn.values())) == len(LETTERS), "two look the same: one is no letter"
+    assert _pixels("") not in drawn.values()
+    assert readable(f"Förderer {LETTERS}") == f"Förderer {LETTERS}"
+    assert _pixels("Fo\u0308rderer") == _pixels("Förderer")
+
+
+def test_a_letter_that_no_font_has_is_written_plainly() -> None:
+    assert readable("ﬀ 机 \U0001d7d9") == "ff ? 1"
+    assert _pixels("机") == _pixels("?")
+
+
+def test_a_line_of_plain_letters_is_drawn_as_ever() -> None:
+    sheet = Image.new("RGB", (200, 30), PAPER)
+    pen = ImageDraw.Draw(sheet)
+    face = ImageFont.load_default(16)
+    pen.text((4, 4), "omni: battery", fill=INK, font=face)
+    other = Image.new("RGB", (200, 30), PAPER)
+    ImageDraw.Draw(other).text((4, 4), "omni: battery", fill=INK, font=font("omni: battery", 16))
+    assert other.tobytes() == sheet.tobytes()
+
+
+def test_numbers_in_a_drawing_have_the_commas_of_whoever_looks() -> None:
+    german = catalogue("de")
+    assert german is not None
+    told: list[str] = []
+
+    def say(words: str) -> str:
+        assert german is not None
+        told.append(in_language(words, german))
+        return told[-1]
+
+    curve = TimeSeries("omni: battery", "V", ((-10.0, 11.85), (0.0, 12.25)), 11.9)
+    draw(curve, say=say)
+    draw(replace(WAY, title="omni: way"), say=say)
+    draw(WAYS, say=say)
+    draw(GRID, say=say)
+    assert "12,25 V" in told
+    assert not [words for words in told if "." in words]
+    assert in_language(written(12_500.0, 500.0), german) == "12\u202f500"
+    assert written(12_500.0, 500.0) == "12,500"
 
 
 @pytest.mark.parametrize("points", [(), ((0.0, nan),), ((-1.0, inf),)])

@@ -12,6 +12,7 @@ so that whoever collects the templates finds it.
 
 from __future__ import annotations
 
+import re
 from gettext import NullTranslations
 from typing import TYPE_CHECKING, Protocol, final
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
 _COMMAS = frozenset({"de"})
+_THOUSANDS = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
 
 
 class Catalogue(Protocol):
@@ -85,7 +87,9 @@ class MeasuredQuantity(str):
     def read_in(self, catalogue: Catalogue) -> str:
         """Return it as whoever reads this catalogue reads it."""
         text = self.imperial if isinstance(catalogue, ImperialCatalogue) else str(self)
-        return text.replace(".", ",") if writes_commas(catalogue) else text
+        if not writes_commas(catalogue):
+            return text
+        return _THOUSANDS.sub("\u202f", text).replace(".", ",")
 
 
 def figure(text: str, imperial: str = "") -> MeasuredQuantity:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from math import floor, log10
 
+from rosic.core.i18n import figure
+
 STEPS = (1.0, 2.0, 5.0, 10.0)
 FLAT = 1e-9
 
@@ -35,6 +37,6 @@ def written(value: float, step: float) -> str:
     if abs(value) < step * 1e-6:
         value = 0.0
     if step >= 1e6 or step < 1e-4:  # noqa: PLR2004 - beyond that nobody counts digits
-        return f"{value:.3g}"
+        return figure(f"{value:.3g}")
     digits = max(0, -floor(log10(step) + FLAT))
-    return f"{value:,.{digits}f}"
+    return figure(f"{value:,.{digits}f}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.core.i18n import said
+from rosic.core.i18n import figure, said
 from rosic.errors import NothingToSee
 from rosic.rendering.axes import nice_step, ticks, widened, written
 from rosic.rendering.style import ACCENT, ACCENT_SOFT, ALERT, FAINT, INK, PAPER, RULE, Sheet
@@ -55,7 +55,7 @@ def chart(curve: TimeSeries, *, low: bool, say: Say = str) -> Image.Image:
     newest = frame.at(*points[-1])
     sheet.dot(newest, 4.5, ACCENT, PAPER)
     sheet.text((frame.left - 44, 14), curve.title, size=19)
-    value = f"{_short(points[-1][1])} {curve.unit}".strip()
+    value = figure(f"{points[-1][1]:.4g} {curve.unit}".strip())
     sheet.text((frame.right, 14), value, size=19, colour=ACCENT, anchor="ra")
     return sheet.finished()
 
@@ -96,7 +96,7 @@ def _axes(sheet: Sheet, frame: Frame, curve: TimeSeries) -> None:
     if alert is not None and frame.low < alert < frame.high:
         _, y = frame.at(0, alert)
         sheet.dashed(y, frame.left, frame.right, ALERT)
-        words = said("alert below {value}", value=_short(alert))
+        words = said("alert below {value}", value=figure(f"{alert:.4g}"))
         sheet.text((frame.left + 4, y - 4), words, size=12, colour=ALERT, anchor="ld")
 
 
@@ -122,7 +122,3 @@ def _draw(sheet: Sheet, frame: Frame, stretch: list[tuple[float, float]]) -> Non
     sheet.area(shade, ACCENT_SOFT)
     sheet.line([(frame.left, frame.bottom), (frame.right, frame.bottom)], INK, 1.2)
     sheet.line(places, ACCENT, 2.4)
-
-
-def _short(value: float) -> str:
-    return f"{value:.4g}"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from PIL import Image
 
-from rosic.core.i18n import said
+from rosic.core.i18n import joined, said
 from rosic.errors import NothingToSee
 from rosic.rendering.axes import nice_step, written
 from rosic.rendering.paths import nose
@@ -130,7 +130,7 @@ def _foot(sheet: Sheet, grid: OccupancyMap, per_m: float) -> None:
     sheet.line([(12, y - 5), (12, y + 5)], INK, 1.5)
     sheet.line([(12, y), (12 + length, y)], INK, 2)
     sheet.line([(12 + length, y - 5), (12 + length, y + 5)], INK, 1.5)
-    sheet.text((20 + length, y), f"{written(step, step)} m", size=13, anchor="lm")
+    sheet.text((20 + length, y), joined(" ", (written(step, step), "m")), size=13, anchor="lm")
     if grid.note:
         sheet.text((sheet.width - 10, y), grid.note, size=12, colour=FAINT, anchor="rm")
     elif grid.path:

@@ -233,8 +233,9 @@ def _labels(image: Image.Image, scene: Scene, camera: SceneViewpoint) -> None:
         if camera.depth(label.at) < NEAR_M:
             continue
         (x, y), words = camera.place(label.at), readable(label.text)
-        left, top, right, bottom = pen.textbbox((x, y), words, font=font(size), anchor="mm")
+        face = font(words, size)
+        left, top, right, bottom = pen.textbbox((x, y), words, font=face, anchor="mm")
         room = size * 0.45
         box = (left - room * 1.4, top - room, right + room * 1.4, bottom + room)
         pen.rounded_rectangle(box, radius=room * 1.4, fill=(*PLATE, 225))
-        pen.text((x, y), words, fill=INK, font=font(size), anchor="mm")
+        pen.text((x, y), words, fill=INK, font=face, anchor="mm")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import unicodedata
 from functools import lru_cache
+from importlib.resources import files
+from io import BytesIO
 from typing import TYPE_CHECKING, TypeAlias
 
 from PIL import Image, ImageDraw, ImageFont
@@ -33,12 +36,52 @@ SEVERAL: tuple[Colour, ...] = (
 """One for each of several; from the seventh on they come again."""
 FINER = 2  # drawn so many times larger, then made smaller: smooth edges
 LONGEST_TEXT = 80
+UNWRITTEN = "?"
+# Its letters are larger than those of the other font in the same size.
+WIDER = 0.92
+
+# ---- fonts ----
+# Both come along, so that every machine draws the same, whatever is installed there.
+
+Font: TypeAlias = "ImageFont.FreeTypeFont | ImageFont.ImageFont"
+
+
+def font(words: str, size: float) -> Font:
+    """Return the font that a line is written in.
+
+    It is the one that comes with Pillow, which has the letters of English and no others; with any
+    other letter the whole line is in one that has those of Latin, Greek and Cyrillic scripts.
+    """
+    return _pillows(size) if words.isascii() else _wider(size * WIDER)
 
 
 @lru_cache(maxsize=32)
-def font(size: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    """Return the font that comes with Pillow, so that every machine draws the same."""
+def _pillows(size: float) -> Font:
     return ImageFont.load_default(size)
+
+
+@lru_cache(maxsize=32)
+def _wider(size: float) -> ImageFont.FreeTypeFont:
+    return ImageFont.truetype(BytesIO(_wider_file()), size, layout_engine=ImageFont.Layout.BASIC)
+
+
+@lru_cache(maxsize=1)
+def _wider_file() -> bytes:
+    return (files("rosic.rendering") / "fonts" / "DejaVuSans.ttf").read_bytes()
+
+
+@lru_cache(maxsize=2048)
+def _written(letter: str) -> str:
+    """Return a letter as it can be written: itself, without its marks, or a question mark."""
+    if letter.isascii() or letter.isspace() or _has(letter):
+        return letter
+    plain = unicodedata.normalize("NFKD", letter)
+    return "".join([part for part in plain if part.isascii() or _has(part)]) or UNWRITTEN
+
+
+def _has(letter: str) -> bool:
+    """Whether the wider font has a letter: what it lacks leaves the paper as it is."""
+    return _wider(14).getmask(letter).getbbox() is not None
 
 
 class Sheet:
@@ -90,7 +133,8 @@ class Sheet:
         anchor: str = "la",
     ) -> float:
         """Write one line; ``anchor`` as Pillow has it. Return how wide it is."""
-        (x, y), plain, face = at, readable(self._say(words)), font(size * FINER)
+        (x, y), plain = at, readable(self._say(words))
+        face = font(plain, size * FINER)
         self._pen.text((x * FINER, y * FINER), plain, fill=colour, font=face, anchor=anchor)
         return face.getlength(plain) / FINER
 
@@ -106,9 +150,13 @@ class Sheet:
 
 
 def readable(words: str) -> str:
-    """Return one line that the font can write, of bounded length."""
+    """Return one line that a font can write, of bounded length."""
     plain = "".join(letter if letter.isprintable() else " " for letter in words)
-    return plain if len(plain) <= LONGEST_TEXT else f"{plain[: LONGEST_TEXT - 3]}..."
+    if len(plain) > LONGEST_TEXT:
+        plain = f"{plain[: LONGEST_TEXT - 3]}..."
+    if plain.isascii():
+        return plain
+    return "".join(map(_written, unicodedata.normalize("NFC", plain)))
 
 
 def _finer(points: list[tuple[float, float]]) -> list[tuple[float, float]]:

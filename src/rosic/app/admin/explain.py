@@ -157,9 +157,7 @@ class Explainer:
     ) -> Decision:
         books = self._books
         auth_context = AuthContext(channel=books.assurance_of(person))
-        return books.organiser.decision(
-            self._caller(person), robot, skill, arguments, auth_context
-        )
+        return books.organiser.decision(self._caller(person), robot, skill, arguments, auth_context)
 
     def _caller(self, person: Principal) -> Caller:
         key = self._books.authoriser.directory.key_of(person.id)
