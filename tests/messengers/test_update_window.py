@@ -311,6 +311,7 @@ async def test_of_too_much_that_is_held_up_what_waited_for_long_is_given_up(
     assert table.heard[-2:] == [str(first), str(first + 1)]
     assert table.window._counts["received"] == 3
     assert not table.window._overdue
+    assert table.window.has_room, "what was given up waits no longer"
 
 
 async def test_of_too_much_that_is_held_up_nothing_is_given_up_or_confirmed_at_once(
