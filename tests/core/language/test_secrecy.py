@@ -84,6 +84,7 @@ LINE = st.one_of(
 
 @given(st.lists(LINE, min_size=1, max_size=4).map("\n".join))
 @example(f"please code {SECRET}")
+@example(f"bitte code {SECRET}")
 @example(f"omni start {SECRET}")
 def test_whatever_is_read_as_a_secret_is_left_out(text: str) -> None:
     kept = without_codes(text, command_table(), "-")

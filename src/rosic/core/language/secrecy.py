@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language.ast import Do
+from rosic.core.language.keywords import POLITE
 from rosic.core.language.line_words import past_fillers, words_of
 from rosic.core.language.sanitise import clean, normalised
 
@@ -43,6 +44,8 @@ def without_codes(text: str, commands: CommandTable, instead: str = "") -> str:
             continue
         low = words_of(seen).low
         at = past_fillers(low, 0)
+        while at < len(low) and low[at] in POLITE:
+            at = past_fillers(low, at + 1)
         word = low[at] if at < len(low) else ""
         opens = commands.secret.get(word)
         behind = low[at + 1 :]
