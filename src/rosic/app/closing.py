@@ -19,18 +19,21 @@ if TYPE_CHECKING:
 # A signal ends everything within 5 s; what is left of them belongs to the interpreter.
 CLOSE_WITHIN_S = 4.3
 
+ENDS = (signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGALRM)
+"""The last three mean nothing here; left alone they end a process before motion is at rest."""
+
 log = logging.getLogger("rosic.gateway")
 
 
 def on_signals(leave: Callable[[], object], interrupt: Callable[[], object] | None = None) -> None:
-    """Call ``leave`` when somebody asks this process to end: SIGTERM, SIGINT or SIGHUP.
+    """Call ``leave`` when a signal would end this process: SIGTERM, SIGINT, SIGHUP and others.
 
     Args:
         leave: Ends it.
         interrupt: Called for SIGINT instead, where somebody sits at a terminal.
     """
     loop = asyncio.get_running_loop()
-    for number in (signal.SIGTERM, signal.SIGHUP):
+    for number in ENDS:
         loop.add_signal_handler(number, leave)
     loop.add_signal_handler(signal.SIGINT, leave if interrupt is None else interrupt)
 
