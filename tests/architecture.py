@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 ROOT: Final = Path(__file__).parents[1]
 PAGE: Final = ROOT / "docs" / "architecture.md"
-PICTURE: Final = ROOT / "docs" / "pictures" / "imports.svg"
+PICTURE: Final = ROOT / "docs" / "images" / "imports.svg"
 BEGIN: Final = "<!-- {name}: written by make texts -->\n"
 END: Final = "<!-- end of {name} -->\n"
 # What the layers leave out stands right above one of them.

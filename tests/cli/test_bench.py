@@ -43,9 +43,14 @@ def test_the_bench_of_strangers_says_how_far_above_quiet_and_the_longest_step() 
     ran = rosic("bench", "strangers", "--quick", "--json", within_s=400)
 
     report = json.loads(ran.out)
-    assert [case["name"] for case in report["cases"]] == ["a stop, quiet", "a stop behind a flood"]
-    above, step = report["findings"]
+    assert [case["name"] for case in report["cases"]] == [
+        "a stop, quiet",
+        "a stop behind a flood",
+        "a stop behind everybody's",
+    ]
+    above, with_known, step = report["findings"]
     assert above.startswith("A stop behind a flood: p99 ")
+    assert with_known.startswith("A stop behind floods of everybody: p99 ")
     step_ms = float(step.removeprefix("The longest step of the event loop: ").split()[0])
     assert 0 < step_ms <= 20 * max(1.0, float(step.rpartition("times ")[2].split(")")[0]))
     # What others do on this machine lies on the way through two processes.

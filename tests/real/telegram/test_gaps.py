@@ -285,7 +285,8 @@ async def test_a_token_that_is_revoked_ends_it_too(
     server: FakeTelegram, gateway: Gateway, ada: int
 ) -> None:
     async with gateway.listening() as run:
-        server.fail("error", "getUpdates", times=100, code=401, description="Unauthorized")
+        for method in ("getUpdates", "getMe"):
+            server.fail("error", method, times=100, code=401, description="Unauthorized")
         with pytest.raises(MessengerFault, match="no longer accepts the token"):
             await asyncio.wait_for(asyncio.shield(run), 60 * pace())
         server.calm()

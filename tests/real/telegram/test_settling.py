@@ -3,38 +3,43 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from rosic.messengers.telegram import polling
+
 if TYPE_CHECKING:
+    import pytest
+
     from rosic.testing.telegram import FakeTelegram
     from tests.real.telegram.gateway import Gateway
 
 
 class Disk:
-    """Settled or not."""
+    """Settles when it is told to."""
 
-    def __init__(self, *, settled: bool) -> None:
-        self.settled = settled
-        self.asked = 0
+    def __init__(self) -> None:
+        self.settled = asyncio.Event()
 
     async def __call__(self, within_s: float) -> bool:
-        self.asked += 1
-        await asyncio.sleep(min(within_s, 0.02))
-        return self.settled
+        with suppress(TimeoutError):
+            await asyncio.wait_for(self.settled.wait(), within_s)
+        return self.settled.is_set()
 
 
 async def test_what_is_received_and_not_settled_is_not_confirmed(
-    server: FakeTelegram, gateway: Gateway, ada: int
+    server: FakeTelegram, gateway: Gateway, ada: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    disk = Disk(settled=False)
+    monkeypatch.setattr(polling, "FULL_S", 3_600.0)  # a stop behind them would be fetched after it
+    disk = Disk()
     gateway.messenger.settle_with(disk)
     server.backlog(ada, ada, "omni move {n} m", 250, age_s=60)
     async with gateway.running():
         await gateway.hear(100)
-        await gateway.until(lambda: disk.asked > 5)
+        await asyncio.sleep(2 * polling.PEEK_S)
         assert server.pending() == 250
         assert len(gateway.heard) == 100, "more was asked for than may be lost"
-        disk.settled = True
+        disk.settled.set()
         await gateway.hear(250)
         await gateway.until(lambda: server.pending() == 0)
     assert gateway.texts == [f"omni move {n} m" for n in range(1, 251)]
@@ -43,7 +48,7 @@ async def test_what_is_received_and_not_settled_is_not_confirmed(
 async def test_a_stop_is_seen_while_a_disk_hangs(
     server: FakeTelegram, gateway: Gateway, ada: int
 ) -> None:
-    gateway.messenger.settle_with(Disk(settled=False))
+    gateway.messenger.settle_with(Disk())
     server.say(ada, ada, "omni move 1 m")
     async with gateway.running():
         await gateway.hear(1)

@@ -31,8 +31,9 @@ PEEK_S = 0.1
 """While something is being received, we look for stops behind it this often."""
 AT_ONCE_S = 0.01
 """And so often while not everything that came is read."""
-FULL_S = 0.05
-"""So long what fills an answer may take before it is confirmed all the same, a stop behind it."""
+FULL_S = 0.25
+"""So long what fills an answer may take to be on disk before it is confirmed all the same: a stop
+may stand behind it, and whoever is killed meanwhile has lost what was confirmed."""
 WAITS_S = (0.5, 1.0, 2.0, 4.0)
 CONTESTED_WAIT_S = 2.0
 DENIED_WAITS_S = (2.0, 5.0)
