@@ -9,6 +9,7 @@ import signal
 import pytest
 
 from rosic.app.closing import on_signals
+from tests.pace import patience
 
 
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGUSR1", "SIGUSR2", "SIGALRM"])
@@ -19,7 +20,7 @@ async def test_a_signal_that_would_end_the_process_is_an_orderly_end(name: str) 
     try:
         on_signals(left.set)
         os.kill(os.getpid(), number)
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(5 * patience()):
             await left.wait()
     finally:
         signal.signal(number, before)

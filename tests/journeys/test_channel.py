@@ -64,7 +64,7 @@ async def test_it_shows_what_an_admin_opens_and_obeys_nothing(
         assert len(await place.control.messages(news, by_bot=True)) == 1
 
         await place.ask(place.ada, "/channel", "News shows Ant,")
-        await tap(place, place.ada, "Close it", "News shows no robot any more.")
+        await tap(place, place.ada, "Close News", "News shows no robot any more.")
         await place.reads(news, "This card has ended.")
         assert await place.control.violations() == []
 

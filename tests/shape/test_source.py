@@ -71,7 +71,8 @@ def published() -> dict[str, str]:
     return {
         path: text
         for path, text in texts().items()
-        if path.startswith(PUBLISHED) or ("/" not in path and path.endswith(".md"))
+        if (path.startswith(PUBLISHED) or ("/" not in path and path.endswith(".md")))
+        and not path.endswith("/LICENSE")  # somebody else's words
     }
 
 

@@ -120,6 +120,14 @@ def _form(profile: type[Profile]) -> inspect.Type:
     return inspect.type_info(profile)
 
 
+def kind_in(path: Path) -> str:
+    """Return the kind of robot link that a profile names; empty where it names none."""
+    try:
+        return _kind_in(read_yaml(path).data)
+    except ConfigurationError:
+        return ""  # whoever reads it says why
+
+
 def _kind_in(data: Data) -> str:
     link = data.get("link") if isinstance(data, dict) else None
     kind = link.get("kind") if isinstance(link, dict) else None
@@ -136,6 +144,9 @@ def _of_every_robot(data: Data) -> Data:
     parts: dict[str, type] = {"link": Link, "files": Files}
     many: dict[str, type] = {"skills": Skill, "telemetry": Telemetry}
     kept = _keys_of(data, Profile)
+    if not _kind_in(data):  # it says no kind, so a key that no robot has is a slip
+        own = opaque_fields(Profile)
+        kept = {key: value for key, value in data.items() if key not in own}
     for key, part in parts.items():
         if key in kept:
             kept[key] = _keys_of(kept[key], part)

@@ -42,7 +42,7 @@ ANYWHERE = AuthContext(channel=Assurance.LOCAL)
 WHOLE = 1e-6
 
 
-class DefaultLowering:
+class ArgumentClamping:
     """Brings what a line leaves open within somebody's limits, and admits nothing."""
 
     def __init__(self, vocabularies: VocabularyHolder, organiser: Organiser) -> None:
@@ -110,7 +110,7 @@ class DefaultLowering:
         return said("as much as your limit allows ({limit})", limit=limit_in_words(bound))
 
 
-class LimitClamping(DefaultLowering):
+class LimitClamping(ArgumentClamping):
     """Brings what was left open within somebody's limits, and admits that."""
 
     def __init__(self, rooms: Components, requesting: RequestFactory, clock: Clock) -> None:

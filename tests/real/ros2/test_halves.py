@@ -12,6 +12,7 @@ from msgspec.structs import replace
 from rosic.core.deadman import INTERRUPTED
 from rosic.core.order import OrderEnding, OrderStage, Stop
 from rosic.errors import RobotOffline, RobotUnreachable, StillMoves
+from rosic.robots.ros2.bindings.action import ActionSkill
 from rosic.robots.ros2.goal_watch import LOOK_EVERY_S
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
@@ -91,12 +92,20 @@ class Halves:
         assert max(sent_ns, default=0) < since_ns  # it may have been sent none at all
 
 
+def offered(robot: TriedRobot) -> bool:
+    """Whether somebody offers the goal: what is frozen is not discovered any more."""
+    carrier = robot._carriers["go"]
+    assert isinstance(carrier, ActionSkill)
+    return carrier._link is not None and carrier._link.ready()
+
+
 @pytest.fixture
 async def halves(tmp_path: Path, interfaces: Path) -> AsyncIterator[Halves]:
     with RosGraph(tmp_path) as graph:
         async with opened(profile(), SystemClock()) as robot:
             here = await asyncio.to_thread(Halves, graph, tmp_path, interfaces, robot)
             await until(lambda: robot.presence().at_rest is True)
+            await until(lambda: offered(robot))
             yield here
             for process in (here.base, here.navigator):
                 process.process.send_signal(GO_ON)

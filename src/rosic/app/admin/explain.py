@@ -23,7 +23,7 @@ from rosic.core.policy.explain import PolicyTexts, explain
 from rosic.core.policy.query import STOP, Allow
 from rosic.core.policy.scope import READ, RESUME
 from rosic.errors import NotUnderstood, Refusal
-from rosic.gateway.limit_clamping import DefaultLowering
+from rosic.gateway.limit_clamping import ArgumentClamping
 from rosic.organiser.organiser import AuthContext
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class Explainer:
 
     def __init__(self, books: AdminContext) -> None:
         self._books = books
-        self._lowering = DefaultLowering(books.vocabularies, books.organiser)
+        self._clamping = ArgumentClamping(books.vocabularies, books.organiser)
 
     def explain(self, name: str, line: str) -> tuple[str, ...]:
         """Return the decision about each robot, with its rules.
@@ -86,7 +86,7 @@ class Explainer:
         if not isinstance(line, Do):
             return line, ()
         try:
-            lowered, note = self._lowering.of(self._caller(person), line)
+            lowered, note = self._clamping.of(self._caller(person), line)
         except Refusal:
             return line, ()
         return lowered, (LOWERED,) if note else ()

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app.setup.check import check_all
-from rosic.config.plugins import demand_good, robot_factory
-from rosic.config.profiles import SUFFIXES, check_profile, load_profile, shipped_profiles
+from rosic.config.plugins import check_robot_kind, demand_good, robot_factory
+from rosic.config.profiles import SUFFIXES, check_profile, kind_in, load_profile, shipped_profiles
 from rosic.contracts.file_rules import nearest
 from rosic.core.identity import Address
 from rosic.errors import ConfigurationError, OutOfBounds
@@ -112,6 +112,8 @@ def check_robots(names: tuple[str, ...], clock: Clock, link: str = "") -> None:
     shipped = shipped_profiles()
     for name in names:
         if is_file(name):
+            if not link and (kind := kind_in(Path(name).expanduser())):
+                check_robot_kind(kind)  # else only what every robot has could be looked at
             check_reached(load_profile(Path(name).expanduser(), link=link), name, clock)
         elif name not in shipped:
             hint = f"{nearest(name, shipped)} A file of your own is named ./{name}.yaml."

@@ -126,11 +126,14 @@ def _heard_ascii(line: str, known: Container[str]) -> tuple[str, ...] | None:
 
 def _heard(line: str, known: Container[str]) -> tuple[str, ...] | None:
     line = line.strip()
-    found = _heard_whole(line, known)
+    words, folded = _read(line, known)
+    found = _heard_whole(line, words, folded, known)
     if found is None and (last := _last_clause(line)):  # watch out, STOP
-        found = _heard_whole(last, known)
+        found = _heard_whole(last, *_read(last, known), known)
         found = found if found is not None and _all_known(found, known) else None
-    return _heard_whole(line, known, shouted=True) if found is None else found
+    if found is None and not STOPPING.isdisjoint(folded):
+        return _heard_shouted(line, words, folded, known)
+    return found
 
 
 def _last_clause(line: str) -> str:
@@ -139,16 +142,21 @@ def _last_clause(line: str) -> str:
     return line[parted + 1 :] if parted >= 0 and len(line) - parted <= LONGEST_LINE else ""
 
 
-def _heard_whole(
-    line: str, known: Container[str], *, shouted: bool = False
-) -> tuple[str, ...] | None:
+def _read(line: str, known: Container[str]) -> tuple[list[str], list[str]]:
+    """Return the words of a line, and how each is looked up."""
     words = _stop_words_of(_beginning(line), known)
-    if not words:
-        return None
     folded = [fold_stop(word) for word in words]
     folded = [w if w in STOPPING or not _TRIPLE.search(w) else _unstretched(w) for w in folded]
     if not BEGINNING.isdisjoint(folded):
         words, folded = _phrased(words, folded, known)
+    return words, folded
+
+
+def _heard_whole(
+    line: str, words: list[str], folded: list[str], known: Container[str]
+) -> tuple[str, ...] | None:
+    if not words:
+        return None
     if "".join(folded) in STRONG:  # s t o p
         return ()
     stops = [at for at, word in enumerate(folded) if word in STOPPING]
@@ -156,8 +164,6 @@ def _heard_whole(
         return None
     if not stops:
         return _heard_misspelt(words, folded, known)
-    if shouted:
-        return _heard_shouted(line, words, folded, known)
     return _heard_exact(words, folded, stops, known)
 
 
@@ -243,7 +249,11 @@ _KEPT = _Kept()
 
 def _parted(word: str, known: Container[str]) -> tuple[str, ...]:
     """Return a word of a script without blanks as what stops, and what is said beside it."""
-    if word.isascii() or len(word) > LONGEST_WORD or word in known or fold_stop(word) in STOPPING:
+    if word.isascii() or len(word) > LONGEST_WORD:
+        return (word,)
+    if not (word.endswith(UNSPACED) or word.startswith(UNSPACED)):
+        return (word,)
+    if word in known or fold_stop(word) in STOPPING:
         return (word,)
     for stop in UNSPACED:
         if word.endswith(stop):

@@ -243,7 +243,8 @@ class ChannelDisplays:
                     buttons.append(Button(label, f"/{VERB} {key}"))
             else:
                 lines.append(self._shown(title, card.robots))
-                buttons.append(self._closing(key))
+                label = said("Close {channel}", channel=_named(title))
+                buttons.append(Button(label, f"/{VERB} {key} {CLOSE}"))
         return Reply(joined("\n", lines) if lines else NONE, rows(buttons))
 
     def _shown(self, title: str, robots: tuple[RobotId, ...]) -> str:
