@@ -16,7 +16,7 @@ from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram.bot_client import ApiBot, BotClient
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.polling import Poller
-from rosic.messengers.telegram.settings import TelegramSettings
+from rosic.messengers.telegram.settings import API_BASE, TelegramSettings
 from rosic.testing.clock import ManualClock, settle
 from rosic.testing.messenger_harness import settled
 
@@ -89,8 +89,8 @@ class ScriptedBot:
 class ScriptedLine(BotClient):
     """Leads to a scripted bot."""
 
-    def __init__(self, bot: ScriptedBot) -> None:
-        super().__init__(TelegramSettings(token=Secret("42:token")))
+    def __init__(self, bot: ScriptedBot, api_base: str) -> None:
+        super().__init__(TelegramSettings(token=Secret("42:token"), api_base=api_base))
         self.bot = bot
         self.open = 0
 
@@ -107,11 +107,13 @@ class ScriptedLine(BotClient):
 class HarnessInbox:
     """A listener, what it was told, and what it passed on."""
 
-    def __init__(self, *answers: Answer, who: list[Any] | None = None) -> None:
+    def __init__(
+        self, *answers: Answer, who: list[Any] | None = None, api_base: str = API_BASE
+    ) -> None:
         self.clock = ManualClock()
         account = SimpleNamespace(username="lab_bot", can_read_all_group_messages=True)
         self.bot = ScriptedBot(self.clock, list(answers), who or [account])
-        self.line = ScriptedLine(self.bot)
+        self.line = ScriptedLine(self.bot, api_base)
         self.chats = Chats()
         self.alarms: list[MessengerFault] = []
         self.passed: list[ChatEvent] = []

@@ -13,11 +13,13 @@ from telegram.error import InvalidToken, NetworkError
 from rosic.core.message import Button, Chat, ChatEvent, ChatEventKind, Outbound
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, MessengerFault
+from rosic.messengers.telegram import update_window
 from rosic.messengers.telegram.batch import ANSWER_BYTES, BATCH
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.errors import ErrorKind, FloodControl, TelegramError
 from rosic.messengers.telegram.polling import FULL_S, PEEK_S, Poller
 from rosic.messengers.telegram.polling_gap import GRACE_NS
+from rosic.messengers.telegram.settings import API_BASE
 from rosic.messengers.telegram.update_window import OVERDUE_AT_MOST
 from rosic.testing.clock import settle
 from rosic.testing.messenger_harness import settled
@@ -84,6 +86,17 @@ async def test_a_token_that_is_not_accepted_is_the_operators_business() -> None:
     assert caught.value.kind is not ErrorKind.UNUSABLE
 
 
+@pytest.mark.parametrize(
+    ("api_base", "hint"),
+    [(API_BASE, "BotFather shows it again"), ("http://127.0.0.1:1/bot", "another server")],
+)
+async def test_whoever_gave_a_token_hears_where_the_right_one_is(api_base: str, hint: str) -> None:
+    inbox = HarnessInbox(who=[InvalidToken("no")], api_base=api_base)
+    with pytest.raises(ConfigurationError) as caught:
+        await inbox.listener.ask_account()
+    assert hint in caught.value.hint
+
+
 async def test_it_asks_who_it_is_until_telegram_says_so() -> None:
     nameless = SimpleNamespace(username=None, can_read_all_group_messages=None)
     inbox = HarnessInbox(who=[NetworkError("away"), FloodControl(7.0), nameless])
@@ -123,8 +136,11 @@ async def test_whoever_listens_again_begins_with_a_backlog() -> None:
     again.cancel()
 
 
-async def test_a_full_answer_that_was_seen_before_hides_what_is_behind_it() -> None:
+async def test_a_full_answer_that_was_seen_before_hides_what_is_behind_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """As it comes once more while nothing of it can be confirmed: too much is overdue already."""
+    monkeypatch.setattr(update_window, "HELD_NS", 3_600 * SECOND_NS)  # nothing is given up yet
     answers = [
         [text(number, "slow") for number in range(first, first + BATCH)]
         for first in range(0, OVERDUE_AT_MOST + 1, BATCH)

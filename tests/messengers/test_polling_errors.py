@@ -140,6 +140,14 @@ async def test_one_denial_is_not_believed(then: object, caplog: pytest.LogCaptur
         assert inbox.texts == ["hello"]
 
 
+async def test_who_cannot_be_asked_again_is_waited_for_like_any_other() -> None:
+    inbox = HarnessInbox([], InvalidToken("no"), [text(1, "hello")], who=[ME, NetworkError("away")])
+    async with inbox.listening(2.4):
+        assert inbox.texts == [], "asked again after 2 s, in vain, and then waited for"
+        await inbox.clock.advance(0.2)
+        assert inbox.texts == ["hello"]
+
+
 async def _answers(status: str, body: bytes, kind: str) -> ErrorKind:
     """Return what a call is that a server answers so."""
 

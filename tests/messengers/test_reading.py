@@ -250,7 +250,7 @@ async def test_what_people_sent_hides_no_stop_while_nothing_is_on_disk() -> None
     inbox.listener.settle = hangs
     async with inbox.listening(3 * FULL_S):
         assert "stop" in inbox.texts
-        assert max(asked_within_s[:3]) <= FULL_S
+        assert 0 < max(asked_within_s[:3]) <= FULL_S
 
 
 async def test_a_hundred_of_a_stranger_that_are_held_up_hide_no_stop_behind_them() -> None:

@@ -293,7 +293,6 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         attachment: A file that goes with it; only for a messenger that sends files of its size.
         lies_in: `LIES_IN` as its reader reads it, ``{path}`` unfilled, for a messenger that puts
             the file into a folder; empty for English.
-        language: Code of what it is written in, for what a messenger adds; empty for English.
     """
 
     chat: Chat
