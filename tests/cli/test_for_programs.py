@@ -181,7 +181,7 @@ def test_history_says_what_the_operator_did_and_asks_for_known_names(config: Pat
     )
     told = rosic("history", "--since", "1h", "-c", config).out
     assert "resume omni" in told
-    assert "the operator  stop omni  stopped" in told
+    assert "the operator  stop omni  told to stop" in told
     assert rosic("history", "--robot", "omin", "-c", config).status == 1
     assert rosic("history", "--person", "Zed", "-c", config).status == 1
     assert rosic("history", "--since", "never", "-c", config).status == 1

@@ -184,9 +184,9 @@ OF_TASKS = (
     ),
     Fault(
         name="I1 a message gives its task again after a crash",
-        file="features/fleet/dispatcher.py",
-        guard="            self.origins.check(cid)\n            given",
-        without="            given",
+        file="features/fleet/idempotency.py",
+        guard="if cid.hex() in self._seen:",
+        without="if False:",
         caught_by=(f"{TASKS}::test_the_same_message_has_its_effect_once_whatever_crashes_between",),
     ),
     Fault(

@@ -355,7 +355,7 @@ def speaks_of_stop(text: str, known: Container[str] = ()) -> bool:
     Asked of what is not understood alone: whoever wrote it may have meant it.
     """
     for line in lines_of(text[:LOOKED_AT]):
-        folded = [fold_stop(word) for word in words_of(line.strip(), known)]
+        folded = [fold_stop(word) for word in words_of(_beginning(line.strip()), known)]
         for at, word in enumerate(folded):
             if word in SHOUTED and (at == 0 or folded[at - 1] not in UNSAID):
                 return True
