@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import inspect
 from graphlib import CycleError
 from importlib import import_module
@@ -10,10 +11,12 @@ from types import ModuleType
 
 import pytest
 
+import rosic.app.features
 from rosic import features
-from rosic.app.features import in_order, setups
+from rosic.app.features import Features, in_order, setups
 from rosic.features.fleet import FleetFeature
 from rosic.gateway.feature import ErasureParticipants, Feature, Provided, SharedParts
+from rosic.testing.clock import settle
 from tests.gateway.place import Place
 
 
@@ -89,3 +92,50 @@ async def test_a_gateway_says_which_feature_it_lacks() -> None:
         assert found.find(Unknown) is None
         with pytest.raises(LookupError, match="there is no Unknown here"):
             found.get(Unknown)
+
+
+class Failing(Feature):
+    """Ends at once, and cannot leave."""
+
+    async def run(self) -> None:
+        raise ValueError("broken")
+
+    async def leave(self) -> None:
+        await asyncio.Event().wait()
+
+
+class Steady(Feature):
+    """Runs until it is cancelled."""
+
+    def __init__(self) -> None:
+        self.said: list[str] = []
+
+    async def run(self) -> None:
+        try:
+            await asyncio.Event().wait()
+        finally:
+            self.said.append("cancelled")
+
+    async def leave(self) -> None:
+        self.said.append("left")
+
+
+async def test_a_feature_that_fails_or_hangs_keeps_no_other_from_running_and_leaving(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    steady = Steady()
+    monkeypatch.setattr(
+        rosic.app.features, "setups", lambda: (lambda _: steady, lambda _: Failing())
+    )
+    async with Place().open() as place:
+        made = Features(place.gateway.kernel)
+        running = asyncio.create_task(made.run())
+        await settle()
+        assert "Failing does nothing on its own any more" in caplog.text
+        assert not running.done()
+        running.cancel()
+        await settle()
+        leaving = asyncio.create_task(made.leave())
+        await settle()
+        leaving.cancel()
+        assert steady.said == ["cancelled", "left"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from graphlib import TopologicalSorter
 from importlib import import_module
 from pkgutil import iter_modules
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from rosic.gateway.robot_registry import AddedRobot
 
 F = TypeVar("F", bound=Feature)
+
+log = logging.getLogger("rosic.gateway")
 
 
 def setups() -> tuple[Callable[[Kernel], Feature], ...]:
@@ -83,8 +86,8 @@ class Features(Feature):
             await each.recover()
 
     async def run(self) -> None:
-        """Have each do what it does on its own, until cancelled."""
-        await asyncio.gather(*(each.run() for each in self._all))
+        """Have each do what it does on its own, until cancelled. One that fails ends alone."""
+        await asyncio.gather(*map(_run, self._all))
 
     async def each_minute(self) -> None:
         """Do what is due.
@@ -109,11 +112,17 @@ class Features(Feature):
         await asyncio.gather(*(each.close() for each in reversed(self._all)))
 
     async def leave(self) -> None:
-        """Break off what is under way and keep what was counted."""
-        for each in reversed(self._all):
-            await each.leave()
+        """Break off what is under way and keep what was counted; none waits for another."""
+        await asyncio.gather(*(each.leave() for each in reversed(self._all)))
 
     def robot_added(self, newcomer: AddedRobot) -> None:
         """Tell each of one more robot."""
         for each in self._all:
             each.robot_added(newcomer)
+
+
+async def _run(feature: Feature) -> None:
+    try:
+        await feature.run()
+    except Exception:
+        log.exception("%s does nothing on its own any more", type(feature).__name__)

@@ -453,8 +453,7 @@ class Gateway(RunningGateway):
 
     async def _write_down(self) -> None:
         """Keep what was only counted so far. Nobody is heard any more, so it is the last."""
-        for leaving in self._leaves:
-            await leaving()
+        await asyncio.gather(*(leaving() for leaving in self._leaves))
 
     async def _save_rates(self) -> None:
         save(self.rooms.organiser.rates, self._parts.store)
