@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from rosic.app.runtime import jpeg_drawer
+from rosic.rendering.renderer import jpeg_drawer
 from rosic_sim.ros2.simulation import main
 
 if __name__ == "__main__":

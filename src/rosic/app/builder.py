@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from zoneinfo import ZoneInfo
 
 from rosic.app.commands import command_table
-from rosic.app.runtime import face_of, renderer
+from rosic.app.runtime import face_of
 from rosic.app.settings import GatewayParts, GatewaySettings
 from rosic.config.plugins import demand_good, messenger_factory, robot_factory, shared_spaces
 from rosic.config.profiles import known_units
@@ -16,6 +16,7 @@ from rosic.contracts.console import SupportsCompletion
 from rosic.contracts.messenger import is_account
 from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
+from rosic.rendering.renderer import renderer
 from rosic.stores.database import DatabaseStore
 from rosic.stores.record_mark import STOPS
 from rosic.stores.stop_latch import FileLatch

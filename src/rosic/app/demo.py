@@ -13,7 +13,7 @@ from rosic.app.commands import command_table
 from rosic.app.console import console_of, mind_console, read_at
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.app.people import ConfiguredPerson
-from rosic.app.runtime import PIPED, face_of, renderer, until_done, until_quiet
+from rosic.app.runtime import PIPED, face_of, until_done, until_quiet
 from rosic.config.plugins import robot_factory
 from rosic.config.profiles import known_units, read_profile, shipped_profiles
 from rosic.config.translations import of_locale
@@ -22,6 +22,7 @@ from rosic.core.identity import Address
 from rosic.core.rate_limit import RateLimit
 from rosic.messengers.terminal import TerminalMessenger
 from rosic.messengers.terminal.messenger import is_terminal, own_locale
+from rosic.rendering.renderer import renderer
 from rosic.stores.memory import MemoryStore
 from rosic.stores.stop_latch import MemoryLatch
 

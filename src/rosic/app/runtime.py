@@ -5,9 +5,7 @@ from __future__ import annotations
 import asyncio
 import gc
 from datetime import datetime, tzinfo
-from importlib import import_module
-from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rosic.core.fleet.candidates import fits
 from rosic.core.fleet.task import FleetMembership
@@ -20,10 +18,8 @@ if TYPE_CHECKING:
 
     from rosic.app.gateway import Gateway
     from rosic.contracts.clock import Clock
-    from rosic.contracts.renderer import Renderer
     from rosic.core.fleet.task import Task
     from rosic.core.order_status import Face
-    from rosic.core.robot.view import Drawing, Scene, Subject
 
 
 # ---- whether all has ended ----
@@ -146,24 +142,3 @@ def face_of(zone: tzinfo | None = None) -> Face:
         return shown
 
     return face
-
-
-# ---- pictures ----
-
-
-def renderer() -> Renderer | None:
-    """Return who draws; None where Pillow is not installed.
-
-    Nothing of it is loaded before the first picture is drawn.
-    """
-    return None if find_spec("PIL") is None else _draw
-
-
-def _draw(subject: Subject, *, low: bool = False, say: Callable[[str], str] = str) -> Drawing:
-    draw = cast("Renderer", import_module("rosic.rendering.draw").draw)
-    return draw(subject, low=low, say=say)
-
-
-def jpeg_drawer() -> Callable[[Scene], bytes] | None:
-    """Return what draws the frames of simulated cameras; None where Pillow is not installed."""
-    return None if renderer() is None else lambda scene: _draw(scene, low=True).content

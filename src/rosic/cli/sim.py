@@ -6,7 +6,7 @@ import argparse
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from rosic.app.runtime import jpeg_drawer
+from rosic.rendering.renderer import jpeg_drawer
 from rosic.robots.ros2.client.rclpy_import import load_ros
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from rosic.app.closing import close_in_time, on_signals
 from rosic.app.console import read_at
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.app.people import ConfiguredPerson
-from rosic.app.runtime import PIPED, face_of, renderer, until_done, until_quiet
+from rosic.app.runtime import PIPED, face_of, until_done, until_quiet
 from rosic.config.plugins import robot_factory
 from rosic.config.profiles import known_units
 from rosic.core.identity import ROBOT, Address
@@ -29,6 +29,7 @@ from rosic.errors import how_to_install
 from rosic.messengers.terminal import TerminalMessenger
 from rosic.messengers.terminal.downloads import DownloadFolder
 from rosic.messengers.terminal.messenger import is_terminal, own_locale
+from rosic.rendering.renderer import renderer
 from rosic.stores.stop_latch import MemoryLatch
 from rosic_sim.robots.scenery.scene import robot_scene
 from rosic_sim.robots.simulation_loop import simulation_of
