@@ -242,6 +242,24 @@ def test_revoking_ends_everything_of_somebody(place: Place) -> None:
     assert place.good("revoke", "Bob") == "Bob has no access already. Nothing was changed.\n"
 
 
+@pytest.mark.parametrize("command", ["revoke Ada", "key revoke Ada", "key revoke KEY"])
+def test_the_last_admin_stays_until_there_is_another(place: Place, command: str) -> None:
+    place.good("lock", "Bob")  # people of the file are on the record from here on
+    key = place.good("key list", "Ada").split()[0]
+    assert place.wrong(command.replace("KEY", key)) == (
+        "Ada is the last admin here. Let another one in first: rosic invite --role admin. "
+        "To keep Ada out at once: rosic lock Ada. Nothing was changed."
+    )
+    assert "Ada: as admin" in place.good("people")
+
+
+def test_a_place_whose_only_admin_is_locked_gets_another_one(place: Place) -> None:
+    place.good("lock", "Ada")
+    assert "Nobody is admin here yet." in place.good("invite", "--role", "admin", "--plain")
+    place.good("unlock", "Ada")
+    assert "Invitation as admin." in place.good("invite", "--role", "admin", "--plain")
+
+
 def test_looking_leaves_no_data_behind(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     place = Place(tmp_path, capsys)
     place.good("people")

@@ -111,8 +111,10 @@ class Enrolment:
         return not self._has_admin()
 
     def _has_admin(self) -> bool:
-        good = self._directory.has_good_key
-        return any(ADMIN in p.roles and good(p.id) for p in self._directory.people())
+        good, locked = self._directory.has_good_key, self._locks.locked
+        return any(
+            ADMIN in p.roles and good(p.id) and not locked(p.id) for p in self._directory.people()
+        )
 
     # ---- a code comes in ----
 

@@ -23,7 +23,9 @@ from rosic.authoriser.security_report import SecurityReports
 from rosic.authoriser.two_factor import TwoFactor
 from rosic.core.deferred import Deferred
 from rosic.core.identity import Principal
+from rosic.core.policy.compiled import FOR_GOOD_NS
 from rosic.core.policy.scope import FLEET
+from rosic.core.policy.scope import GRANT as GIVES
 from rosic.core.records import Enrolled, KeyIssued, KeyRevoked, PersonRecord
 from rosic.core.robot.skill import SkillClass
 from rosic.core.slot import SERIES, SLOT
@@ -54,8 +56,6 @@ if TYPE_CHECKING:
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.policy_service import PolicyService
     from rosic.organiser.organiser import Organiser
-
-ADMIN = "admin"
 
 
 def _nobody_invites(_principal: PrincipalId, _given: InvitedRights) -> bool:
@@ -243,14 +243,15 @@ class AccessRegistry:
                 await turn.write((*self.time.due(), *self.counters.due()))
 
     def is_only_admin(self, principal: PrincipalId) -> bool:
-        """Whether nobody else with a good key, who is not locked, is admin."""
+        """Whether nobody else would be left who gives rights here, by a role or by a grant.
+
+        Whoever is admin for some hours only is none who could be left alone.
+        """
         directory, locked = self._authoriser.directory, self.locks.locked
-        admins = [
-            person.id
-            for person in directory.people()
-            if ADMIN in person.roles and directory.has_good_key(person.id) and not locked(person.id)
-        ]
-        return admins == [principal]
+        rights = self._authority.rights
+        return rights.holds(principal, FLEET, GIVES, self.time.wall_ns()) and rights.is_last_giver(
+            principal, lambda who: directory.has_good_key(who) and not locked(who), FOR_GOOD_NS
+        )
 
 
 _decode_card = msgspec.msgpack.Decoder(PersonRecord).decode

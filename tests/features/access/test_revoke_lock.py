@@ -15,7 +15,10 @@ from rosic.testing.clock import settle
 from tests.features.access.access_handlers import ADA, BO, CY, DI, ED, BrokenStore, Hall, a_hall
 
 GONE = "Your access here has ended. The admin of this place can renew it."
-LAST = "Ada is the last admin here. Make somebody else an admin first. Nothing was done."
+LAST = (
+    "Ada is the last admin here. Make somebody else an admin first: /grant NAME admin. "
+    "Nothing was done."
+)
 LOCKED = "Cy Young is locked: nothing they send is carried out until an admin unlocks them."
 NOT_YOURS = "Locking and unlocking people is for admins. Ada or Bo can. Nothing was done."
 

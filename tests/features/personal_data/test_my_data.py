@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.message import ChatKind
+from rosic.core.policy.roles import Grant
 from rosic.errors import RecordUnavailable, Refusal, StoreFault
 from rosic.features.personal_data import operator_view
 from rosic.features.personal_data.commands import SURE
@@ -74,16 +75,31 @@ async def test_the_last_admin_stays() -> None:
         for act in (b"", SURE):
             assert await ward.said("forget", "me", act=act) == (
                 "You are the only admin here, so nobody could let anybody in any more. Nothing was "
-                "erased. Make somebody else admin first."
+                "erased. Make somebody else admin first: "
+                "/grant NAME admin."
             )
         with pytest.raises(Refusal) as refused:
             await operator_view.erase_container(
                 ward.data_context, ward.erasing, ward.id_of(ADA), OPERATOR
             )
         assert str(refused.value) == (
-            "Ada is the only admin here. Nothing was erased. Make somebody else admin first."
+            "Ada is the only admin here. Nothing was erased. Make somebody else admin first: "
+            "/grant NAME admin."
         )
         assert ward.id_of(ADA)
+
+
+async def test_whoever_is_admin_by_a_grant_counts_as_one() -> None:
+    async with a_ward() as ward:
+        grant = Grant(id="g", role="admin", expires_ns=None)
+        async with ward.gateway.access.changes.turn() as turn:
+            await turn.write(
+                ward.gateway.authority.grants_book.give(ward.id_of(BO), (grant,), OPERATOR)
+            )
+        assert (await ward.said("forget", "me", act=SURE)).startswith("You are forgotten")
+        assert (await ward.said("forget", "me", act=SURE, account=BO)).startswith(
+            "You are the only admin here"
+        )
 
 
 async def test_whoever_is_forgotten_is_a_stranger_and_nothing_of_theirs_can_be_read(

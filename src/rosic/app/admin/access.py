@@ -17,7 +17,7 @@ from rosic.core.language import clean
 from rosic.core.policy.roles import Grant
 from rosic.core.policy.validation import grant_mistakes
 from rosic.core.records import Decided, Fact
-from rosic.errors import NotUnderstood
+from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access.messages import how_to_join, noted
 
 if TYPE_CHECKING:
@@ -199,24 +199,37 @@ class AccessAdmin:
 
         Raises:
             NotUnderstood: There is no such key or person, or it was taken back before.
+            NotPermitted: The last key of the last admin. Nothing was changed.
         """
         keys = self._access.keys
         if any(key.id == name for key in keys.all()):
             revocation = keys.revoke(name, OPERATOR)
+            owner = self._directory.person(revocation.principal)
+            if owner is not None and [key.id for key in self._good(owner)] == [name]:
+                self._check_another_admin(owner)
             said = f"The key {name} is not good any more, also after a restart."
             written = await self._act(lambda: revocation.records)
-            owner = self._directory.person(revocation.principal)
             if self._notices is not None and owner is not None:
                 self._notices.key_taken(owner, OPERATOR)
             return noted(said, written=written)
         person = the_one(self._directory, name)
         if not self._good(person):
             raise NotUnderstood(keys_messages.NOTHING_TO_ROTATE)
+        self._check_another_admin(person)
         said = f"{clean(person.name)} has no good key any more, also after a restart."
         written = await self._act(lambda: self._keys_end(person))
         if self._notices is not None:
             self._notices.revoked(person, OPERATOR)
         return noted(said, written=written)
+
+    def _check_another_admin(self, person: Principal) -> None:
+        """See that somebody gives rights here when this person is gone.
+
+        Raises:
+            NotPermitted: Nobody would. Locking keeps them out meanwhile, and can be undone.
+        """
+        if self._access.is_only_admin(person.id):
+            raise NotPermitted(last_admin(clean(person.name)))
 
     def _good(self, person: Principal) -> list[AuthorisationKey]:
         return [key for key in self._access.keys.of(person.id) if key.revoked_ns is None]
@@ -238,10 +251,12 @@ class AccessAdmin:
 
         Raises:
             NotUnderstood: Nobody, or more than one, is called so.
+            NotPermitted: The last admin. Nothing was changed.
         """
         person = the_one(self._directory, name)
         if not self._good(person):
             return f"{clean(person.name)} has no access already. Nothing was changed."
+        self._check_another_admin(person)
         written = await self._act(lambda: self._everything(person))
         if self._notices is not None:
             self._notices.revoked(person, OPERATOR)
@@ -307,6 +322,14 @@ class AccessAdmin:
             decided = Decided(act="accept-clock", by=OPERATOR, about="", at_ns=time.wall_ns())
             await turn.write((decided, time.accept()))
         return keys_messages.CLOCK_ACCEPTED
+
+
+def last_admin(name: str) -> str:
+    """Return why the access of somebody cannot end yet, and how it can."""
+    return (
+        f"{name} is the last admin here. Let another one in first: rosic invite --role admin. "
+        f"To keep {name} out at once: rosic lock {name}. Nothing was changed."
+    )
 
 
 def revoked(person: Principal) -> str:

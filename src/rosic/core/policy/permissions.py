@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 from rosic.core.language.compiled import skills_of
 from rosic.core.policy.compiled import NEVER_NS, NO_CAUTION, Tables
 from rosic.core.policy.roles import priority_of
-from rosic.core.policy.scope import GRANT, RESUME, Fleet
+from rosic.core.policy.scope import FLEET, GRANT, RESUME, Fleet
 from rosic.core.policy.validation import given_by, grant_mistakes, rulebook_mistakes
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from rosic.core.identity import PrincipalId
     from rosic.core.policy.compiled import HeldGrant, Precondition, Right, RightReason
@@ -260,6 +260,15 @@ class Permissions:
                 if len(found) == MOST_NAMED:
                     break
         return tuple(found)
+
+    def is_last_giver(
+        self, principal: PrincipalId, acts: Callable[[PrincipalId], bool], at_ns: int
+    ) -> bool:
+        """Whether nobody else who can act gives rights on the whole at a time; walks everybody."""
+        return not any(
+            who != principal and acts(who) and self.holds(who, FLEET, GRANT, at_ns)
+            for who in self._people
+        )
 
     def resumers(
         self, robot: RobotId, now_ns: int, *, besides: PrincipalId = ""

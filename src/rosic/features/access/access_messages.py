@@ -47,7 +47,8 @@ def no_access(name: str) -> str:
 def last_admin(name: str) -> str:
     """Return why somebody cannot go."""
     return said(
-        "{name} is the last admin here. Make somebody else an admin first. Nothing was done.",
+        "{name} is the last admin here. Make somebody else an admin first: /grant NAME admin. "
+        "Nothing was done.",
         name=name,
     )
 

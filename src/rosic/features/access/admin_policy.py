@@ -96,10 +96,7 @@ class AdminPolicy:
             return False
         rights = self._registry.rights()
         at_ns = FOR_GOOD_NS if for_good else self._registry.clock.wall_ns()
-        return not any(
-            who != principal and self.acts(who) and rights.holds(who, FLEET, GRANT, at_ns)
-            for who in rights.people()
-        )
+        return rights.is_last_giver(principal, self.acts, at_ns)
 
     def may_give(
         self, principal: PrincipalId, given: InvitedRights, now_ns: int | None = None

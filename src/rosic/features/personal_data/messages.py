@@ -184,7 +184,7 @@ SURE: Final = said(
 YES_FORGET: Final = said("Forget me for good")
 LAST_ADMIN: Final = said(
     "You are the only admin here, so nobody could let anybody in any more. Nothing "
-    "was erased. Make somebody else admin first."
+    "was erased. Make somebody else admin first: /grant NAME admin."
 )
 FORGOTTEN: Final = said("You are forgotten here. Farewell.")
 FORGOTTEN_MOVING: Final = said(
@@ -210,7 +210,8 @@ def in_use(shown: str, who: str) -> str:
 def last_admin(name: str) -> str:
     """Return why the operator cannot erase somebody."""
     return said(
-        "{name} is the only admin here. Nothing was erased. Make somebody else admin first.",
+        "{name} is the only admin here. Nothing was erased. Make somebody else admin first: "
+        "/grant NAME admin.",
         name=name,
     )
 
