@@ -6,7 +6,12 @@ import pytest
 
 from rosic.core.message import SendPriority
 from rosic.errors import MessengerFault
-from rosic.messengers.telegram.rate_limiter import WAITING_AT_MOST, WAITING_IN_A_CHAT, RateLimiter
+from rosic.messengers.telegram.rate_limiter import (
+    ALL_HOLD_AT_FIRST_S,
+    WAITING_AT_MOST,
+    WAITING_IN_A_CHAT,
+    RateLimiter,
+)
 from rosic.testing.clock import ManualClock, settle
 
 
@@ -212,6 +217,42 @@ async def test_a_second_chat_that_is_held_holds_everything() -> None:
     await turns.clock.advance(20)
 
     assert turns.given == [("third", 5.1)]
+
+
+HOURS_S = 4 * 3_600.0
+
+
+async def test_hours_asked_for_in_one_chat_mute_no_other() -> None:
+    """It was to be all chats for hours if another was told to wait for seconds just before."""
+    turns = Turns()
+    turns.limiter.hold("2", 5.0)
+    turns.limiter.hold("1", HOURS_S)
+    turns.ask("third", "3")
+    turns.ask("long", "1", within_s=2 * HOURS_S)
+    await turns.clock.advance(20)
+    assert turns.given == [("third", 5.1)]
+    turns.limiter.hold("2", 5.0)
+    turns.ask("fourth", "4")
+    await turns.clock.advance(20)
+    assert turns.given[1:] == [("fourth", 25.1)]
+    await turns.clock.advance(HOURS_S)
+    assert turns.given[2:] == [("long", HOURS_S + 0.1)]
+
+
+async def test_hours_asked_for_in_two_chats_are_tried_elsewhere_and_in_more_are_obeyed() -> None:
+    turns = Turns()
+    for chat in ("1", "2"):
+        turns.limiter.hold(chat, HOURS_S)
+    turns.ask("third", "3")
+    await turns.clock.advance(60)
+    assert turns.given == [("third", ALL_HOLD_AT_FIRST_S + 0.1)]
+    for number in range(3, 13):  # whoever is tried is told the same: it is for all of us
+        turns.limiter.hold(str(number), HOURS_S)
+    turns.ask("more", "20", within_s=2 * HOURS_S)
+    await turns.clock.advance(HOURS_S - 1.0)
+    assert turns.names() == ["third"]
+    await turns.clock.advance(120)
+    assert turns.names() == ["third", "more"]
 
 
 async def test_the_same_chat_held_twice_holds_only_itself() -> None:

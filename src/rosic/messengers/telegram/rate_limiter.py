@@ -30,6 +30,9 @@ CHATS_REMEMBERED = 4_096
 FIRST_OWED = 2
 HOLD_MORE_S = 0.1
 """So much longer than Telegram asks we wait: it counts from when it answered, in whole seconds."""
+ALL_HOLD_AT_FIRST_S = 30.0
+"""So long all chats wait at most when two were told to; twice as long for each further one."""
+DOUBLED_AT_MOST = 20
 WAITING_AT_MOST = 1_000
 WAITING_IN_A_CHAT = 100
 """Not counting what is urgent. So a chat that is spoken to too much keeps nobody else out."""
@@ -229,14 +232,20 @@ class RateLimiter:
     def hold(self, chat: str, seconds: float) -> None:
         """Obey ``retry_after``, which does not say what it is for.
 
-        It is taken to be for the chat, until a second chat is told to wait as well.
+        It is taken to be for the chat, until a second chat is told to wait as well. Then every chat
+        waits while at least two must, but not long before others are tried: two chats in which
+        somebody has us say too much mute no other for hours.
         """
         now_ns = self._clock.monotonic_ns()
         until_ns = now_ns + int((seconds + HOLD_MORE_S) * SECOND_NS)
         self._held_ns = {one: held for one, held in self._held_ns.items() if held > now_ns}
-        if self._held_ns.keys() - {chat}:
-            self._all_held_ns = max(self._all_held_ns, until_ns)
         self._held_ns[chat] = max(until_ns, self._held_ns.get(chat, 0))
+        others = len(self._held_ns) - 1
+        if others:
+            *_, second_ns, _ = sorted(self._held_ns.values())
+            tried_s = ALL_HOLD_AT_FIRST_S * 2 ** min(others - 1, DOUBLED_AT_MOST)
+            most_ns = now_ns + int((tried_s + HOLD_MORE_S) * SECOND_NS)
+            self._all_held_ns = max(self._all_held_ns, min(second_ns, most_ns))
 
     @contextmanager
     def under_way(self, chat: str) -> Iterator[None]:
