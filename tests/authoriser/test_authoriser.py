@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from rosic.authoriser.authoriser import TIMES_KEPT, Authoriser
+from rosic.authoriser.authoriser import SESSIONS_AT_MOST, TIMES_KEPT, Authoriser
 from rosic.authoriser.counters import Counters
 from rosic.authoriser.directory import Directory
 from rosic.authoriser.keys import KIND, KeyEnd, KeyRing
@@ -124,6 +124,16 @@ def test_who_was_recognised_in_a_chat() -> None:
     one.authoriser.identify(inbound(chat="g"))
     assert one.authoriser.company(Chat("telegram", "g")) == {"p1"}
     assert one.authoriser.company(Chat("telegram", "h")) == frozenset()
+    one.authoriser.forget("p1")
+    assert one.authoriser.company(Chat("telegram", "g")) == frozenset()
+
+
+def test_who_was_recognised_longest_ago_is_in_no_chat_any_more() -> None:
+    one = OnePerson()
+    for number in range(SESSIONS_AT_MOST + 1):
+        one.authoriser.identify(inbound(chat=f"g{number}"))
+    assert one.authoriser.company(Chat("telegram", "g0")) == frozenset()
+    assert one.authoriser.company(Chat("telegram", "g1")) == {"p1"}
 
 
 def test_somebody_stands_for_a_rule_of_theirs_only_under_a_good_key() -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
-
-from rosic.container.container import CHATS_AT_MOST, PersonContainer
+from rosic.container.container import CHATS_AT_MOST, ChatPeople, PersonContainer
 from rosic.core.message import Chat, ChatKind
 from tests.gateway.place import Place
 
@@ -27,11 +25,14 @@ async def test_a_chat_is_served_while_somebody_is_known_to_be_in_it() -> None:
 
 
 def test_the_chats_that_somebody_is_known_in_longest_are_forgotten_first() -> None:
-    there: Counter[bytes] = Counter()
+    there = ChatPeople()
     person = PersonContainer("p1", there)
     for number in range(CHATS_AT_MOST + 1):
         person.select(number.to_bytes(8, "big"), "omni")
         person.select(number.to_bytes(8, "big"), "kuka1")
-    assert set(there) == {number.to_bytes(8, "big") for number in range(1, CHATS_AT_MOST + 1)}
+    chats = [number.to_bytes(8, "big") for number in range(CHATS_AT_MOST + 1)]
+    assert [chat in there for chat in chats] == [False, *[True] * CHATS_AT_MOST]
+    assert [there.of(chat) for chat in chats[:2]] == [frozenset(), {"p1"}]
     person.clear()
-    assert not there
+    assert not any(chat in there for chat in chats)
+    assert not there.of(chats[1])

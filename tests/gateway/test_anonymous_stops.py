@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import asyncio
+import sys
+from typing import TYPE_CHECKING, Any
+
+from msgspec.structs import replace
 
 from rosic.container.container import CHATS_AT_MOST
 from rosic.core.identity import Address
-from rosic.core.message import Chat, ChatKind
+from rosic.core.message import Chat, ChatKind, Inbound, MessageValidity
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessengerFault
 from rosic.gateway.group_people import ASKED_AGAIN_NS, AT_ONCE
 from rosic.testing.clock import ManualClock
 from tests.gateway.place import ADA, Place
 from tests.gateway.test_stopping import unnamed_stop
+
+if TYPE_CHECKING:
+    from types import FrameType
 
 
 async def test_the_admins_are_asked_for_again_where_that_failed() -> None:
@@ -56,6 +63,55 @@ async def test_questions_about_other_chats_keep_no_stop_of_nobodys_back() -> Non
         await asyncio.gather(*others, *ours)
         assert place.robot("omni").gate.latched
         assert sorted(asked) == sorted({"g", *(f"h{number}" for number in range(AT_ONCE * 4))})
+
+
+async def test_a_stop_in_a_strangers_channel_costs_the_same_among_many_people() -> None:
+    """Whom the chat is known to hold is a look-up: nobody who is elsewhere is looked at."""
+    few, many = [await instructions_of_a_stop(people) for people in (100, 5_000)]
+    assert many <= 1.2 * few, (few, many)
+
+
+async def instructions_of_a_stop(people: int) -> int:
+    """Return how many instructions of Python a stop of nobody's takes where it stops nothing.
+
+    Args:
+        people: So many are known in groups of their own, and as often somebody was recognised.
+    """
+    async with Place().open() as place:
+        rooms = place.gateway.rooms
+        now_ns = place.clock.wall_ns()
+        said = Inbound(
+            sender=Address("memory", ADA),
+            chat=Chat("memory", "x", ChatKind.CHANNEL),
+            message="m1",
+            text="stop",
+            sent_ns=now_ns,
+            received_ns=now_ns,
+        )
+        for number in range(people):
+            elsewhere = Chat("memory", f"e{number}", ChatKind.GROUP)
+            rooms.container.meet(f"somebody{number}", elsewhere)
+            rooms.authoriser.identify(replace(said, chat=elsewhere))
+        count = 0
+
+        def follow(frame: FrameType, event: str, _argument: object) -> Any:  # noqa: ANN401
+            nonlocal count
+            if event == "call":
+                frame.f_trace_opcodes = True
+            count += event == "opcode"
+            return follow
+
+        assert rooms.authoriser.company(Chat("memory", "e0", ChatKind.GROUP))
+        stop = replace(said, sender=Address("memory", "x"), standing=MessageValidity.CHANNEL)
+        before = sys.gettrace()
+        sys.settrace(follow)
+        try:
+            told = await place.gateway.stop_lane.stop(place.chat, stop, (), lambda _: ())
+        finally:
+            sys.settrace(before)
+        assert told
+        assert not place.robot("omni").gate.latched
+        return count
 
 
 async def test_a_stranger_who_makes_somebody_an_admin_makes_them_known_nowhere() -> None:

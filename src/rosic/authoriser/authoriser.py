@@ -62,6 +62,7 @@ class Authoriser:
         self._clock = clock
         self._entropy = entropy
         self._sessions: OrderedDict[tuple[str, str, str], Session] = OrderedDict()
+        self._in_chat: dict[tuple[str, str], dict[str, Session]] = {}
         self._times_ns = array("q", bytes(8 * TIMES_KEPT))
         self._timed = 0
 
@@ -78,8 +79,9 @@ class Authoriser:
         if session is None:
             session = self._authenticate(inbound)
             self._sessions[where] = session
+            self._in_chat.setdefault((sender.platform, chat.id), {})[sender.account] = session
             if len(self._sessions) > SESSIONS_AT_MOST:
-                self._sessions.popitem(last=False)
+                self._end(next(iter(self._sessions)))
         ends_ns = session.ends_ns
         if ends_ns is not None and self._wall_ns() >= ends_ns:
             self._count("key-expired")
@@ -153,15 +155,20 @@ class Authoriser:
         """Let somebody be authenticated anew: their key or what is known of them has changed."""
         gone = [w for w, s in self._sessions.items() if s.caller.principal == principal]
         for where in gone:
-            del self._sessions[where]
+            self._end(where)
+
+    def _end(self, where: tuple[str, str, str]) -> None:
+        del self._sessions[where]
+        platform, account, chat = where
+        there = self._in_chat[platform, chat]
+        del there[account]
+        if not there:
+            del self._in_chat[platform, chat]
 
     def company(self, chat: Chat) -> frozenset[PrincipalId]:
         """Return who was recognised in a chat; for a stop that carries nobody's id (I17)."""
-        return frozenset(
-            session.caller.principal
-            for (platform, _, where), session in self._sessions.items()
-            if platform == chat.platform and where == chat.id
-        )
+        there = self._in_chat.get((chat.platform, chat.id), {})
+        return frozenset(session.caller.principal for session in there.values())
 
     def times_to_authenticate_s(self) -> tuple[float, ...]:
         """Return the newest measured times in seconds, oldest first."""

@@ -7,7 +7,7 @@ may anything move (I1, I9).
 from __future__ import annotations
 
 import asyncio
-from collections import Counter, OrderedDict
+from collections import OrderedDict
 from functools import partial
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
@@ -44,17 +44,47 @@ SHARED_BYTES: Final = 8
 """With so many begins what stands for any part of a chat."""
 
 
+class ChatPeople:
+    """Who chose something in a chat, or in parts of it, how often; by the chat, as a look-up."""
+
+    __slots__ = ("_people",)
+
+    def __init__(self) -> None:
+        self._people: dict[bytes, dict[PrincipalId, int]] = {}
+
+    def __contains__(self, chat: bytes) -> bool:
+        return chat in self._people
+
+    def come(self, chat: bytes, who: PrincipalId) -> None:
+        """Count one more choice of somebody."""
+        there = self._people.setdefault(chat, {})
+        there[who] = there.get(who, 0) + 1
+
+    def leave(self, chat: bytes, who: PrincipalId) -> None:
+        """Count one less."""
+        there = self._people[chat]
+        there[who] -= 1
+        if not there[who]:
+            del there[who]
+            if not there:
+                del self._people[chat]
+
+    def of(self, chat: bytes) -> frozenset[PrincipalId]:
+        """Return who has made one there."""
+        return frozenset(self._people.get(chat, ()))
+
+
 class PersonContainer:
     """What belongs to one person: which robot they chose, chat by chat.
 
     Args:
         principal: They.
-        there: Where everybody's chats are counted.
+        there: Who chose something in which chat.
     """
 
     __slots__ = ("_selected", "_there", "principal")
 
-    def __init__(self, principal: PrincipalId, there: Counter[bytes]) -> None:
+    def __init__(self, principal: PrincipalId, there: ChatPeople) -> None:
         self.principal = principal
         self._there = there
         self._selected: OrderedDict[bytes, str] = OrderedDict()
@@ -65,7 +95,7 @@ class PersonContainer:
             self._leave(chat)
         if name:
             self._selected[chat] = name
-            self._there[chat[:SHARED_BYTES]] += 1
+            self._there.come(chat[:SHARED_BYTES], self.principal)
             if len(self._selected) > CHATS_AT_MOST:
                 self._leave(self._selected.popitem(last=False)[0])
 
@@ -75,18 +105,11 @@ class PersonContainer:
             self._leave(self._selected.popitem()[0])
 
     def _leave(self, chat: bytes) -> None:
-        own = chat[:SHARED_BYTES]
-        self._there[own] -= 1
-        if not self._there[own]:
-            del self._there[own]
+        self._there.leave(chat[:SHARED_BYTES], self.principal)
 
     def selected(self, chat: bytes) -> str:
         """Return the choice for a chat, empty for none."""
         return self._selected.get(chat, "") if self._selected else ""
-
-    def chose(self, chat: bytes) -> bool:
-        """Whether there is a choice for a chat, or for a part of it, that begins so."""
-        return any(digest.startswith(chat) for digest in self._selected)
 
 
 class RobotContainer:
@@ -148,7 +171,7 @@ class Containers:
         self.here: Deferred[[Chat], str] = Deferred(_nowhere)
         self.usual = usual
         self._people: dict[PrincipalId, PersonContainer] = {}
-        self._there: Counter[bytes] = Counter()
+        self._there = ChatPeople()
         self._unwritten: OrderedDict[CommandId, None] = OrderedDict()
         self._completed: dict[tuple[RobotId, str, tuple[SpokenValue, ...]], CompletedOrders] = {}
         vocabularies.replaced.connect(self._completed.clear)  # worked out with the one before
@@ -364,8 +387,7 @@ class Containers:
 
     def company(self, chat: Chat) -> frozenset[PrincipalId]:
         """Return who was recognised or chose a robot in a chat; known after a restart, too."""
-        own = chat_digest(chat)[:SHARED_BYTES]
-        return frozenset(p for p, unit in self._people.items() if unit.chose(own))
+        return self._there.of(chat_digest(chat)[:SHARED_BYTES])
 
     def meet(self, principal: PrincipalId, chat: Chat) -> None:
         """Remember that somebody was recognised in a chat of many, over restarts too."""
@@ -386,11 +408,12 @@ class Containers:
 
     def moved(self, old: Chat, new: Chat) -> None:
         """Let what people chose in a chat hold under its new id."""
-        for principal in self.company(old):
+        there = self.company(old)
+        for principal in there:
             self.meet(principal, new)
         before, after = chat_digest(old), chat_digest(new)
-        for principal, unit in list(self._people.items()):
-            if chosen := unit.selected(before):
+        for principal in there:
+            if chosen := self._people[principal].selected(before):
                 self.restore_selection(principal, after, chosen)
                 self._store.note(Selected(principal=principal, chat=after, robot=chosen))
 
