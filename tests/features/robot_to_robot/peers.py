@@ -43,7 +43,12 @@ class PeerRobots(Place):
     """omni and cf1 may much, cf2 reads cf1 alone, kuka1 is nobody."""
 
     rulebook = RoleRules(roles={**DEFAULT_ROLES, "fellow": FELLOW, "reader": READER})
-    people = (*PEOPLE, robot("omni", "fellow"), robot("cf1", "fellow"), robot("cf2", "reader"))
+    people: tuple[ConfiguredPerson, ...] = (
+        *PEOPLE,
+        robot("omni", "fellow"),
+        robot("cf1", "fellow"),
+        robot("cf2", "reader"),
+    )
 
     @property
     def messaging(self) -> RobotMessaging:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from collections import Counter
+from typing import TYPE_CHECKING
 
 import msgspec
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rosic.app.people import ConfiguredPerson
 from rosic.contracts.robot import UTTERANCE_BYTES
+from rosic.core.identity import Address
+from rosic.core.records import Fact
 from rosic.core.robot.dialogue_protocol import Share, TellRobot, mark_of, read_utterance
 from rosic.errors import Refusal
 from rosic.features.robot_to_robot.help_requests import KEPT_NS, KEPT_OVER, HelpRequests
@@ -21,6 +26,16 @@ from rosic.features.robot_to_robot.inbox import (
     REMEMBERED,
     LoopGuard,
 )
+from rosic.features.robot_to_robot.permissions import LOOKED_AT_A_STEP
+from rosic.gateway.delivery.outbox import KIND as UNSAID
+from rosic.stores.memory import MemoryStore
+from tests.features.robot_to_robot.peers import PeerRobots
+from tests.gateway.place import BO
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.core.records import Record
 
 ROBOTS = ("a", "b", "c", "d")
 SECOND_NS = 1_000_000_000
@@ -146,3 +161,66 @@ def test_the_answer_to_what_cannot_be_read_finds_whoever_waits_for_it(
     words: str, mark: str
 ) -> None:
     assert mark_of(words.encode()) == mark
+
+
+class Crowd(PeerRobots):
+    """Hundreds of people who may command every robot, and as many who may only look."""
+
+    people = (
+        *PeerRobots.people,
+        *(
+            ConfiguredPerson(f"P{n}", (Address("memory", f"{1_000 + n}"),), (role,))
+            for n, role in enumerate(("operator", "viewer") * 200)
+        ),
+    )
+
+
+class StepStore(MemoryStore):
+    """Notes in which step of the event loop somebody was to be told something."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.step = 0
+        self.told: Counter[int] = Counter()
+        self.enough = asyncio.Event()
+
+    def keep(self, record: Record, then: Callable[[], None]) -> None:
+        """Note it."""
+        if isinstance(record, Fact) and record.kind == UNSAID and record.body:
+            self.told[self.step] += 1
+            if self.told.total() == 201:
+                self.enough.set()
+        super().keep(record, then)
+
+    async def count(self) -> None:
+        """Count the rounds of the loop: in one every task that can go on has a step."""
+        while True:
+            self.step += 1
+            await asyncio.sleep(0)
+
+
+@pytest.mark.parametrize("line", ["/quiet omni", "/quiet omni off"])
+async def test_a_robot_is_silenced_among_many_people_a_few_in_each_step(line: str) -> None:
+    """All were looked at and told in one step: with 1,500 people it took longer than 20 ms."""
+    store = StepStore()
+    async with Crowd(store).open() as here:
+        counting = asyncio.create_task(store.count())
+        here.chat.say(line, account=BO)
+        async with asyncio.timeout(30):
+            await store.enough.wait()
+        assert store.told.total() == 201, "all who may command it but who asked: Ada and 200 more"
+        assert max(store.told.values()) == 1, "to tell one is a step"
+        assert store.step >= len(Crowd.people) / LOOKED_AT_A_STEP
+        counting.cancel()
+        await here.quiet()
+        assert "omni is" in here.chat.told[-1].outbound.text
+
+
+async def test_all_who_command_a_robot_hear_that_it_floods() -> None:
+    async with Crowd().open() as here:
+        here.messaging._flooded("omni")
+        async with asyncio.timeout(30):
+            await asyncio.gather(*here.messaging._warnings)
+        await here.quiet()
+        warned = [told for told in here.chat.told if "omni says more" in told.outbound.text]
+        assert len({told.outbound.chat.id for told in warned}) == 202

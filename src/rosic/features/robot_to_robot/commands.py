@@ -216,20 +216,22 @@ class RobotToRobotCommands:
             raise NotPermitted(words.may_not_quiet(shown))
         if len(rest) == 1 and rest[0] in OFF:
             await self._messaging.silence(robot, who, 0)
-            self._tell_others(robot, who, lambda _: words.heard_again(shown))
+            await self._tell_others(robot, who, lambda _: words.heard_again(shown))
             return Reply(words.heard_again(shown), about=robot)
         lasts_s = _length(rest)
         until_ns = self._around.clock.wall_ns() + int(lasts_s * 1e9)
         await self._messaging.silence(robot, who, until_ns)
         name = clean(self._rooms.organiser.name_of(who))
         moment = self._rooms.organiser.moment
-        self._tell_others(robot, who, lambda o: words.quieted(shown, name, moment(o, until_ns)))
+        await self._tell_others(
+            robot, who, lambda o: words.quieted(shown, name, moment(o, until_ns))
+        )
         return Reply(words.quieted(shown, name, moment(who, until_ns)), about=robot)
 
-    def _tell_others(
+    async def _tell_others(
         self, robot: RobotId, who: PrincipalId, text: Callable[[PrincipalId], str]
     ) -> None:
-        for other in self._around.rights.operators(robot):
+        async for other in self._around.rights.operators(robot):
             if other != who:
                 self._around.reach.tell((other,), text(other))
 

@@ -18,7 +18,7 @@ from rosic.errors import NotPermitted, TooManyRequests
 from rosic.features.robot_to_robot import messages as words
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
     from rosic.contracts.robot import RobotTasks
     from rosic.core.identity import Caller, PrincipalId
@@ -80,7 +80,7 @@ class HelpService:
             made, fact = self.book.ask(ident, robot, what, for_s)
             await turn.write((fact,))
         self._tell_robots(made)
-        for who in self._rights.helpers(robot):
+        async for who in self._rights.helpers(robot):
             self._offer(made, who)
         return made
 
@@ -161,7 +161,7 @@ class HelpService:
         shown = self._rights.shown(helper) if helper else ""
         by = shown if helper and self._is(caller, helper) else name
         text = joined("\n", (words.helped(asker, made.what, by, shown), changed))
-        self._tell(made, text, besides=who)
+        await self._tell(made, text, besides=who)
         self._post.send(made.robot, {"kind": "helped", "id": ident, "by": helper or "a person"})
         if helper and not self._is(caller, helper):
             self._post.send(
@@ -200,7 +200,7 @@ class HelpService:
             raise NotPermitted(words.may_not_help(self._rights.shown(made.robot)))
         text = words.help_ended(self._rights.shown(made.robot), made.what)
         if await self._end(made):
-            self._tell(made, text, besides=who)
+            await self._tell(made, text, besides=who)
         return text
 
     async def _end(self, made: HelpRequest) -> bool:
@@ -218,16 +218,16 @@ class HelpService:
         """End what nobody has accepted in time, and say so; forget what is long over."""
         for made in self.book.late(wall_ns):
             if await self._end(made):
-                self._tell(made, words.help_expired(self._rights.shown(made.robot), made.what))
+                await self._tell(
+                    made, words.help_expired(self._rights.shown(made.robot), made.what)
+                )
         old = self.book.forgotten()
         if old:
             async with self._changes.turn() as turn:
                 await turn.write(old)
 
-    def _tell(self, made: HelpRequest, text: str, *, besides: PrincipalId = "") -> None:
+    async def _tell(self, made: HelpRequest, text: str, *, besides: PrincipalId = "") -> None:
         robots = (made.robot, made.helper) if made.helper else (made.robot,)
-        people: Iterable[PrincipalId] = (
-            *self._rights.operators(*robots),
-            *self._rights.helpers(made.robot),
-        )
-        self._reach.tell([who for who in people if who != besides], text)
+        async for who in self._rights.operators(*robots, or_helpers_of=made.robot):
+            if who != besides:
+                self._reach.tell((who,), text)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
@@ -10,11 +11,13 @@ from rosic.core.policy.scope import READ
 from rosic.errors import NotPermitted
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import AsyncIterator, Callable, Iterator
 
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.components import Components
+
+LOOKED_AT_A_STEP = 50
 
 
 class PeerPermissions:
@@ -68,20 +71,34 @@ class PeerPermissions:
         """Whether a person may command a robot at all."""
         return self.may(who, robot) and self._rooms.organiser.why_not_move(who, robot) is None
 
-    def operators(self, *robots: RobotId) -> tuple[PrincipalId, ...]:
-        """Return the people who may command one of some robots. Walks everybody: for rare news."""
-        return tuple(
-            who for who in self._people() if any(self.operates(who, robot) for robot in robots)
+    def operators(
+        self, *robots: RobotId, or_helpers_of: RobotId = ""
+    ) -> AsyncIterator[PrincipalId]:
+        """Yield the people who may command one of some robots. Walks everybody: for rare news.
+
+        Args:
+            robots: Which.
+            or_helpers_of: And those who may accept this robot's request for help.
+        """
+        return self._each(
+            lambda who: (
+                any(self.operates(who, robot) for robot in robots)
+                or bool(or_helpers_of and self.may(who, or_helpers_of, "help"))
+            )
         )
 
-    def helpers(self, asker: RobotId) -> tuple[PrincipalId, ...]:
-        """Return the people who may accept a robot's request for help."""
-        return tuple(who for who in self._people() if self.may(who, asker, "help"))
+    def helpers(self, asker: RobotId) -> AsyncIterator[PrincipalId]:
+        """Yield the people who may accept a robot's request for help."""
+        return self._each(lambda who: self.may(who, asker, "help"))
 
-    def _people(self) -> Iterator[PrincipalId]:
-        for person in self._rooms.authoriser.directory.people():
-            if not person.is_robot:
+    async def _each(self, meant: Callable[[PrincipalId], bool]) -> AsyncIterator[PrincipalId]:
+        """Yield people, a few in each step of the event loop: there may be thousands (I15)."""
+        for number, person in enumerate(tuple(self._rooms.authoriser.directory.people()), 1):
+            if number % LOOKED_AT_A_STEP == 0:
+                await asyncio.sleep(0)
+            if not person.is_robot and meant(person.id):
                 yield person.id
+                await asyncio.sleep(0)  # to tell one is a step
 
     def robots(self) -> Iterator[RobotId]:
         """Yield the robots that are principals here."""

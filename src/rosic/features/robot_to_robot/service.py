@@ -105,6 +105,7 @@ class RobotMessaging:
             said_by.TellRobot: self._tell,
             said_by.Adjust: self._adjust,
         }
+        self._warnings: set[asyncio.Task[None]] = set()
 
     # ---- beginning and going on ----
 
@@ -173,6 +174,8 @@ class RobotMessaging:
         finally:
             for inbox in self.inboxes.values():
                 inbox.close()
+            for warning in self._warnings:
+                warning.cancel()
             circle.strategies.close()
             self._save()
 
@@ -235,7 +238,7 @@ class RobotMessaging:
         now_ns, hops = around.clock.wall_ns(), circle.guard.hops(said.re)
         cause = circle.guard.cause(said.re)
         if cause is not None and hops > HOPS_AT_MOST:
-            self._cut(robot, cause.robot)
+            await self._cut(robot, cause.robot)
             raise TooManyRequests(words.is_cut(around.rights.shown(cause.robot)), retry_after_s=0.0)
         until_ns = now_ns + int(said.keep_s * 1e9)
         data, ident = bytes(said.data), self._new_id()
@@ -284,7 +287,7 @@ class RobotMessaging:
             raise TooManyRequests(words.is_cut(other), retry_after_s=CUT_NS / 1e9)
         hops = circle.guard.hops(said.re)
         if not circle.guard.passes(robot, said.to, hops, now_ns):
-            self._cut(robot, said.to)
+            await self._cut(robot, said.to)
             raise TooManyRequests(words.is_cut(other), retry_after_s=CUT_NS / 1e9)
         ident = self._new_id()
         circle.guard.remember(ident, robot, hops)
@@ -303,23 +306,25 @@ class RobotMessaging:
         circle.digests.note(robot, "", text)
         return {"id": ident, "heard": heard} if said.ref else {}
 
-    def _cut(self, robot: RobotId, other: RobotId) -> None:
+    async def _cut(self, robot: RobotId, other: RobotId) -> None:
         circle, around = self.circle, self.around
         if not circle.guard.cut(robot, other, around.clock.monotonic_ns()):
             return
         shown, shown_other = around.rights.shown(robot), around.rights.shown(other)
         text = words.cut(shown, shown_other, length(CUT_NS // SECOND_NS))
-        self._warn(text, robot, other)
+        await self._warn(text, robot, other)
 
     def _flooded(self, robot: RobotId) -> None:
-        self._warn(words.flood(self.around.rights.shown(robot)), robot)
+        warning = self._warn(words.flood(self.around.rights.shown(robot)), robot)
+        task = asyncio.create_task(warning)
+        self._warnings.add(task)
+        task.add_done_callback(self._warnings.discard)
 
-    def _warn(self, text: str, *robots: RobotId) -> None:
+    async def _warn(self, text: str, *robots: RobotId) -> None:
         """Tell those who operate a robot what it does, with what silences it."""
         _circle, around = self.circle, self.around
-        people = around.rights.operators(*robots)
         log.warning("%s", text)
-        for who in people:
+        async for who in around.rights.operators(*robots):
             row = tuple(
                 Button(words.quiet_label(around.rights.shown(robot)), f"/quiet {robot}")
                 for robot in robots

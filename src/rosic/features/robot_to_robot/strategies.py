@@ -121,10 +121,11 @@ class Strategies:
         before = self._changing.pop(robot, None)
         if before is not None and before.task is not None and not before.sent:
             before.task.cancel()
-            self._tell(before, words.strategy_replaced(*self._named(before)))
         made = _Change(caller, robot, chosen, self._entropy.token(REQUEST_ID_BYTES).hex())
         self._changing[robot] = made
         made.task = asyncio.create_task(self._carry_out(made, idle=idle))
+        if before is not None and before.task is not None and not before.sent:
+            await self._tell(before, words.strategy_replaced(*self._named(before)))
         shown, what = self._named(made)
         return words.strategy_when(shown, what, idle=idle)
 
@@ -159,7 +160,7 @@ class Strategies:
         try:
             await self._at_its_moment(made, idle=idle)
         except Refusal as refusal:
-            self._tell(made, refusal.sentence)
+            await self._tell(made, refusal.sentence)
         except Exception:
             log.exception("the strategy of %s could not be changed", made.robot)
         finally:
@@ -169,7 +170,7 @@ class Strategies:
     async def _at_its_moment(self, made: _Change, *, idle: bool) -> None:
         shown, what = self._named(made)
         if idle and not await self._is_idle(made.robot):
-            self._tell(made, words.strategy_late(shown, what))
+            await self._tell(made, words.strategy_late(shown, what))
             return
         self._rights.check(made.caller, made.robot, STRATEGY)  # it may have been long
         self._check_free(made.caller, made.robot)
@@ -188,16 +189,16 @@ class Strategies:
         answered = await self._answered(made) if heard else None
         if not heard:
             await self._write(made.robot, before)
-            self._tell(made, words.strategy_unheard(shown, what))
+            await self._tell(made, words.strategy_unheard(shown, what))
         elif answered is None:  # what was written before it was sent stays: nobody knows
-            self._tell(made, words.strategy_unknown(shown, what))
+            await self._tell(made, words.strategy_unknown(shown, what))
         elif answered[0]:
             standing = self._standing[made.robot]
             await self._write(made.robot, msgspec.structs.replace(standing, known=True))
-            self._tell(made, words.strategy_acknowledged(shown, what))
+            await self._tell(made, words.strategy_acknowledged(shown, what))
         else:
             await self._write(made.robot, before)
-            self._tell(made, words.strategy_declined(shown, what, answered[1]))
+            await self._tell(made, words.strategy_declined(shown, what, answered[1]))
 
     async def _is_idle(self, robot: RobotId) -> bool:
         end_ns = self._clock.monotonic_ns() + int(IDLE_WITHIN_S * 1e9)
@@ -257,14 +258,15 @@ class Strategies:
         title = chosen.name if declared is None or not declared.title else declared.title
         return words.described(title, spoken(chosen.values, declared))
 
-    def _tell(self, made: _Change, text: str) -> None:
+    async def _tell(self, made: _Change, text: str) -> None:
         """Tell whoever asked; a robot that asked, and then the people who operate both."""
         asker = made.caller.address.account if made.caller.address.platform == "robot" else ""
         if not asker:
             self._reach.tell((made.caller.principal,), text)
             return
         self._post.send(asker, {"kind": "note", "about": made.robot, "text": str(text)})
-        self._reach.tell(self._rights.operators(made.robot), text)
+        async for who in self._rights.operators(made.robot):
+            self._reach.tell((who,), text)
 
     # ---- what is so ----
 
