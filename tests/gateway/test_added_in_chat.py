@@ -101,7 +101,7 @@ async def test_two_taps_add_a_robot_that_was_sent_as_a_file() -> None:
 class Alone(PeerRobots):
     """No robot is anybody here yet."""
 
-    people = PEOPLE  # type: ignore[assignment]  # fewer
+    people = PEOPLE  # fewer
 
 
 async def test_an_admin_lets_it_speak_with_the_others_under_a_key_that_is_theirs_to_give() -> None:

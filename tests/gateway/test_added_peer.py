@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Alone(PeerRobots):
     """No robot is anybody here yet."""
 
-    people = PEOPLE  # type: ignore[assignment]  # fewer
+    people = PEOPLE  # fewer
 
 
 def rover_is_somebody(here: PeerRobots) -> bool:

@@ -8,11 +8,16 @@ from typing import TYPE_CHECKING
 
 from rosic.core.message import Chat, Outbound, SendPriority
 from rosic.errors import MessengerFault
-from rosic.gateway.delivery.chat_queue import OutgoingMessage
-from rosic.gateway.delivery.sender import UNSAID_AT_MOST
+from rosic.gateway.delivery.chat_queue import (
+    ANSWERS_AT_MOST,
+    ASKERS_REMEMBERED,
+    UNSAID_AT_MOST,
+    ChatQueue,
+    OutgoingMessage,
+)
 from rosic.messengers.memory import MemoryMessenger
 from rosic.stores.memory import MemoryStore
-from tests.gateway.place import ADA, FLEET, Place
+from tests.gateway.place import ADA, BO, FLEET, Place
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -161,3 +166,59 @@ async def test_a_full_queue_says_what_answers_the_newest_message_and_logs_what_i
         assert "Which robot?" in newest.outbound.text
         assert "1 messages were dropped there" in caplog.text
         assert len(chat.told) == before
+
+
+GROUP = "-100"
+
+
+async def test_whoever_asks_for_much_in_a_group_keeps_nobody_elses_answer_waiting() -> None:
+    async with paced() as (place, chat):
+        for _ in range(ANSWERS_AT_MOST + 40):
+            await place.say("status", chat=GROUP)
+        await place.say("help", chat=GROUP, account=BO)
+        said = [await one(place, chat) for _ in range(2)]
+        assert sum("at rest" in text for text in said) == 1, said
+        place.robot("omni").work_s = 300.0
+        await place.say("omni wave", chat=GROUP, account=BO)
+        said = [await one(place, chat) for _ in range(2)]
+        assert sum("wave" in text for text in said) == 1, said
+        place.robot("omni").finish()
+        await place.quiet()
+        assert "done" in await one(place, chat), "how an order ended goes before every answer"
+
+
+async def test_refusals_of_one_person_keep_nobody_elses_answer_waiting() -> None:
+    async with paced() as (place, chat):
+        for _ in range(20):
+            await place.say("omni fly", chat=GROUP)
+        await place.say("status omni", chat=GROUP, account=BO)
+        said = [await one(place, chat) for _ in range(3)]
+        assert sum("at rest" in text for text in said) == 1, said
+
+
+async def test_who_has_too_many_answers_waiting_reads_how_many_were_left_out() -> None:
+    store = MemoryStore()
+    async with paced(store) as (place, chat):
+        for _ in range(ANSWERS_AT_MOST + 3):
+            await place.say("omni fly", chat=GROUP)
+        queue = place.gateway.pipeline._chat_sender._queues[chat.name, GROUP]
+        assert len(queue.items) == ANSWERS_AT_MOST
+        assert "(3 earlier answers to you were left out" in await one(place, chat)
+        assert "left out" not in await one(place, chat)
+        while chat.waiting:
+            await one(place, chat)
+    assert (await store.open()).unfinished == ()
+
+
+async def test_whom_a_busy_group_has_answered_is_remembered_within_bounds() -> None:
+    async with paced() as (place, chat):
+        queue = ChatQueue(None, lambda _: None)
+        for number in range(2 * ASKERS_REMEMBERED):
+            for asker in (f"p{number}", f"p{number}"):
+                asked = Outbound(chat=Chat("memory", GROUP), text=asker)
+                queue.items.append(OutgoingMessage(chat, asked, asker=asker))
+            queue.take()
+            queue.items.popleft()
+            queue.items.append(OutgoingMessage(chat, Outbound(chat=Chat("memory", GROUP), text="")))
+        assert len(queue.answered) <= ASKERS_REMEMBERED
+        del place

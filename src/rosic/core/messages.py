@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.i18n import figure, filled, joined, said, titled
+from rosic.core.i18n import figure, filled, joined, said, said_n, titled
 from rosic.core.language.common_names import shown_name
 from rosic.core.language.sanitise import echo
 from rosic.core.policy.scope import RESUME
@@ -336,3 +336,12 @@ def said_again(text: str) -> str:
 def perhaps_twice(text: str) -> str:
     """Mark what may have arrived before, though nobody can know."""
     return joined("\n", (text, said("(This may stand here twice: the connection broke.)")))
+
+
+def left_out(count: int) -> str:
+    """Say that answers to somebody gave way to newer ones."""
+    return said_n(
+        "({n} earlier answer to you was left out: too much waited to be said here.)",
+        "({n} earlier answers to you were left out: too much waited to be said here.)",
+        count,
+    )

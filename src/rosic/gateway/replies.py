@@ -10,7 +10,7 @@ from rosic.authoriser.button_tokens import OPEN
 from rosic.container.records import KeptAnswer
 from rosic.core.i18n import in_language, joined, said
 from rosic.core.language import clean, hears_stop
-from rosic.core.message import Button, ChatKind, Outbound, SendPriority
+from rosic.core.message import Button, ChatKind, Outbound
 from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.time_units import MINUTE_NS
 from rosic.errors import Refusal, Repeated
@@ -97,7 +97,7 @@ class Replies:
         """Answer without buttons."""
         plain = in_language(text, self._languages.of_sender(inbound))
         outbound = Outbound(chat=inbound.chat, text=plain, reply_to=reply_id(inbound))
-        self._say(OutgoingMessage(messenger, outbound, None, edited_by(inbound)), inbound)
+        self._say(self._note(messenger, outbound, inbound), inbound)
 
     def offer(
         self,
@@ -111,7 +111,12 @@ class Replies:
         bound = self._bind(inbound, caller, buttons)
         outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound), buttons=bound)
         plain = translated(outbound, self._languages.of(caller.principal))
-        self._say(OutgoingMessage(messenger, plain, None, edited_by(inbound)), inbound)
+        self._say(self._note(messenger, plain, inbound), inbound)
+
+    def _note(self, messenger: Messenger, plain: Outbound, inbound: Inbound) -> OutgoingMessage:
+        known = self._authoriser.directory.at(inbound.sender)
+        asker = known[0].id if known is not None else str(inbound.sender)
+        return OutgoingMessage(messenger, plain, None, edited_by(inbound), asker=asker)
 
     def _bind(
         self, inbound: Inbound, caller: Caller, buttons: tuple[tuple[Button, ...], ...]
@@ -138,9 +143,8 @@ class Replies:
             buttons=self._bind(inbound, caller, reply.buttons),
             attachment=reply.attachment,
         )
-        note = OutgoingMessage(
-            messenger, translated(outbound, self._languages.of(caller.principal))
-        )
+        plain = translated(outbound, self._languages.of(caller.principal))
+        note = OutgoingMessage(messenger, plain, asker=caller.principal)
         note.about = reply.about
         if reply.landed is not None:
             note.landed = partial(reply.landed, messenger, inbound.chat)
@@ -161,7 +165,7 @@ class Replies:
             chat=inbound.chat, text=reply.text, reply_to=reply_id(inbound), buttons=reply.buttons
         )
         plain = translated(outbound, self._languages.of_sender(inbound))
-        self._chat_sender.say(OutgoingMessage(messenger, plain, None, edited_by(inbound)))
+        self._chat_sender.say(self._note(messenger, plain, inbound))
 
     async def refuse(
         self, said: MessageContext, cid: CommandId, refusal: Refusal, asked: str
@@ -204,10 +208,10 @@ class Replies:
             text=refusal.sentence,
             reply_to=reply_id(inbound),
             buttons=self._bind(inbound, caller, buttons),
-            weight=SendPriority.OUTCOME,
         )
-        told = translated(outbound, self._languages.of(caller.principal))
-        note = OutgoingMessage(messenger, told, cid, edited_by(inbound), to=caller.principal)
+        who = caller.principal
+        told = translated(outbound, self._languages.of(who))
+        note = OutgoingMessage(messenger, told, cid, edited_by(inbound), to=who, asker=who)
         self._say(note, inbound, refusal)
 
     def _say(self, note: OutgoingMessage, inbound: Inbound, refusal: Refusal | None = None) -> None:

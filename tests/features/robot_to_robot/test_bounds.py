@@ -31,6 +31,7 @@ from rosic.gateway.delivery.outbox import KIND as UNSAID
 from rosic.stores.memory import MemoryStore
 from tests.features.robot_to_robot.peers import PeerRobots
 from tests.gateway.place import BO
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -206,7 +207,7 @@ async def test_a_robot_is_silenced_among_many_people_a_few_in_each_step(line: st
     async with Crowd(store).open() as here:
         counting = asyncio.create_task(store.count())
         here.chat.say(line, account=BO)
-        async with asyncio.timeout(30):
+        async with asyncio.timeout(30 * pace()):
             await store.enough.wait()
         assert store.told.total() == 201, "all who may command it but who asked: Ada and 200 more"
         assert max(store.told.values()) == 1, "to tell one is a step"
@@ -219,7 +220,7 @@ async def test_a_robot_is_silenced_among_many_people_a_few_in_each_step(line: st
 async def test_all_who_command_a_robot_hear_that_it_floods() -> None:
     async with Crowd().open() as here:
         here.messaging._flooded("omni")
-        async with asyncio.timeout(30):
+        async with asyncio.timeout(30 * pace()):
             await asyncio.gather(*here.messaging._warnings)
         await here.quiet()
         warned = [told for told in here.chat.told if "omni says more" in told.outbound.text]

@@ -193,8 +193,9 @@ class RenderQueue:
     def _say(self, asked: CommandContext, text: str) -> None:
         inbound = asked.inbound
         outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound))
-        reader = self._chat_sender.languages.of(asked.caller.principal)
-        self._chat_sender.say(OutgoingMessage(asked.messenger, translated(outbound, reader)))
+        who = asked.caller.principal
+        plain = translated(outbound, self._chat_sender.languages.of(who))
+        self._chat_sender.say(OutgoingMessage(asked.messenger, plain, asker=who))
 
     async def close(self) -> None:
         """Make no more; what is being looked at is let go."""

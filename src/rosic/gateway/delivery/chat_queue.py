@@ -33,6 +33,8 @@ class OutgoingMessage(msgspec.Struct):
         doubted: It may have arrived already, or not.
         about: The robot or group that it speaks of, for whoever replies to it; empty for none.
         to: Who is to read it, where that is one person.
+        asker: Whose message it answers, a person's id or an address: they share a chat's turns.
+            Empty for what nobody has asked for.
         hops: How often it was passed on, as the chat before could be told no more.
     """
 
@@ -47,6 +49,7 @@ class OutgoingMessage(msgspec.Struct):
     doubted: bool = False
     about: str = ""
     to: PrincipalId = ""
+    asker: str = ""
     hops: int = 0
 
     @property
@@ -61,6 +64,10 @@ class OutgoingMessage(msgspec.Struct):
 
 
 Item: TypeAlias = OrderMessage | OutgoingMessage
+UNSAID_AT_MOST = 512
+ANSWERS_AT_MOST = 64
+"""Answers to one person that wait in one chat: the oldest gives way to the newest."""
+ASKERS_REMEMBERED = 512
 DROPPED_TOGETHER = 100
 """What finds no room is logged so often."""
 
@@ -72,15 +79,36 @@ OUTCOME, QUESTION, FEEDBACK = SendPriority.OUTCOME, SendPriority.QUESTION, SendP
 class ChatQueue:
     """What is to be said in one chat.
 
+    Of what is equally important each person in turn is answered: whoever asks for much waits for
+    it, and nobody else does.
+
     Attributes:
+        answered: When whom, in turns; empty while no two things wait.
         turn: What its messenger asks for a turn; None: there is always room.
         asking: While it waits for a turn, and with which weight.
         dropped: How many messages found no room so far.
+        left_out: How many answers to whom gave way to newer ones, and they were not told so.
+
+    Args:
+        turn: As above.
+        left_out: Is told of each of these: it counts as told.
     """
 
-    __slots__ = ("asking", "dropped", "items", "task", "turn", "wake", "weight")
+    __slots__ = (
+        "_count_as_told",
+        "_turns",
+        "answered",
+        "asking",
+        "dropped",
+        "items",
+        "left_out",
+        "task",
+        "turn",
+        "wake",
+        "weight",
+    )
 
-    def __init__(self, turn: Turn | None) -> None:
+    def __init__(self, turn: Turn | None, left_out: Callable[[OutgoingMessage], None]) -> None:
         self.turn = turn
         self.items: deque[Item] = deque()
         self.task: asyncio.Task[None] | None = None
@@ -88,6 +116,10 @@ class ChatQueue:
         self.asking: asyncio.Future[None] | None = None
         self.weight = SendPriority.FEEDBACK
         self.dropped = 0
+        self.left_out: dict[str, int] = {}
+        self._count_as_told = left_out
+        self._turns = 0
+        self.answered: dict[str, int] = {}
 
     def hasten(self, item: Item) -> None:
         """Have it ask anew if it asks for a turn with less weight than this deserves."""
@@ -95,20 +127,17 @@ class ChatQueue:
             self.asking.cancel()
 
     def make_room(self, item: Item, messenger: str) -> bool:
-        """Return whether something is to be said though the queue is full.
+        """Return whether something is to be said, however full the queue is.
 
-        What answers somebody takes the place of the oldest thing that nobody has asked for, else
-        of the oldest answer: so whoever has just written is answered.
+        Where too many answers to one person wait, their oldest gives way to a new one. What answers
+        somebody takes the place of the oldest thing that nobody has asked for, else of the oldest
+        answer: so whoever has just written is answered.
         """
-        if matters(item):
+        if len(self.items) < ANSWERS_AT_MOST or self._leave_out(item, messenger):
             return True
-        self.dropped += 1
-        if self.dropped % DROPPED_TOGETHER == 1:
-            log.warning(
-                "%s: too much waits to be said in one chat: %d messages were dropped there",
-                messenger,
-                self.dropped,
-            )
+        if len(self.items) < UNSAID_AT_MOST or matters(item):
+            return True
+        self._count_dropped(messenger)
         spare = [at for at, waiting in enumerate(self.items) if not matters(waiting)]
         if not spare or not is_answer(item):
             return False
@@ -116,15 +145,51 @@ class ChatQueue:
         del self.items[next(unasked, spare[0])]
         return True
 
+    def _leave_out(self, item: Item, messenger: str) -> bool:
+        """Return whether the oldest answer to whoever this answers gave way to it.
+
+        What says how an order ended is not counted, and stays.
+        """
+        asker = _answered_by(item)
+        if not asker:
+            return False
+        theirs = [at for at, waiting in enumerate(self.items) if _answered_by(waiting) == asker]
+        oldest = self.items[theirs[0]] if len(theirs) >= ANSWERS_AT_MOST else None
+        if not isinstance(oldest, OutgoingMessage):
+            return False
+        del self.items[theirs[0]]
+        self._count_dropped(messenger)
+        self.left_out[asker] = self.left_out.get(asker, 0) + 1
+        self._count_as_told(oldest)
+        return True
+
+    def _count_dropped(self, messenger: str) -> None:
+        self.dropped += 1
+        if self.dropped % DROPPED_TOGETHER == 1:
+            log.warning(
+                "%s: too much waits to be said in one chat: %d messages were dropped there",
+                messenger,
+                self.dropped,
+            )
+
     def take(self) -> Item:
-        """Take out the most important thing; of several the one that has waited longest."""
+        """Take out the most important thing; of several, what answers whoever waited longest."""
         items = self.items
         if len(items) == 1:
+            self.answered.clear()
             return items.popleft()
-        number = min(range(len(items)), key=lambda at: weight_of(items[at]))
+        number = min(range(len(items)), key=lambda at: self._place(items[at]))
         item = items[number]
         del items[number]
+        self._turns += 1
+        self.answered[asker_of(item)] = self._turns
+        if len(self.answered) > ASKERS_REMEMBERED:
+            waiting = set(map(asker_of, items))
+            self.answered = {who: at for who, at in self.answered.items() if who in waiting}
         return item
+
+    def _place(self, item: Item) -> tuple[SendPriority, int]:
+        return weight_of(item), self.answered.get(asker_of(item), 0)
 
 
 async def edit_or_send(note: OutgoingMessage) -> str:
@@ -156,6 +221,16 @@ def matters(item: Item) -> bool:
     if isinstance(item, OrderMessage):
         return not item.open
     return item.cid is not None or item.then is not None
+
+
+def asker_of(item: Item) -> str:
+    """Return whom it answers; empty for nobody."""
+    return item.principal if isinstance(item, OrderMessage) else item.asker
+
+
+def _answered_by(item: Item) -> str:
+    """Return whom it answers, unless it tells how an order ended, or somebody must hear of it."""
+    return item.asker if isinstance(item, OutgoingMessage) and item.then is None else ""
 
 
 def is_answer(item: Item) -> bool:

@@ -15,7 +15,7 @@ import msgspec
 
 from rosic.contracts.messenger import turn_of
 from rosic.core import messages
-from rosic.core.i18n import in_language
+from rosic.core.i18n import in_language, joined
 from rosic.core.identity import Address
 from rosic.core.message import Outbound
 from rosic.core.signal import Signal
@@ -51,7 +51,6 @@ ASIDE_AT_MOST = 10_000
 # platform takes one message a second from a chat.
 PROGRESS_EVERY_S = 2.0
 FIRST_WAIT_S = 0.5
-UNSAID_AT_MOST = 512
 QUEUES_AT_MOST = 10_000
 
 log = logging.getLogger("rosic.telling")
@@ -134,13 +133,15 @@ class ChatSender:
         queue = self._queues.get(where)
         if queue is None:
             self._retire()
-            queue = self._queues[where] = ChatQueue(self._turn_of(place_of(item)[0]))
+            queue = self._queues[where] = ChatQueue(
+                self._turn_of(place_of(item)[0]), self._count_as_told
+            )
         items = queue.items
         if items:
             if items[-1] is item:
                 queue.hasten(item)
                 return  # it will be read when it is its turn, as it is then
-            if len(items) >= UNSAID_AT_MOST and not queue.make_room(item, where[0]):
+            if not queue.make_room(item, where[0]):
                 return
         items.append(item)
         if queue.task is None:
@@ -163,11 +164,10 @@ class ChatSender:
         loop, turn = asyncio.get_running_loop(), queue.turn
         while True:
             while queue.items:
-                if turn is None:
-                    item = queue.items.popleft()
-                else:
+                if turn is not None:
                     await self._wait_for_turn(queue, turn)
-                    item = queue.take()
+                alone = len(queue.items) == 1 and not queue.answered
+                item = queue.items.popleft() if alone else self._take(queue)
                 try:
                     if turn is None and isinstance(item, OrderMessage) and item.in_place:
                         await self._show_in_place(item, None)
@@ -235,11 +235,28 @@ class ChatSender:
             item.dirty, item.lines = False, ()
             told, item.untold = item.untold, ()
         else:
-            told = (item.cid, *item.also) if item.cid is not None else ()
             if item.then is not None:
                 item.then()
+            self._count_as_told(item)
+            return
         if told:
             self._containers.told(*told)
+
+    def _count_as_told(self, note: OutgoingMessage) -> None:
+        if note.cid is not None:
+            self._containers.told(note.cid, *note.also)
+
+    def _take(self, queue: ChatQueue) -> Item:
+        """Take out what is said next; an answer says how many before it were left out."""
+        item = queue.take()
+        if not queue.left_out or isinstance(item, OrderMessage):
+            return item
+        count = queue.left_out.pop(item.asker, 0)
+        if count:
+            text = joined("\n", (messages.left_out(count), item.outbound.text))
+            plain = in_language(text, self.languages.of(item.asker))
+            item.outbound = msgspec.structs.replace(item.outbound, text=plain)
+        return item
 
     async def _speak_again(self, item: Item) -> None:
         """Go on after a first try that failed."""
