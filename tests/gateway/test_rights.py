@@ -366,3 +366,33 @@ async def test_a_second_factor_is_asked_again_after_an_idle_hour_and_no_sooner()
         assert "I ask again after" in await place.say(f"/code {phone_code(shown, place)}")
         await place.say("omni wave")
         assert place.acted() == 5
+
+
+def offered(place: Place) -> list[str]:
+    """Return what may be tapped beneath the newest message."""
+    return [button.command for row in place.last()[1].buttons for button in row]
+
+
+async def test_nothing_is_offered_that_lies_above_ones_limits() -> None:
+    async with lab(rules(junior=JUNIOR), {"Bo": "junior"}) as place:
+        for line in ("omni move 40 m", "omni move"):
+            await place.say(line, account=BO, chat=BO)
+            assert not {"omni move 5 m", "omni move 2 m"} & set(offered(place))
+            assert place.last()[1].buttons
+            for command in offered(place):
+                told = await place.say(command, account=BO, chat=BO)
+                assert "is allowed with" not in told, command
+        assert place.acted("omni") == 3
+        await place.say("omni move 40 m")  # whoever has no such limit is offered what omni can
+        assert offered(place) == ["omni move 5 m"]
+
+
+async def test_a_step_stays_within_ones_limits() -> None:
+    async with lab(rules(junior=JUNIOR), {"Bo": "junior"}) as place:
+        await place.say("use omni", account=BO, chat=BO)
+        await place.tap(*place.button("Move"), account=BO)
+        for _ in range(4):
+            await place.tap(*place.button("+"), account=BO)
+        assert place.last()[1].text == "omni: move, 1.00 m forward?"
+        await place.tap(*place.button("Do it"), account=BO)
+        assert place.acted("omni") == 1

@@ -163,12 +163,22 @@ class Agreements:
         whole = len(found) == 1 and (_is_for(found[0], name) or isinstance(found[0], CommandLine))
         return text if whole else f"{name} {text.lstrip('/')}"
 
-    def name_in(self, refusal: Refusal, line: Line) -> None:
-        """Let what is offered again name whom it was for, whatever is chosen by then."""
-        if not isinstance(line, Do) or not refusal.offers:
+    def make_good(self, refusal: Refusal, line: Line, caller: Caller, chat: Chat) -> None:
+        """Let what a refusal offers be possible when it is tapped.
+
+        It names whom it was for, whatever is chosen by then, and lies within somebody's limits.
+        """
+        offers = refusal.offers
+        if not offers:
             return
-        named = self.named(line)
-        refusal.offers = tuple(named if o == line.text else o for o in refusal.offers)
+        if isinstance(line, Do):
+            named = self.named(line)
+            offers = tuple(named if o == line.text else o for o in offers)
+        selected = self._rooms.container.selected(caller.principal, chat)
+        visible = self._rooms.organiser.visible(caller.principal)
+        refusal.offers = self._clamping.offered(
+            caller, offers, lambda offer: self._reader.lines(offer, selected, visible)
+        )
 
     # ---- what it comes to ----
 

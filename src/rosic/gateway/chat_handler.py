@@ -295,7 +295,7 @@ class ChatHandler:
             else:
                 self._replies.say(messenger, inbound, why.sentence)
         elif isinstance(why, Refusal):
-            self._agreements.name_in(why, line)
+            self._agreements.make_good(why, line, caller, inbound.chat)
             await self._replies.refuse(
                 message, cid, why, kept_of(line, message.text, self._rooms.vocabulary.commands)
             )

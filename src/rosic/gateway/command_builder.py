@@ -6,6 +6,7 @@ So nothing is remembered here, and nothing can come between what is shown and wh
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
@@ -21,7 +22,7 @@ from rosic.gateway.commands import Reply
 from rosic.gateway.replies import ASK_FIRST, CONFIRMED, DO_IT, LEAVE, LEAVE_IT, PREVIOUS, TRAIL
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
     from rosic.container.history import CommandHistory
     from rosic.core.identity import Caller, PrincipalId
@@ -110,9 +111,25 @@ class CommandBuilder:
         arguments |= self._clamping.within(caller, robot, compiled, arguments, given)[0]
         shown = vocabulary.robots[robot].shown
         title = joined(": ", (shown, show(vocabulary, robot, line.skills[0], arguments)))
-        steppers = _steppers(robot, compiled, arguments, trail)
+        within = partial(self._within, caller, robot, compiled, arguments)
+        steppers = _steppers(robot, compiled, arguments, trail, within)
         question = _question(title, _command(robot, compiled, arguments), steppers, trail)
         return self._warned(caller, line.robots, question)
+
+    def _within(
+        self,
+        caller: Caller,
+        robot: RobotId,
+        compiled: CompiledSkill,
+        arguments: Mapping[str, Argument],
+        parameter: CompiledParameter,
+        value: float,
+    ) -> float:
+        """Return a value to step to, or what comes nearest to it within somebody's limits."""
+        changed = {**arguments, parameter.name: value}
+        return self._clamping.within(caller, robot, compiled, changed, ())[0].get(
+            parameter.name, value
+        )
 
     def _warned(self, caller: Caller, robots: Collection[RobotId], question: Reply) -> Reply:
         """Return a question, with who has stopped its robots before it."""
@@ -170,6 +187,7 @@ def _steppers(
     compiled: CompiledSkill,
     arguments: Mapping[str, Argument],
     trail: Sequence[str],
+    within: Callable[[CompiledParameter, float], float],
 ) -> tuple[tuple[Button, ...], ...]:
     """Return a row for each number and some for each choice; none for what is better typed."""
     now = _command(robot, compiled, arguments)
@@ -189,9 +207,9 @@ def _steppers(
             label = show_named(compiled, parameter, value)
             steppers.append(
                 (
-                    Button(SMALLER, becoming(parameter, smaller)),
+                    Button(SMALLER, becoming(parameter, within(parameter, smaller))),
                     Button(label, becoming(parameter, value)),
-                    Button(LARGER, becoming(parameter, larger)),
+                    Button(LARGER, becoming(parameter, within(parameter, larger))),
                 )
             )
         elif parameter.words is not None:

@@ -6,26 +6,29 @@ refused when it is above their limits, and never changed.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from math import ceil, floor
 from typing import TYPE_CHECKING, NamedTuple
 
 from msgspec.structs import replace
 
 from rosic.core.i18n import joined, said
+from rosic.core.language import Do
 from rosic.core.language.arguments import bind, place
 from rosic.core.order import SpokenValue
 from rosic.core.policy.limits import limit_in_words
 from rosic.core.policy.query import Deny, PolicyCode
 from rosic.core.policy.roles import Assurance
+from rosic.errors import Refusal
 from rosic.organiser.organiser import AuthContext, Organiser
-from rosic.organiser.refusals import bound_of
+from rosic.organiser.refusals import bound_of, within_limits
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
     from rosic.core.identity import Caller, CommandId
-    from rosic.core.language import Do, VocabularyHolder
+    from rosic.core.language import Line, VocabularyHolder
     from rosic.core.language.compiled import CompiledParameter, CompiledSkill
     from rosic.core.language.numbers import Unit, UnitTable
     from rosic.core.order import Permit, Request
@@ -102,6 +105,44 @@ class ArgumentClamping:
                 lowered[limit.parameter] = _within(parameter, float(value), limit)
                 limits.append(limit)
         return lowered, limits
+
+    def offered(
+        self, caller: Caller, offers: Iterable[str], lines: Callable[[str], Sequence[Line]]
+    ) -> tuple[str, ...]:
+        """Return offers without those that would be refused for being above somebody's limits.
+
+        Where none would be left, the first of them is offered with as much as is theirs.
+
+        Args:
+            caller: To whom they are made.
+            offers: As typed.
+            lines: Reads one.
+        """
+        kept: list[str] = []
+        instead: list[str] = []
+        for offer in offers:
+            denied = self._over_limit(caller, lines(offer))
+            if denied is None:
+                kept.append(offer)
+            elif not instead:
+                profile = self._vocabularies.current.profiles[denied.ask.robot]
+                instead.extend(within_limits(denied, profile.skills))
+        return tuple(kept or instead)
+
+    def _over_limit(self, caller: Caller, lines: Sequence[Line]) -> Deny | None:
+        for line in lines:
+            if not isinstance(line, Do):
+                continue
+            with suppress(Refusal):  # what cannot be as it is said is refused for that
+                vocabulary, said = self._vocabularies.current, self.of(caller, line)[0]
+                for robot, skill in zip(said.robots, said.skills, strict=True):
+                    arguments = bind(vocabulary, robot, skill, said.spoken, group=said.group)
+                    decision = self._organiser.decision(
+                        caller, robot, skill.id, arguments, ANYWHERE
+                    )
+                    if isinstance(decision, Deny) and decision.code is PolicyCode.OVER_LIMIT:
+                        return decision
+        return None
 
     def _said(self, caller: Caller, limit: Limit) -> str:
         bound = bound_of(limit.said)
