@@ -172,14 +172,14 @@ async def test_what_is_offered_instead_names_its_robot_and_other_offers_stay() -
     async with table() as at:
         line = at.line("move 1 m", "omni")
         refusal = Refusal("no", offers=("move 1 m", "omni wave", "status"))
-        at.agreements.name_in(refusal, line)
+        at.agreements.make_good(refusal, line, at.caller, CHAT)
         assert refusal.offers == ("omni move 1 m", "omni wave", "status")
         (status,) = at.lines("status")
         untouched = Refusal("no", offers=("move 1 m",))
-        at.agreements.name_in(untouched, status)
+        at.agreements.make_good(untouched, status, at.caller, CHAT)
         assert untouched.offers == ("move 1 m",)
         nothing = Refusal("no")
-        at.agreements.name_in(nothing, line)
+        at.agreements.make_good(nothing, line, at.caller, CHAT)
         assert nothing.offers == ()
 
 
