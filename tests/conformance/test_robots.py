@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, ClassVar
 
@@ -15,6 +16,7 @@ from rosic.robots.memory import MemoryRobot
 from rosic.system import SystemClock
 from rosic.testing.faulty.robots import FAULTS_BY_RULE, FaultyRobot
 from rosic.testing.robots import RobotConformance
+from rosic_sim.robots.machines.activity import ActivityState
 from rosic_sim.robots.robot import SimulatedRobot
 
 if TYPE_CHECKING:
@@ -24,11 +26,15 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Robot, Tell
     from rosic.core.order import Order, Outcome
     from rosic.core.robot.skill import Argument
+    from rosic_sim.robots.machines.machine import Machine
 
 
 @pytest.fixture
 def clock() -> SystemClock:
     return SystemClock()
+
+
+LOOKS_S = 0.05  # a simulated robot looks at its machine more often than that
 
 
 def memory_profile() -> Profile:
@@ -37,11 +43,29 @@ def memory_profile() -> Profile:
 
 
 class SlowMemoryRobot(MemoryRobot):
-    """Takes a minute for a long order, so that only a stop ends it."""
+    """Takes a minute for a long order, so that only a stop ends it; rolls on once it is done."""
+
+    def __init__(self, profile: Profile, gate: OrderGate, clock: SystemClock) -> None:
+        super().__init__(profile, gate, clock)
+        self._rolls: asyncio.Event | None = None
+
+    @property
+    def moves(self) -> bool:
+        """Whether it works, or rolls."""
+        return bool(self.presence().doing) or (self._rolls is not None and not self._rolls.is_set())
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         self.work_s = 60.0 if order.skill.id == "long" else 0.0
-        return await super().execute(order, tell)
+        outcome = await super().execute(order, tell)
+        if self._rolls is not None:
+            await self._rolls.wait()
+        return outcome
+
+    def roll(self) -> None:
+        """Be done, and go on moving for a moment."""
+        self._rolls = asyncio.Event()
+        asyncio.get_running_loop().call_later(0.2, self._rolls.set)
+        self.finish()
 
 
 @asynccontextmanager
@@ -56,10 +80,26 @@ async def opened(robot: Robot) -> AsyncIterator[Robot]:
 class TestMemory(RobotConformance):
     short = "short"
     long = "long"
+    says_progress = False
+
+    def itself(self, robot: Robot) -> SlowMemoryRobot:
+        assert isinstance(robot, SlowMemoryRobot)
+        return robot
 
     def acted(self, robot: Robot) -> int:
-        assert isinstance(robot, MemoryRobot)
-        return len(robot.acted)
+        return len(self.itself(robot).acted)
+
+    async def moves(self, robot: Robot) -> bool:
+        return self.itself(robot).moves
+
+    async def fall_silent(self, robot: Robot) -> None:
+        self.itself(robot).lose()
+
+    async def ignore_orders(self, robot: Robot) -> None:
+        self.itself(robot).online = False
+
+    async def say_done(self, robot: Robot) -> None:
+        self.itself(robot).roll()
 
     @pytest.fixture
     def make_robot(self, clock: SystemClock) -> Callable[[], AbstractAsyncContextManager[Robot]]:
@@ -83,6 +123,31 @@ class TestSimulated(RobotConformance):
     def acted(self, robot: Robot) -> int:
         assert isinstance(robot, SimulatedRobot)
         return robot.begun
+
+    def machine(self, robot: Robot) -> Machine:
+        assert isinstance(robot, SimulatedRobot)
+        return robot.machine
+
+    async def moves(self, robot: Robot) -> bool:
+        return not self.machine(robot).at_rest()
+
+    async def fall_silent(self, robot: Robot) -> None:
+        assert isinstance(robot, SimulatedRobot)
+        robot.online = False
+
+    async def ignore_orders(self, robot: Robot) -> None:
+        await self.fall_silent(robot)  # in one process nothing is lost on its way
+
+    async def say_progress(self, robot: Robot, fraction: float) -> None:
+        activity = self.machine(robot).activity
+        assert activity is not None
+        activity.fraction = fraction
+        await asyncio.sleep(LOOKS_S)
+
+    async def say_done(self, robot: Robot) -> None:
+        activity = self.machine(robot).activity
+        assert activity is not None
+        activity.end(ActivityState.DONE, "")
 
     @pytest.fixture
     def make_robot(self, clock: SystemClock) -> Callable[[], AbstractAsyncContextManager[Robot]]:
@@ -112,9 +177,9 @@ async def test_the_fault_is_caught(rule: str, clock: SystemClock) -> None:
     class Suite(TestMemory):
         bound_s = FAULTS_BOUND_S
 
-        def acted(self, robot: Robot) -> int:
+        def itself(self, robot: Robot) -> SlowMemoryRobot:
             assert isinstance(robot, FaultyRobot)
-            return super().acted(robot.honest)
+            return super().itself(robot.honest)
 
     with pytest.raises((AssertionError, pytest.fail.Exception, TimeoutError)):
         await getattr(Suite(), rule)(make_faulty, clock)

@@ -181,7 +181,7 @@ async def test_a_drive_that_the_machine_breaks_off_was_not_refused() -> None:
     )
     robot = SimulatedRobot(profile, OrderGate.new("omni"), clock)
     await robot.open(lambda _said: None)
-    machine = robot._machine
+    machine = robot.machine
     assert isinstance(machine, Omni)
     machine._cell.fraction = 0.0501  # a moment before the battery is too low to drive
     order = OrderBook(profile, clock).order("drive", {"linear": 0.3, "duration": 20.0})

@@ -151,8 +151,8 @@ OF_ORDERS = (
         name="a stop is said to be at rest before that is measured",
         file="rosic_sim/robots/robot.py",
         guard=(
-            "if self._machine.at_rest() or past_ns > limit_ns:\n"
-            "                return past_ns / 1e9, self._machine.at_rest()"
+            "if self.machine.at_rest() or past_ns > limit_ns:\n"
+            "                return past_ns / 1e9, self.machine.at_rest()"
         ),
         without="if True:\n                return past_ns / 1e9, True",
         caught_by=("tests/rosic_sim/robots/test_simulation_loop.py",),

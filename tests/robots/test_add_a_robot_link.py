@@ -62,11 +62,11 @@ def checked(folder: Path, *changes: tuple[str, str]) -> str:
     return ran.out + ran.err
 
 
-def conforming(folder: Path) -> subprocess.CompletedProcess[str]:
-    """Run the tests of the page as it says."""
+def conforming(folder: Path, *options: str) -> subprocess.CompletedProcess[str]:
+    """Run the tests of the page as it says; options are added."""
     [words] = PYTEST.findall(PAGE.read_text(encoding="utf-8"))
     return subprocess.run(  # noqa: S603 - our own tests
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words.split()],
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words.split(), *options],
         cwd=folder,
         env=environment(with_it(folder)),
         capture_output=True,
@@ -81,22 +81,72 @@ def test_its_robot_keeps_every_rule(folder: Path) -> None:
     assert f"{RULES} passed" in ran.stdout, ran.stdout + ran.stderr
 
 
+LOST = 'raise RobotUnreachable(f"{self.profile.shown} does not answer. It may have moved.")'
+HALTED_LOST = "        await self._to_rest()  # what is not heard may hear\n"
+# Told whenever it comes: the order may have ended before.
+AT = "self._answers.put_nowait(float(line[3:]))"
+TOLD_AT_ONCE = "self._tell(StageReport(OrderStage.RUNNING, min(1.0, max(0.0, float(line[3:])))))"
+MEASURED = "rested, _seconds = await self._to_rest(halt=False)"
+UNHEARD = "test_nothing_is_received_or_done_without_the_robots_word"
+SILENT = "test_a_silent_robot_is_offline_and_is_sent_nothing"
+VANISHED = "test_a_robot_lost_while_it_moves_is_stopped_and_ends_in_doubt"
+CLOSED = "test_closing_brings_the_robot_to_rest"
+DONE = "test_done_is_said_only_of_a_robot_at_rest"
+PROGRESS = "test_progress_is_checked_and_ends_with_the_order"
+
+
 @pytest.mark.parametrize(
-    ("right", "wrong", "rule"),
+    ("rule", "changes"),
     [
-        ("        self.gate.apply_stop(stop)  #", "        #", "test_a_stop_is_latched_at_once"),
-        ("self._send(self.profile.stop.line)", "pass", "test_a_stop_ends_what_is_under_way"),
-        ("self.gate.pass_order(order, ", "print(order, ", "test_the_same_order_again_does_nothing"),
+        (
+            "test_a_stop_is_latched_at_once",
+            [("        self.gate.apply_stop(stop)  #", "        #")],
+        ),
+        (
+            "test_a_stop_ends_what_is_under_way",
+            [("self._send(self.profile.stop.line)", "pass")],
+        ),
+        (
+            "test_the_same_order_again_does_nothing",
+            [("self.gate.pass_order(order, ", "print(order, ")],
+        ),
+        (
+            UNHEARD,
+            [("(OrderStage.SENT))", "(OrderStage.SENT)); tell(StageReport(OrderStage.RECEIVED))")],
+        ),
+        (UNHEARD, [(LOST, "return Outcome(OrderEnding.DONE)")]),
+        (CLOSED, [("        if self._doing:\n            await self._to_rest()\n", "")]),
+        (SILENT, [("online=age_s is not None and age_s < ", "online=age_s is not None or ")]),
+        (SILENT, [("if not self.presence().online:  #", "if self._writer is None:  #")]),
+        (VANISHED, [(HALTED_LOST, "")]),
+        (VANISHED, [(LOST, "return Outcome(OrderEnding.CANCELLED)")]),
+        (DONE, [(MEASURED, "rested = True")]),
+        (PROGRESS, [("progress.reported(answer)", "answer")]),
+        (PROGRESS, [("progress.reported(answer)", "max(0.0, min(1.0, answer))")]),
+        (
+            PROGRESS,
+            [
+                ("        self._doing = order.skill.id\n", "        self._tell = tell\n"),
+                (AT, TOLD_AT_ONCE),
+            ],
+        ),
     ],
 )
 def test_a_robot_that_breaks_a_rule_is_caught(
-    folder: Path, right: str, wrong: str, rule: str
+    folder: Path, rule: str, changes: list[tuple[str, str]]
 ) -> None:
     robot = folder / "crawler_link" / "__init__.py"
     text = robot.read_text(encoding="utf-8")
-    assert text.count(right) == 1
-    robot.write_text(text.replace(right, wrong), encoding="utf-8")
-    ran = conforming(folder)
+    for right, wrong in changes:
+        assert text.count(right) == 1, right
+        text = text.replace(right, wrong)
+    robot.write_text(text, encoding="utf-8")
+    tests = folder / "test_crawler.py"  # what never comes is not waited for as long
+    text = tests.read_text(encoding="utf-8").replace(
+        "    short, ", "    bound_s = 10.0\n    short, "
+    )
+    tests.write_text(text, encoding="utf-8")
+    ran = conforming(folder, "-k", rule)
     assert f"FAILED test_crawler.py::TestCrawler::{rule}" in ran.stdout, ran.stdout
 
 

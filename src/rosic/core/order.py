@@ -141,6 +141,23 @@ class StageReport(msgspec.Struct, frozen=True, gc=False):
     note: str = ""
 
 
+class OrderProgress:
+    """What may be told of how far a robot's side says that it is: a fraction that never falls.
+
+    Attributes:
+        fraction: The furthest so far; None until there is any.
+    """
+
+    def __init__(self) -> None:
+        self.fraction: float | None = None
+
+    def reported(self, fraction: float | None) -> float | None:
+        """Take in what its side says, which may be no fraction; return what may be told."""
+        if fraction is not None and 0.0 <= fraction <= 1.0:
+            self.fraction = max(fraction, self.fraction or 0.0)
+        return self.fraction
+
+
 class OrderEnding(enum.Enum):
     """How a life ends (I7).
 

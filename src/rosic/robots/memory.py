@@ -12,7 +12,7 @@ from rosic.core.order import Order, OrderEnding, OrderStage, Outcome, RestReport
 from rosic.core.robot.file_transfer import Receipt
 from rosic.core.robot.profile import Presence, Profile
 from rosic.core.robot.view import View
-from rosic.errors import NothingToSee, RobotOffline
+from rosic.errors import NothingToSee, RobotOffline, RobotUnreachable
 from rosic.robots.ros2.profile_rules import STAND_IN
 
 if TYPE_CHECKING:
@@ -71,13 +71,14 @@ class MemoryRobot:
         self.listens = True
         self._clock = clock
         self._doing: Order | None = None
-        self._end: asyncio.Future[None] | None = None
+        self._end: asyncio.Future[Outcome | None] | None = None
 
     async def open(self, say: Say) -> None:
         """Nothing to connect to."""
 
     async def close(self) -> None:
-        """Nothing moves."""
+        """End what is under way."""
+        self.finish(CANCELLED)
 
     def meet(self, speak: Speak) -> None:
         """Take what it says to other robots by."""
@@ -101,30 +102,40 @@ class MemoryRobot:
         self._doing = order
         tell(RECEIVED)
         try:
-            await (self._work() if self.work_s else _one_turn())
+            ended = await (self._work() if self.work_s else _one_turn())
         finally:
             self._doing = None
-        return DONE if self.gate.still_allows(order) else CANCELLED
+        return ended or (DONE if self.gate.still_allows(order) else CANCELLED)
 
-    async def _work(self) -> None:
+    async def _work(self) -> Outcome | None:
         loop = asyncio.get_running_loop()
         self._end = end = loop.create_future()
         timer = loop.call_later(self.work_s, _finish, end)
         try:
-            await end
+            ended: Outcome | None = await end
         finally:
             timer.cancel()
+        return ended
 
-    def finish(self) -> None:
-        """Let the order under way end as if its time were over."""
+    def finish(self, ended: Outcome | None = None) -> None:
+        """Let the order under way end as if its time were over, or as it is said."""
         if self._end is not None:
-            _finish(self._end)
+            _finish(self._end, ended)
+
+    def lose(self) -> None:
+        """Make it absent in the midst of what it does."""
+        self.online = False
+        if self._end is not None and not self._end.done():
+            self._end.set_exception(
+                RobotUnreachable(
+                    said("{shown} cannot be reached any more.", shown=self.profile.shown)
+                )
+            )
 
     async def stop(self, stop: Stop) -> RestReport:
         """Latch and end what is under way."""
         self.gate.apply_stop(stop)
-        if self._end is not None:
-            _finish(self._end)
+        self.finish()
         return RestReport(stop.robot, confirmed=True, seconds=0.0)
 
     async def resume(self, generation: int) -> None:
@@ -138,7 +149,7 @@ class MemoryRobot:
             online=self.online,
             age_s=self.age_s,
             doing=doing,
-            at_rest=self._doing is None,
+            at_rest=self._doing is None if self.online else None,
             values=self.values,
             pose=self.pose,
         )
@@ -177,6 +188,6 @@ def _one_turn() -> Generator[None, None, None]:
     yield
 
 
-def _finish(end: asyncio.Future[None]) -> None:
+def _finish(end: asyncio.Future[Outcome | None], ended: Outcome | None = None) -> None:
     if not end.done():
-        end.set_result(None)
+        end.set_result(ended)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import aclosing
+from math import nan
 from typing import TYPE_CHECKING, ClassVar
 
 import pytest
@@ -15,11 +16,11 @@ from msgspec.structs import replace
 
 from rosic.core.order import OrderEnding, OrderStage, Outcome, StageReport, Stop
 from rosic.core.robot.view import ViewKind
-from rosic.errors import NothingToSee, OrderVoid
+from rosic.errors import NothingToSee, OrderVoid, RobotOffline, RobotUnreachable, StillMoves
 from rosic.testing.factories import OrderBook
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable
     from contextlib import AbstractAsyncContextManager
     from typing import TypeAlias
 
@@ -27,19 +28,31 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Robot
     from rosic.core.order import Order
     from rosic.core.robot.skill import Argument
+    from rosic.errors import RosicError
 
     MakeRobot: TypeAlias = Callable[[], AbstractAsyncContextManager[Robot]]
+
+LOOK_EVERY_S = 0.01
+# What a robot's side may say of its progress that is none, between two fractions that are.
+NO_PROGRESS = (0.2, 7.0, nan, -1.0)
 
 
 class RobotConformance:
     """Subclass, set the class attributes, and provide the fixtures ``make_robot`` and ``clock``.
 
     ``make_robot()`` is an asynchronous context manager that gives an opened robot which has not
-    moved yet, with a fresh gate. Nothing here sleeps and hopes: every wait has a bound.
+    moved yet, with a fresh gate; at its end it closes the robot, even where a rule has done so.
+    Nothing here sleeps and hopes: every wait has a bound.
+
+    The rules ask the robot's side itself what it does, and have it fail: `acted`, `moves`,
+    `fall_silent`, `ignore_orders`, `say_progress` and `say_done` are to be overridden. Each of the
+    last four acts before it returns, and holds until the robot of this rule is closed.
 
     Attributes:
         short, short_arguments: A skill that ends by itself within seconds.
-        long, long_arguments: One that lasts at least a second unless it is stopped.
+        long, long_arguments: One that moves the robot for as long as a rule may take, unless it is
+            stopped.
+        says_progress: Whether its side says how far it is. Where it does not, no fraction is told.
         bound_s: How long each wait may take before the rule counts as broken.
     """
 
@@ -47,11 +60,36 @@ class RobotConformance:
     short_arguments: ClassVar[dict[str, Argument]] = {}
     long: ClassVar[str]
     long_arguments: ClassVar[dict[str, Argument]] = {}
+    says_progress: ClassVar[bool] = True
     bound_s: ClassVar[float] = 30.0
 
+    # ---- what the robot's side does, and how it fails: to be overridden ----
+
     def acted(self, robot: Robot) -> int:
-        """Return how often the robot's side began to act. To be overridden."""
+        """Return how often the robot's side began to act."""
         raise NotImplementedError
+
+    async def moves(self, robot: Robot) -> bool:
+        """Return whether it moves, as the robot's side knows it: nothing that the link says."""
+        raise NotImplementedError
+
+    async def fall_silent(self, robot: Robot) -> None:
+        """From now on nothing of it is heard. It goes on moving, and still hears."""
+        raise NotImplementedError
+
+    async def ignore_orders(self, robot: Robot) -> None:
+        """From now on it neither takes nor answers an order, as if that were lost on its way."""
+        raise NotImplementedError
+
+    async def say_progress(self, robot: Robot, fraction: float) -> None:
+        """Say once how far it is, whatever is true; the fraction may be no such thing."""
+        raise NotImplementedError
+
+    async def say_done(self, robot: Robot) -> None:
+        """Say that the order under way is done. It goes on moving."""
+        raise NotImplementedError
+
+    # ---- the rules ----
 
     async def test_an_order_acts_once_and_ends_done(
         self, make_robot: MakeRobot, clock: Clock
@@ -135,6 +173,7 @@ class RobotConformance:
             assert rest.robot == robot.profile.id
             assert rest.confirmed
             assert robot.presence().at_rest is not False
+            assert not await self.moves(robot), "it still moves, and its rest was confirmed"
 
     async def test_a_stop_is_latched_at_once(self, make_robot: MakeRobot, clock: Clock) -> None:
         async with make_robot() as robot:
@@ -183,6 +222,91 @@ class RobotConformance:
                 await asyncio.wait_for(running, self.bound_s)
             assert robot.presence().at_rest is not False
             assert not robot.presence().doing
+            assert not await self.moves(robot), "it still moves after its order was cancelled"
+
+    async def test_nothing_is_received_or_done_without_the_robots_word(
+        self, make_robot: MakeRobot, clock: Clock
+    ) -> None:
+        async with make_robot() as robot:
+            await self.ignore_orders(robot)
+            stages: list[OrderStage] = []
+            ended = await self._ended(self._execute(robot, self._short(robot, clock), stages))
+            assert set(stages) <= {OrderStage.SENT}, stages
+            assert _ending(ended) not in (OrderEnding.DONE, OrderEnding.CANCELLED), ended
+            assert self.acted(robot) == 0
+
+    async def test_done_is_said_only_of_a_robot_at_rest(
+        self, make_robot: MakeRobot, clock: Clock
+    ) -> None:
+        async with make_robot() as robot:
+            running = await self._moving(robot, clock)
+            await self.say_done(robot)
+            ended = await self._ended(running)
+            if _ending(ended) is OrderEnding.DONE and ended.code != StillMoves.code:
+                assert not await self.moves(robot), f"it still moves: {ended}"
+
+    async def test_progress_is_checked_and_ends_with_the_order(
+        self, make_robot: MakeRobot, clock: Clock
+    ) -> None:
+        async with make_robot() as robot:
+            told: list[StageReport] = []
+            running = await self._moving(robot, clock, told)
+            if self.says_progress:
+                await self._says(robot, 0.4, told)
+                for nonsense in NO_PROGRESS:
+                    await self.say_progress(robot, nonsense)
+                await self._says(robot, 0.6, told)
+            await asyncio.wait_for(robot.stop(Stop(robot.profile.id, 1)), self.bound_s)
+            await self._ended(running)
+            at_the_end = len(told)
+            if self.says_progress:
+                await self.say_progress(robot, 0.9)
+            await robot.resume(1)
+            order = OrderBook(robot.profile, clock).order(
+                self.short, self.short_arguments, n=7, stop_generation=1
+            )
+            await self._ended(self._execute(robot, order))  # all before it was heard by then
+            assert len(told) == at_the_end, "told after the end"
+            fractions = _fractions(told)
+            assert self.says_progress or not fractions, "nobody said how far it is"
+            assert all(0.0 <= fraction <= 1.0 for fraction in fractions), fractions
+            assert fractions == sorted(fractions)
+
+    async def test_a_silent_robot_is_offline_and_is_sent_nothing(
+        self, make_robot: MakeRobot, clock: Clock
+    ) -> None:
+        async with make_robot() as robot:
+            order = OrderBook(robot.profile, clock)
+            await self._until(_seen(robot, online=True))
+            await self.fall_silent(robot)
+            await self._until(_seen(robot, online=False))
+            assert robot.presence().at_rest is not True, "nobody measures its rest now"
+            before = self.acted(robot)
+            with pytest.raises(RobotOffline):
+                await self._execute(robot, order.order(self.short, self.short_arguments))
+            assert self.acted(robot) == before
+
+    async def test_a_robot_lost_while_it_moves_is_stopped_and_ends_in_doubt(
+        self, make_robot: MakeRobot, clock: Clock
+    ) -> None:
+        async with make_robot() as robot:
+            running = await self._moving(robot, clock)
+            await self.fall_silent(robot)
+            ended = await self._ended(running)
+            assert isinstance(ended, RobotUnreachable) or _ending(ended) is OrderEnding.UNKNOWN, (
+                ended
+            )
+            assert not await self.moves(robot), "it was given up, and still moves"
+
+    async def test_closing_brings_the_robot_to_rest(
+        self, make_robot: MakeRobot, clock: Clock
+    ) -> None:
+        async with make_robot() as robot:
+            running = await self._moving(robot, clock)
+            await asyncio.wait_for(robot.close(), self.bound_s)
+            assert not await self.moves(robot), "it was left moving"
+            ended = await self._ended(running)
+            assert _ending(ended) is not OrderEnding.DONE, ended
 
     async def test_what_its_profile_does_not_offer_cannot_be_seen(
         self, make_robot: MakeRobot, clock: Clock
@@ -212,22 +336,69 @@ class RobotConformance:
         return await asyncio.wait_for(robot.execute(order, tell), self.bound_s)
 
     def _begin_long(
-        self, robot: Robot, clock: Clock
+        self, robot: Robot, clock: Clock, told: list[StageReport] | None = None
     ) -> tuple[asyncio.Task[Outcome], asyncio.Event]:
         received = asyncio.Event()
         order = OrderBook(robot.profile, clock).order(self.long, self.long_arguments)
 
         def tell(report: StageReport) -> None:
+            if told is not None:
+                told.append(report)
             if report.stage is not OrderStage.SENT:
                 received.set()
 
         return asyncio.create_task(robot.execute(order, tell)), received
+
+    async def _moving(
+        self, robot: Robot, clock: Clock, told: list[StageReport] | None = None
+    ) -> asyncio.Task[Outcome]:
+        """Begin what is long; return once the robot's side has it, and moves."""
+        running, received = self._begin_long(robot, clock, told)
+        await asyncio.wait_for(received.wait(), self.bound_s)
+        await self._until(lambda: self.moves(robot))
+        return running
+
+    async def _says(self, robot: Robot, fraction: float, told: list[StageReport]) -> None:
+        """Have it say how far it is; return once that was told."""
+
+        async def is_told() -> bool:
+            return any(seen >= fraction for seen in _fractions(told) if seen <= 1.0)
+
+        await self.say_progress(robot, fraction)
+        await self._until(is_told)
+
+    async def _ended(self, running: Awaitable[Outcome]) -> Outcome | RosicError:
+        """Return how it ended, or the error that says so."""
+        try:
+            return await asyncio.wait_for(running, self.bound_s)
+        except (RobotOffline, RobotUnreachable) as error:
+            return error
+
+    async def _until(self, holds: Callable[[], Awaitable[bool]]) -> None:
+        async with asyncio.timeout(self.bound_s):
+            while not await holds():  # noqa: ASYNC110 - what is measured tells nobody
+                await asyncio.sleep(LOOK_EVERY_S)
 
     async def _is_void(self, robot: Robot, order: Order) -> None:
         before = self.acted(robot)
         with pytest.raises(OrderVoid):
             await self._execute(robot, order)
         assert self.acted(robot) == before
+
+
+def _ending(ended: Outcome | RosicError) -> OrderEnding | None:
+    return ended.ending if isinstance(ended, Outcome) else None
+
+
+def _fractions(told: list[StageReport]) -> list[float]:
+    return [report.fraction for report in told if report.fraction is not None]
+
+
+def _seen(robot: Robot, *, online: bool) -> Callable[[], Awaitable[bool]]:
+    async def is_seen() -> bool:
+        return robot.presence().online is online
+
+    return is_seen
 
 
 def _ignore(_report: StageReport) -> None:

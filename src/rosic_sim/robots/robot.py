@@ -10,11 +10,26 @@ from msgspec.structs import replace
 
 from rosic.core.deadman import INTERRUPTED, STOOD_STILL, DeadMan
 from rosic.core.i18n import joined, said
-from rosic.core.order import Order, OrderEnding, OrderStage, Outcome, RestReport, StageReport, Stop
+from rosic.core.order import (
+    Order,
+    OrderEnding,
+    OrderProgress,
+    OrderStage,
+    Outcome,
+    RestReport,
+    StageReport,
+    Stop,
+)
 from rosic.core.robot.profile import Presence, Profile
 from rosic.core.robot.view import Pose, View, ViewKind
 from rosic.core.synchronised_start import begins_ns
-from rosic.errors import ConfigurationError, NothingToSee
+from rosic.errors import (
+    ConfigurationError,
+    NothingToSee,
+    RobotOffline,
+    RobotUnreachable,
+    StillMoves,
+)
 from rosic.robots.ros2.profile import Ros2Link
 from rosic.robots.ros2.profile_rules import STAND_IN
 from rosic_sim.robots.goals import goal_of, machine_arguments, topic_of, velocity_of
@@ -51,7 +66,9 @@ class SimulatedRobot:
     """Carries orders to a machine and its answers back. See ``contracts.robot.Robot``.
 
     Attributes:
+        machine: What it moves.
         begun: How many orders passed the gate.
+        online: False makes it absent: it is not heard, and does not rest because of that.
         speak: Says something to other robots, as its own node would.
     """
 
@@ -69,7 +86,8 @@ class SimulatedRobot:
             raise ConfigurationError(
                 f"There is no simulated machine called {profile.id!r}.", hint=f"There are: {known}."
             )
-        self._machine = machine
+        self.machine = machine
+        self.online = True
         link = profile.link
         self._model = link.model if isinstance(link, Ros2Link) else ""
         self.begun = 0
@@ -85,7 +103,7 @@ class SimulatedRobot:
 
     async def close(self) -> None:
         """Bring the machine to rest and leave the world."""
-        if not self._machine.at_rest():
+        if not self.machine.at_rest():
             await self._rest()
         self._simulation.forget(self._listen)
 
@@ -95,15 +113,15 @@ class SimulatedRobot:
 
     def hear(self, words: bytes) -> bool:
         """Take on a strategy; the rest of what robots say is nothing to a machine."""
-        said_back = answer(self._machine, words)
+        said_back = answer(self.machine, words)
         if said_back is not None:
             self.speak(said_back, 0)
         return True
 
     def _listen(self) -> None:
         """Pass on what the machine did of its own accord: landed because a peer was lost."""
-        if self._machine.note != self._noted:
-            self._noted = self._machine.note
+        if self.machine.note != self._noted:
+            self._noted = self.machine.note
             if self._noted:
                 self._say(self._noted)
 
@@ -111,6 +129,10 @@ class SimulatedRobot:
         """Carry out one order."""
         together = topic_of(order.skill) is None  # a stream of velocities has no place for a start
         clock = self._clock
+        if not self.online:
+            raise RobotOffline(
+                said("{shown} is not there. Nothing was sent.", shown=self.profile.shown)
+            )
         self.gate.pass_order(order, clock.monotonic_ns(), clock.wall_ns(), together=together)
         tell(StageReport(OrderStage.SENT))
         self._doing = order.skill.id
@@ -132,7 +154,7 @@ class SimulatedRobot:
         goal = goal_of(order.skill, order.arguments)
         start_ns = begins_ns(order, self._clock.monotonic_ns())
         start_s = None if start_ns is None else start_ns / 1e9
-        activity = self._machine.begin(
+        activity = self.machine.begin(
             order.skill.id,
             machine_arguments(self._model, order.skill.id, goal),
             self._simulation.now_s(),
@@ -140,25 +162,50 @@ class SimulatedRobot:
         )
         tell(StageReport(OrderStage.RECEIVED))
         self._simulation.wake()
-        looked_ns, late = self._clock.monotonic_ns(), False
+        looked_ns, late, progress = self._clock.monotonic_ns(), False, OrderProgress()
         lost_ns = self._simulation.link_lost_s * 1e9
         while activity.running:
             if start_s is not None or activity.stage != WAITING:
-                tell(StageReport(OrderStage.RUNNING, activity.fraction, activity.stage))
+                told = progress.reported(activity.fraction)
+                tell(StageReport(OrderStage.RUNNING, told, activity.stage))
             await self._clock.sleep(REST_EVERY_S)
+            await self._heard()
             now_ns = self._clock.monotonic_ns()
             late, looked_ns = late or now_ns - looked_ns > lost_ns, now_ns
-        return self._outcome(order, activity, late=late)
+        moves = activity.state is ActivityState.DONE and not await self._rested(order)
+        return self._outcome(order, activity, late=late, moves=moves)
 
-    def _outcome(self, order: Order, activity: Activity, *, late: bool) -> Outcome:
-        code = ""
+    async def _heard(self) -> None:
+        """Bring it to rest if it is not heard any more.
+
+        Raises:
+            RobotUnreachable: It is not.
+        """
+        if not self.online:
+            await self._rest()
+            raise RobotUnreachable(
+                said("{shown} cannot be reached any more.", shown=self.profile.shown)
+            )
+
+    async def _rested(self, order: Order) -> bool:
+        """Wait until what is done rests, or keeps its place; return whether it does."""
+        machine, begun_ns = self.machine, self._clock.monotonic_ns()
+        while not machine.at_rest() and not machine.holding and self.gate.still_allows(order):
+            if self._clock.monotonic_ns() - begun_ns > self.profile.rest_timeout_s * 1e9:
+                return False
+            await self._clock.sleep(REST_EVERY_S)
+            await self._heard()
+        return True
+
+    def _outcome(self, order: Order, activity: Activity, *, late: bool, moves: bool) -> Outcome:
+        code = StillMoves.code if moves else ""
         if activity.state is ActivityState.CANCELLED and self.gate.still_allows(order):
             code = STOOD_STILL if late else INTERRUPTED  # by itself: nobody here ended it
         return Outcome(ENDING[activity.state], activity.detail, dict(activity.facts), code)
 
     async def _drive(self, order: Order, tell: Tell) -> Outcome:
         """Send a bounded stream of velocities that ends in zero."""
-        machine = self._machine
+        machine = self.machine
         if not isinstance(machine, Omni):
             raise ActivityRefused(self.profile.id, said("cannot be driven by a velocity"))
         velocity = velocity_of(self.profile.id, order.skill, order.arguments)
@@ -193,6 +240,7 @@ class SimulatedRobot:
             machine.set_velocity(*velocity, now_ns / 1e9)
             tell(StageReport(OrderStage.RUNNING, past_s / duration_s))
             await self._clock.sleep(min(SETPOINT_EVERY_S, duration_s - past_s))
+            await self._heard()
         return Outcome(OrderEnding.CANCELLED)
 
     async def _broken_off(self, broken: MotionBreak, driven_s: float) -> Outcome:
@@ -220,10 +268,10 @@ class SimulatedRobot:
         begun_ns = self._clock.monotonic_ns()
         limit_ns = int(self.profile.rest_timeout_s * 1e9)
         while True:
-            self._machine.halt(self._simulation.now_s())
+            self.machine.halt(self._simulation.now_s())
             past_ns = self._clock.monotonic_ns() - begun_ns
-            if self._machine.at_rest() or past_ns > limit_ns:
-                return past_ns / 1e9, self._machine.at_rest()
+            if self.machine.at_rest() or past_ns > limit_ns:
+                return past_ns / 1e9, self.machine.at_rest()
             self._simulation.wake()
             await self._clock.sleep(REST_EVERY_S)
 
@@ -233,14 +281,14 @@ class SimulatedRobot:
 
     def presence(self) -> Presence:
         """Return the machine's measurements, in the profile's units where it names one."""
-        machine = self._machine
+        machine = self.machine
         if not machine.moving:
             machine.step(self._simulation.now_s())
         return Presence(
-            online=True,
+            online=self.online,
             age_s=0.0,
             doing=self._doing,
-            at_rest=machine.at_rest(),
+            at_rest=machine.at_rest() if self.online else None,
             holds=machine.holding,
             values=_described(machine.telemetry(), self.profile),
             pose=self._pose() if self.profile.pose is not None else None,
@@ -248,7 +296,7 @@ class SimulatedRobot:
 
     def _pose(self) -> Pose | None:
         """Return where a machine is that goes somewhere."""
-        machine = self._machine
+        machine = self.machine
         if isinstance(machine, Omni):
             return pose_of(machine)
         if isinstance(machine, Crazyflie):
@@ -259,8 +307,8 @@ class SimulatedRobot:
     async def look(self, sight: ViewKind) -> AsyncGenerator[View, None]:
         """Show the machine as it stands, or the room it drives in."""
         while True:
-            if not self._machine.moving:
-                self._machine.step(self._simulation.now_s())
+            if not self.machine.moving:
+                self.machine.step(self._simulation.now_s())
             content = self._shown(sight) if self.profile.offers(sight) else None
             if content is None:
                 raise NothingToSee(said("{robot} shows no such thing.", robot=self.profile.shown))
@@ -270,9 +318,9 @@ class SimulatedRobot:
     def _shown(self, sight: ViewKind) -> Content | None:
         if sight is ViewKind.PICTURE:
             return robot_scene(self._simulation.world, self.profile.id)
-        if not isinstance(self._machine, Omni):
+        if not isinstance(self.machine, Omni):
             return None
-        return replace(plan_of(self._machine), pose_ns=self._clock.monotonic_ns())
+        return replace(plan_of(self.machine), pose_ns=self._clock.monotonic_ns())
 
 
 def _described(measured: Mapping[str, float | str], profile: Profile) -> dict[str, float | str]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 import pytest
@@ -10,22 +12,39 @@ import pytest
 from rosic.system import SystemClock
 from rosic.testing.robots import RobotConformance
 from rosic.testing.ros2.graph import RosGraph
-from tests.real.ros2.simulated import Simulated, TriedRobot, opened, shipped, simulated
+from tests.real.ros2.simulated import TriedRobot, opened, shipped
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterator
     from contextlib import AbstractAsyncContextManager
-    from pathlib import Path
 
     from rosic.contracts.robot import Robot
     from rosic.core.robot.skill import Argument
 
+NODE = Path(__file__).with_name("untrue_omni.py")
+
+
+class Omni:
+    """Its node, and what it has begun."""
+
+    def __init__(self, graph: RosGraph, folder: Path) -> None:
+        self._file = folder / "actuations"
+        self._process = graph.start(NODE, self._file, timeout_s=120.0)
+
+    def acted(self) -> int:
+        return len(self._file.read_text().splitlines()) if self._file.exists() else 0
+
+    async def told(self, line: str) -> str:
+        """Tell it something; return what it answers."""
+        self._process.say(line)
+        return await asyncio.to_thread(self._process.expect, "ok")
+
 
 @pytest.fixture(scope="module")
-def omni(tmp_path_factory: pytest.TempPathFactory, interfaces: Path) -> Iterator[Simulated]:  # noqa: ARG001 - built before
+def omni(tmp_path_factory: pytest.TempPathFactory, interfaces: Path) -> Iterator[Omni]:  # noqa: ARG001 - built before
     folder = tmp_path_factory.mktemp("omni")
-    with RosGraph(folder) as graph, simulated(graph, folder, "omni") as simulation:
-        yield simulation
+    with RosGraph(folder) as graph:
+        yield Omni(graph, folder)
 
 
 @pytest.fixture
@@ -47,22 +66,38 @@ class TestRos2(RobotConformance):
         "speed": 0.25,
     }
 
-    simulation: Simulated
+    omni: Omni
 
     def acted(self, robot: Robot) -> int:
         assert isinstance(robot, TriedRobot)
-        return len(self.simulation.actuations("omni")) - robot.begun_before
+        return self.omni.acted() - robot.begun_before
+
+    async def moves(self, robot: Robot) -> bool:  # noqa: ARG002 - there is one
+        return await self.omni.told("moves") == "True"
+
+    async def fall_silent(self, robot: Robot) -> None:  # noqa: ARG002 - there is one
+        await self.omni.told("silent")
+
+    async def ignore_orders(self, robot: Robot) -> None:  # noqa: ARG002 - there is one
+        await self.omni.told("ignore")
+
+    async def say_progress(self, robot: Robot, fraction: float) -> None:  # noqa: ARG002
+        await self.omni.told(f"at {fraction}")
+
+    async def say_done(self, robot: Robot) -> None:  # noqa: ARG002 - there is one
+        await self.omni.told("done")
 
     @pytest.fixture
     def make_robot(
-        self, omni: Simulated, clock: SystemClock
+        self, omni: Omni, clock: SystemClock
     ) -> Callable[[], AbstractAsyncContextManager[Robot]]:
-        self.simulation = omni
+        self.omni = omni
 
         @asynccontextmanager
         async def make() -> AsyncIterator[Robot]:
+            await omni.told("reset")
             async with opened(shipped("omni"), clock) as robot:
-                robot.begun_before = len(omni.actuations("omni"))
+                robot.begun_before = omni.acted()
                 yield robot
 
         return make

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.core.order import OrderStage, Outcome, RestReport, StageReport
+from rosic.core.order import OrderEnding, OrderStage, Outcome, RestReport, StageReport
 from rosic.core.robot.view import CompressedFrame, View
-from rosic.errors import OrderVoid
+from rosic.errors import OrderVoid, RobotOffline, RobotUnreachable
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.view import ViewKind
 
 FAR_NS = 2**63 - 1
+LOOK_EVERY_S = 0.001
 
 
 class FaultyRobot:
@@ -181,6 +182,67 @@ class GoesOnWhenCancelled(FaultyRobot):
             return Outcome(ending=None)  # type: ignore[arg-type]
 
 
+class TakesSentForReceived(FaultyRobot):
+    """Says that its side has it, whatever its side says."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Say so."""
+        try:
+            return await self.honest.execute(order, tell)
+        except (RobotOffline, RobotUnreachable):
+            tell(StageReport(OrderStage.RECEIVED))
+            return Outcome(OrderEnding.SENT)
+
+
+class DoesNotMeasureTheEnd(FaultyRobot):
+    """Takes its side's word for rest."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """End when its side says so."""
+        self._running = asyncio.ensure_future(self.honest.execute(order, tell))
+        await asyncio.sleep(0)
+        while self.honest.presence().doing:  # noqa: ASYNC110 - it tells nobody
+            await asyncio.sleep(LOOK_EVERY_S)
+        return Outcome(OrderEnding.DONE)
+
+
+class MakesUpProgress(FaultyRobot):
+    """Reckons how far its side must be, and goes on with it."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Say half."""
+        try:
+            return await self.honest.execute(order, tell)
+        finally:
+            tell(StageReport(OrderStage.RUNNING, 0.5))
+
+
+class IsAlwaysThere(FaultyRobot):
+    """Takes a connection for a robot."""
+
+    def presence(self) -> Presence:
+        """Say that it is there."""
+        return replace(self.honest.presence(), online=True)
+
+
+class TakesSilenceForTheEnd(FaultyRobot):
+    """Hears no more, and takes it for done."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Say so."""
+        try:
+            return await self.honest.execute(order, tell)
+        except RobotUnreachable:
+            return Outcome(OrderEnding.CANCELLED)
+
+
+class LeavesItMoving(FaultyRobot):
+    """Closes its connection only."""
+
+    async def close(self) -> None:
+        """Go."""
+
+
 class ShowsEverything(FaultyRobot):
     """Shows what nobody has opened to people."""
 
@@ -203,5 +265,11 @@ FAULTS_BY_RULE: dict[str, type[FaultyRobot]] = {
     "test_a_stopped_robot_moves_again_only_after_its_resume": ResumesAnything,
     "test_an_order_from_before_a_stop_never_acts": ForgetsStops,
     "test_cancelling_brings_the_robot_to_rest": GoesOnWhenCancelled,
+    "test_nothing_is_received_or_done_without_the_robots_word": TakesSentForReceived,
+    "test_done_is_said_only_of_a_robot_at_rest": DoesNotMeasureTheEnd,
+    "test_progress_is_checked_and_ends_with_the_order": MakesUpProgress,
+    "test_a_silent_robot_is_offline_and_is_sent_nothing": IsAlwaysThere,
+    "test_a_robot_lost_while_it_moves_is_stopped_and_ends_in_doubt": TakesSilenceForTheEnd,
+    "test_closing_brings_the_robot_to_rest": LeavesItMoving,
     "test_what_its_profile_does_not_offer_cannot_be_seen": ShowsEverything,
 }

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rosic.core.deadman import BreakCause
 from rosic.core.i18n import said
-from rosic.core.order import OrderStage, StageReport
+from rosic.core.order import OrderProgress, OrderStage, StageReport
 from rosic.core.synchronised_start import TOO_LATE_NS, begins_ns, misses_start
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RobotOffline
@@ -129,7 +129,7 @@ class BindingCall:
         self._tell = tell
         self._patience_s = patience_s
         self._received = False
-        self._fraction: float | None = None
+        self._progress = OrderProgress()
 
     async def there(self, ready: Callable[[], bool], what: str, *, together: bool = False) -> None:
         """Make sure that somebody is there.
@@ -206,9 +206,8 @@ class BindingCall:
         """The robot's side says how far it is; what falls back or comes too early is not told."""
         if not self._received:
             return
-        if fraction is not None and 0.0 <= fraction <= 1.0:
-            self._fraction = max(fraction, self._fraction or 0.0)
-        self._tell(StageReport(OrderStage.RUNNING, self._fraction, note))
+        told = self._progress.reported(fraction)
+        self._tell(StageReport(OrderStage.RUNNING, told, note))
 
 
 def filled(values: Mapping[str, float | int | str | bool], order: Order) -> dict[str, object]:
