@@ -3,8 +3,9 @@
 Usage: base_node.py FILE NAME [standby]. Every velocity that is not zero is appended to FILE as two
 times of the wall clock in ns: when it was sent, and when it was taken here; a stop service is
 there, too. Lines on standard input: ``odometry off`` and ``odometry on``, ``stuck`` (zero does not
-stop it any more), ``jump`` (it says that it is somewhere else). On standby it is a node alone until
-``begin``.
+stop it any more), ``jump`` (it says that it is somewhere else), ``forgetful`` (after a break what
+was sent meanwhile is lost, the stop service does nothing, and it says that it rests, then goes on)
+and ``mindful``. On standby it is a node alone until ``begin``.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ Trigger: Any = import_module("std_srvs.srv").Trigger
 STEP_S = 0.05
 WATCHDOG_S = 0.5
 JUMP_M = 5.0
+BREAK_S = 0.8
+PAUSE_S = 0.6
 
 
 class Base:
@@ -34,7 +37,10 @@ class Base:
 
     def __init__(self, node: RosObject, velocities: Path) -> None:
         self.tells = True
-        self.stuck = False
+        self.stuck = self.forgetful = False
+        self._stepped_s, self._woke_ns = time.monotonic(), 0
+        self._goes_on_s: float | None = None
+        self._before_m_s = 0.0
         self._node = node
         self._file = velocities.open("a", buffering=1)
         self._x_m = self._speed_m_s = 0.0
@@ -51,10 +57,24 @@ class Base:
             self.stuck = True
         elif line == "jump":
             self._x_m += JUMP_M
+        elif line in {"forgetful", "mindful"}:
+            self.forgetful, self._goes_on_s = line == "forgetful", None
         else:
             self.tells = line != "odometry off"
 
+    def _wake(self) -> None:
+        """Lose what was sent in a break that is over now, and go on with what was before."""
+        now_s, before_s = time.monotonic(), self._stepped_s
+        self._stepped_s = now_s
+        if self.forgetful and now_s - before_s > BREAK_S:
+            self._woke_ns, self._goes_on_s = time.time_ns(), now_s + PAUSE_S
+            self._before_m_s, self._speed_m_s = self._speed_m_s, 0.0
+
     def _take(self, twist: RosObject, about: RosObject) -> None:
+        self._wake()
+        if about["source_timestamp"] < self._woke_ns:
+            return
+        self._goes_on_s = None
         self._told_s = time.monotonic()
         if twist.linear.x or not self.stuck:
             self._speed_m_s = twist.linear.x
@@ -62,12 +82,16 @@ class Base:
             self._file.write(f"{about['source_timestamp']} {time.time_ns()}\n")
 
     def _stop(self, _request: RosObject, response: RosObject) -> RosObject:
-        self._speed_m_s = self._speed_m_s if self.stuck else 0.0
+        self._wake()
+        self._speed_m_s = self._speed_m_s if self.stuck or self.forgetful else 0.0
         response.success = True
         return response
 
     def _step(self) -> None:
-        if time.monotonic() - self._told_s > WATCHDOG_S and not self.stuck:
+        self._wake()
+        if self._goes_on_s is not None and time.monotonic() > self._goes_on_s:
+            self._speed_m_s = self._before_m_s
+        elif time.monotonic() - self._told_s > WATCHDOG_S and not self.stuck:
             self._speed_m_s = 0.0
         self._x_m += self._speed_m_s * STEP_S
         if self.tells:

@@ -50,6 +50,12 @@ class RestInterlock:
         self._to_rest = to_rest
         self._task: asyncio.Task[None] | None = None
 
+    @property
+    def unheard(self) -> bool:
+        """Whether it is not there, or has not been heard for as long as rest may go unmeasured."""
+        age_s = self._measured.age_s()
+        return self._online() is False or (age_s is not None and age_s > self._measured.within_s)
+
     def begin(self) -> None:
         """Bring it to rest as soon as it is heard; once is enough."""
         if self._task is None:
@@ -63,7 +69,7 @@ class RestInterlock:
     async def _settle(self) -> None:
         try:
             for _ in range(TRIES):
-                while self._online() is False:
+                while self.unheard:
                     await self._clock.sleep(EVERY_S)
                 if (await self._to_rest()).confirmed or not self._measured.measures_rest:
                     return

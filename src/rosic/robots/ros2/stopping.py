@@ -156,15 +156,48 @@ class StopController:
         finally:
             attempt.end()
 
-    async def measure(self, since_ns: int, limit_s: float) -> RestResult:
-        """Only wait until rest is measured; seconds count from ``since_ns``."""
+    async def measure(self, begun_ns: int, limit_s: float, *, again: bool) -> RestResult:
+        """Only wait until rest is measured; seconds count from ``begun_ns``.
+
+        Args:
+            begun_ns: Rest counts that was measured after it.
+            limit_s: Give up then.
+            again: Send zero once more when a break is over, and count rest from there.
+        """
+        since_ns, break_watch = begun_ns, BreakWatch(self.measured, self.clock)
         while True:
-            past_s = (self.clock.monotonic_ns() - since_ns) / SECOND_NS
+            now_ns = self.clock.monotonic_ns()
+            past_s = (now_ns - begun_ns) / SECOND_NS
+            if break_watch.over() and again:
+                self.zero()
+                since_ns = now_ns
             if self.measured.at_rest(since_ns):
                 return RestResult(confirmed=True, seconds=past_s)
             if past_s >= limit_s or not self.measured.measures_rest:
                 return RestResult(confirmed=False, seconds=past_s)
             await self.measured.next_word(AGAIN_EVERY_S)
+
+
+class BreakWatch:
+    """Notices the end of a break: ROSIC stood still, or the robot's side is heard again.
+
+    What was sent while it lasted may be lost, and what is said first may be of before it.
+    """
+
+    def __init__(self, measured: Measurements, clock: Clock) -> None:
+        self._measured = measured
+        self._clock = clock
+        self._looked_ns = clock.monotonic_ns()
+        self._silent = False
+
+    def over(self) -> bool:
+        """Tell whether a break has ended since the last look."""
+        now_ns, before_ns = self._clock.monotonic_ns(), self._looked_ns
+        age_s, was_silent = self._measured.judged_age_s(), self._silent
+        self._looked_ns = now_ns
+        self._silent = age_s is not None and age_s > self._measured.within_s
+        stood_still = now_ns - before_ns > self._measured.within_s * SECOND_NS
+        return stood_still or (was_silent and not self._silent)
 
 
 class _Attempt:
@@ -176,6 +209,9 @@ class _Attempt:
         self._asking: dict[ServiceLink, asyncio.Task[bool]] = {}
         self._answered: set[ServiceLink] = set()
         self._declined = ""
+        self._break_watch = BreakWatch(stop_controller.measured, stop_controller.clock)
+        self._begun_again = False
+        self._asked_ns = stop_controller.clock.monotonic_ns()
         self._settled_ns: int | None = None
         self._round_ns: int | None = None
 
@@ -192,12 +228,13 @@ class _Attempt:
         while True:
             now_ns = clock.monotonic_ns()
             past_s = (now_ns - begun_ns) / SECOND_NS
+            if self._break_watch.over():
+                self._begin_again(now_ns)
             if self._round_ns is None or now_ns - self._round_ns >= AGAIN_EVERY_S * SECOND_NS:
                 self._round_ns = now_ns
                 self._stop_controller.zero()
                 self._ask()
-            if self._settled_ns is None and (past_s >= ANSWER_WITHIN_S or self._heard_out()):
-                self._settled_ns = now_ns
+            self._settle(now_ns)
             if self._settled_ns is not None:
                 if measured.at_rest(self._settled_ns):
                     return RestResult(confirmed=True, seconds=past_s)
@@ -212,6 +249,27 @@ class _Attempt:
         """Leave nothing running."""
         for task in self._asking.values():
             task.cancel()
+
+    def _begin_again(self, now_ns: int) -> None:
+        """Send and ask everything afresh, and believe no rest from before that.
+
+        Later ones only send: what reports more rarely than it should is heard again each time.
+        """
+        self._round_ns = None
+        if self._begun_again:
+            return
+        self._begun_again = True
+        self.end()
+        self._asking.clear()
+        self._answered.clear()
+        self._asked_ns = now_ns
+        self._settled_ns = None
+
+    def _settle(self, now_ns: int) -> None:
+        """Believe rest from now on, once what was asked has answered or had its time to."""
+        waited_out = now_ns - self._asked_ns >= ANSWER_WITHIN_S * SECOND_NS
+        if self._settled_ns is None and (waited_out or self._heard_out()):
+            self._settled_ns = now_ns
 
     def _heard_out(self) -> bool:
         """Tell whether everything that is there has answered, and the order has ended."""

@@ -71,7 +71,8 @@ class TopicSkill:
         if await stream.run() is not None:
             return await call.side.stop_controller.apply()
         side = call.side
-        return await side.stop_controller.measure(side.clock.monotonic_ns(), side.rest_timeout_s)
+        begun_ns = side.clock.monotonic_ns()
+        return await side.stop_controller.measure(begun_ns, side.rest_timeout_s, again=False)
 
     async def _listened_to(self, call: BindingCall) -> Publisher:
         # A stream shares its publisher with the zeros that end it: two publishers of one topic may
@@ -102,7 +103,7 @@ class TopicSkill:
         for _ in range(ZEROS):
             side.stop_controller.zero()
             await side.clock.sleep(period_s)
-        resting = await side.stop_controller.measure(ended_ns, side.rest_timeout_s)
+        resting = await side.stop_controller.measure(ended_ns, side.rest_timeout_s, again=True)
         if not side.measured.measures_rest or (resting.confirmed and not stream.moved):
             return Outcome(OrderEnding.SENT)
         if resting.confirmed:
