@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 from typing import TYPE_CHECKING
 
+import pytest
 from msgspec.structs import replace
 
 from rosic.core.order import OrderStage, StageReport
@@ -16,6 +17,7 @@ from tests.gateway.place import Place, edited, line_by_line
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rosic.contracts.adapter import RobotFactory
     from rosic.contracts.robot import Tell
     from rosic.core.message import Outbound
     from rosic.core.order import Order, Outcome
@@ -38,11 +40,37 @@ class Talkative(MemoryRobot):
         return DONE
 
 
-def talkative(chat: Callable[[ManualClock], MemoryMessenger] = edited) -> Place:
+class LateWords(MemoryRobot):
+    """Its side's last words come after the end, as feedback and a result overtake each other."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        outcome = await super().execute(order, tell)
+        tell(StageReport(OrderStage.RUNNING, 0.4))
+        self.tell = tell
+        return outcome
+
+
+def talkative(
+    chat: Callable[[ManualClock], MemoryMessenger] = edited, kind: RobotFactory = Talkative
+) -> Place:
     place = Place(chat=chat)
     parts = place.gateway._parts
-    place.gateway._parts = replace(parts, robot_factory=lambda _kind: Talkative)
+    place.gateway._parts = replace(parts, robot_factory=lambda _kind: kind)
     return place
+
+
+@pytest.mark.parametrize("chat", [edited, line_by_line])
+async def test_nothing_is_told_of_an_order_after_its_end(
+    chat: Callable[[ManualClock], MemoryMessenger],
+) -> None:
+    async with talkative(chat, LateWords).open() as place:
+        assert "done" in await place.say("omni move 1 m")
+        robot, before = place.robot("omni"), len(place.chat.told)
+        assert isinstance(robot, LateWords)
+        for report in (StageReport(OrderStage.RECEIVED), StageReport(OrderStage.RUNNING, 0.6)):
+            robot.tell(report)
+        await place.clock.advance(60.0)
+        assert [told.outbound.text for told in list(place.chat.told)[before:]] == []
 
 
 async def test_an_ending_outlives_a_messenger_that_is_away_for_long() -> None:

@@ -89,7 +89,9 @@ class RunningOrder:
         self._executor = executor
 
     def tell(self, report: StageReport) -> None:
-        """Take a report in; a robot's words are made inert."""
+        """Take a report in, but none after the end; a robot's words are made inert."""
+        if self.words:
+            return
         if report.note:
             report = StageReport(report.stage, report.fraction, inert_words(report.note))
         executor, card = self._executor, self.card
