@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import pytest
+from msgspec.structs import replace
 
 from rosic.core.messages import status_line
-from rosic.core.robot.profile import Presence, Profile
+from rosic.core.robot.profile import Presence, Profile, Telemetry
+from rosic.features.dashboard.messages import battery
 from rosic.robots.ros2.profile import Ros2Link
 
+HEARD_S_AGO = [(9.9, ""), (10.0, ", 10 s ago"), (240.0, ", 4 min ago"), (7300.0, ", 2 h ago")]
 AGV = Profile(id="agv", link=Ros2Link(kind="ros2", namespace="/agv"))
 
 
@@ -22,3 +25,21 @@ AGV = Profile(id="agv", link=Ros2Link(kind="ros2", namespace="/agv"))
 )
 def test_it_says_that_a_robot_moves_by_nobodys_order(presence: Presence, line: str) -> None:
     assert status_line(AGV, presence, holder="", stopped_by=None, waiting=0) == line
+
+
+@pytest.mark.parametrize(("age_s", "age"), HEARD_S_AGO)
+def test_what_was_reported_long_ago_is_told_with_its_age(age_s: float, age: str) -> None:
+    described = {"battery": Telemetry(unit="%"), "mode": Telemetry(), "x": Telemetry(unit="m")}
+    presence = Presence(
+        online=True,
+        at_rest=True,
+        values={"battery": 80.0, "mode": "auto", "x": 1.5},
+        ages_s={"battery": age_s, "mode": age_s, "x": 0.1},
+    )
+    told = status_line(
+        replace(AGV, telemetry=described), presence, holder="", stopped_by=None, waiting=0
+    )
+    assert told == f"agv: at rest · free · battery 80 %{age} · mode auto{age} · x 1.50 m"
+    card = battery(replace(AGV, telemetry=described), presence)
+    step = {"": 0, ", 10 s ago": 10, ", 4 min ago": 120, ", 2 h ago": 3600}[age]
+    assert card == "battery 80 %" + (f", not heard for over {step} s" if step else "")

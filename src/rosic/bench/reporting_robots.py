@@ -79,6 +79,7 @@ class ReportingRobot(MemoryRobot):
             doing=self._doing.skill.id if self._doing else "",
             at_rest=self._doing is None,
             values={"battery": battery} if reported else {},
+            ages_s={"battery": age_s} if reported and age_s is not None else {},
             pose=Pose(x_m, y_m) if reported else None,
         )
 

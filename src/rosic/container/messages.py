@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final
 from rosic.core.i18n import figure, joined, said, said_n
 from rosic.core.language.sanitise import quote
 from rosic.core.language.suggestions import listed
-from rosic.core.time_units import DAY_S, HOUR_S
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -159,14 +158,6 @@ def size(count: int) -> str:
         return said("{count} bytes", count=count)
     number, unit = (count / KIB, "KiB") if count < KIB * KIB else (count / KIB / KIB, "MiB")
     return figure(f"{number:.0f} {unit}" if number >= _FEW else f"{number:.1f} {unit}")
-
-
-def age(seconds: float) -> str:
-    """Return how long ago something was."""
-    for length, unit in ((DAY_S, "d"), (HOUR_S, "h"), (60, "min")):
-        if seconds >= length:
-            return said("{seconds:.0f} {unit} ago", seconds=seconds // length, unit=unit)
-    return said("{seconds:.0f} s ago", seconds=max(seconds, 0))
 
 
 def kept_line(name: str, value: str, sender: str, ago: str) -> str:

@@ -8,6 +8,7 @@ from rosic.core.i18n import figure, filled, joined, said, said_n, titled
 from rosic.core.language.common_names import shown_name
 from rosic.core.language.sanitise import echo
 from rosic.core.policy.scope import RESUME
+from rosic.core.time_units import DAY_S, HOUR_S, MINUTE_S
 from rosic.core.units import bound_in_words, measured
 
 if TYPE_CHECKING:
@@ -36,6 +37,9 @@ REST_UNMEASURED = said("whether it rests is not measured")
 NOTHING_VISIBLE = said(
     "There is no robot here for you yet. The admin of this place can change that."
 )
+
+STALE_S = 10.0
+"""What a robot reported so long ago, or longer, is told with its age."""
 
 NAMED_AT_MOST = 50
 """A message that names more robots than this is read by nobody, and is sent in many parts."""
@@ -138,7 +142,7 @@ def status_line(
         parts.append(UNSTOPPABLE)
     if waiting:
         parts.append(said("{waiting} waiting", waiting=waiting))
-    parts.extend(_values(profile, presence.values))
+    parts.extend(_values(profile, presence))
     return joined(
         "", (joined("", (profile.shown, ": ")), joined(" · ", (part for part in parts if part)))
     )
@@ -200,15 +204,26 @@ def _link(presence: Presence) -> str:
     return "" if presence.online else said("link not known")
 
 
-def _values(profile: Profile, values: Mapping[str, float | str]) -> Iterable[str]:
+def _values(profile: Profile, presence: Presence) -> Iterable[str]:
     for name, described in profile.telemetry.items():
-        value = values.get(name)
+        value = presence.values.get(name)
+        if value is None:
+            continue
         if isinstance(value, str):
-            yield joined(" ", (shown_name(name), value))
-        elif value is not None:
+            text = value
+        else:
             shown = f"{value:.0f}" if described.unit == "%" else f"{value:z.2f}"
-            text = f"{shown} {described.unit}".rstrip()
-            yield joined(" ", (shown_name(name), measured(text, value, described.unit)))
+            text = measured(f"{shown} {described.unit}".rstrip(), value, described.unit)
+        reading, age_s = joined(" ", (shown_name(name), text)), presence.ages_s.get(name, 0.0)
+        yield joined(", ", (reading, ago(age_s))) if age_s >= STALE_S else reading
+
+
+def ago(seconds: float) -> str:
+    """Return how long ago something was."""
+    for length, unit in ((DAY_S, "d"), (HOUR_S, "h"), (MINUTE_S, "min")):
+        if seconds >= length:
+            return said("{seconds:.0f} {unit} ago", seconds=seconds // length, unit=unit)
+    return said("{seconds:.0f} s ago", seconds=max(seconds, 0))
 
 
 def rests(profiles: Mapping[str, Profile], found: Iterable[RestReport]) -> str:

@@ -151,6 +151,7 @@ class MemoryRobot:
             doing=doing,
             at_rest=self._doing is None if self.online else None,
             values=self.values,
+            ages_s=dict.fromkeys(self.values, self.age_s) if self.age_s is not None else {},
             pose=self.pose,
         )
 

@@ -244,6 +244,7 @@ class AdminDispatcher:
             "holder": holder or None,
             "waiting": rooms.linker.waiting(robot),
             "values": presence.values,
+            "ages_s": {name: presence.ages_s.get(name) for name in presence.values},
         }
 
     def _robots(self, names: Sequence[str]) -> tuple[RobotId, ...]:

@@ -238,6 +238,7 @@ class Presence(msgspec.Struct, frozen=True, kw_only=True):
         at_rest: None when not measured within its deadline, or not since the last break.
         holds: It keeps its place, if not on the ground; None: that is not told from rest.
         values: Newest telemetry in the profile's units.
+        ages_s: Since each of them was heard; one that is not named is of now.
         pose: Where it is; None unless the profile names a ``pose`` and it is fresh.
     """
 
@@ -248,6 +249,7 @@ class Presence(msgspec.Struct, frozen=True, kw_only=True):
     holds: bool | None = None
     doubt: str = ""
     values: dict[str, float | str] = {}
+    ages_s: dict[str, float] = {}
     pose: Pose | None = None
 
     @property

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import joined, said
 from rosic.core.language.sanitise import echo
+from rosic.core.messages import STALE_S
 from rosic.core.units import measured
 
 if TYPE_CHECKING:
-    from rosic.core.robot.profile import Presence, Profile
+    from rosic.core.robot.profile import Presence, Profile, Telemetry
 
 HEARD_S: Final = (5, 10, 20, 30, 60, 120, 300, 600, 1800, 3600)
 """How long a robot was not heard is said in such steps: not anew every second."""
@@ -77,6 +78,15 @@ def battery(profile: Profile, presence: Presence) -> str:
     value, described = presence.values.get("battery"), profile.telemetry.get("battery")
     if value is None or described is None:
         return ""
+    # As seldom as whether it is heard: every other age would be another edit of the message.
+    age_s = max((s for s in HEARD_S if s <= presence.ages_s.get("battery", 0.0)), default=0)
+    reading = _battery(value, described)
+    if age_s < STALE_S:
+        return reading
+    return said("{reading}, not heard for over {s} s", reading=reading, s=age_s)
+
+
+def _battery(value: float | str, described: Telemetry) -> str:
     if isinstance(value, str):
         return said("battery {value}", value=value)
     shown = f"{value:.0f}" if described.unit == "%" else f"{value:.1f}"

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.container import file_messages as words
 from rosic.container.file_content import attachment_of
-from rosic.container.messages import age
 from rosic.core.i18n import said
 from rosic.core.language.command import Command, HelpEntry, HelpPage
 from rosic.core.message import Button
+from rosic.core.messages import ago as age_in_words
 from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.features.files.background import send_file
 from rosic.gateway.button_rows import rows
@@ -107,7 +107,7 @@ class FileCommands:
         return Reply(text, rows(buttons))
 
     def _line(self, one: StoredFile) -> str:
-        ago = age((self._data_context.clock.wall_ns() - one.at_ns) / 1e9)
+        ago = age_in_words((self._data_context.clock.wall_ns() - one.at_ns) / 1e9)
         return words.line(one.name, one.sort, one.size, ago, one.digest)
 
     async def _get(self, asked: CommandContext, name: str) -> Reply:

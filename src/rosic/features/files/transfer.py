@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from rosic.container import file_messages as words
 from rosic.container.file_content import IN_PIECES_FROM, content_of, pieces_of
 from rosic.container.file_types import SORTS, file_name
-from rosic.container.messages import age
 from rosic.core.i18n import joined
 from rosic.core.message import Attachment, Button, StreamedContent
+from rosic.core.messages import ago
 from rosic.core.policy.scope import FILES
 from rosic.core.records import Decided
 from rosic.core.robot.file_transfer import FileForRobot
@@ -254,7 +254,7 @@ class FileTransfer:
         now_ns = self._data_context.clock.wall_ns()
         lines = []
         for name, size, at_ns in found:
-            line = words.given_line(_shown(name), size, age((now_ns - at_ns) / 1e9))
+            line = words.given_line(_shown(name), size, ago((now_ns - at_ns) / 1e9))
             lines.append(line if size <= most else words.too_large_line(line))
         buttons = [
             Button(_shown(name), f"/files from {robot} {_shown(name)}")

@@ -20,6 +20,7 @@ from rosic.container.files import PART
 from rosic.core.i18n import said
 from rosic.core.language.command import Command, HelpEntry, HelpPage
 from rosic.core.message import Button
+from rosic.core.messages import ago as age_in_words
 from rosic.errors import ConfigurationError, NotUnderstood, RecordUnavailable, StoreFault
 from rosic.features.personal_data import erasure as erasing_of
 from rosic.features.personal_data import messages as words
@@ -158,7 +159,7 @@ class SharedDataCommands:
 
     def _line(self, kept: SharedValue) -> str:
         age_s = (self._data_context.clock.wall_ns() - kept.at_ns) / 1e9
-        sender, ago = self._data_context.name(kept.sender), messages.age(age_s)
+        sender, ago = self._data_context.name(kept.sender), age_in_words(age_s)
         return messages.kept_line(kept.name, kept.value, sender, ago)
 
 

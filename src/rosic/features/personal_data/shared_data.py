@@ -11,6 +11,7 @@ from rosic.core.language.option_words import option_typed
 from rosic.core.language.sanitise import clean_name
 from rosic.core.language.time_tokens import TimeTokens, UnclearTime
 from rosic.core.message import Button
+from rosic.core.messages import ago as age_in_words
 from rosic.core.time_units import DAY_S
 from rosic.errors import NotUnderstood
 from rosic.features.personal_data import messages as words
@@ -88,7 +89,7 @@ class ShareCommands:
         return [words.TO_ME, *lines[:MOST_LINES]] if lines else []
 
     def _line(self, kept: SharedValue) -> str:
-        ago = messages.age((self._data_context.clock.wall_ns() - kept.at_ns) / 1e9)
+        ago = age_in_words((self._data_context.clock.wall_ns() - kept.at_ns) / 1e9)
         return messages.kept_line(kept.name, kept.value, self._data_context.name(kept.sender), ago)
 
     def _until(self, principal: PrincipalId, loan: SharedDataGrant) -> str:

@@ -340,8 +340,6 @@ class Ros2Robot:
             return RestReport(stop.robot, confirmed=False, seconds=0.0)
         resting = await self._to_rest(lambda: self._call is None)
         self._halted(resting)
-        if not resting.confirmed and self._online() is False:
-            self._settling.begin()
         return RestReport(
             stop.robot,
             resting.confirmed,
@@ -353,14 +351,20 @@ class Ros2Robot:
     async def _to_rest(
         self, quiet: Callable[[], bool] = lambda: True, limit_s: float | None = None
     ) -> RestResult:
-        """Apply the brakes; whatever goes wrong with them, it ends with an answer."""
+        """Apply the brakes; whatever goes wrong with them, it ends with an answer.
+
+        Of a robot whose rest was not seen they are applied once more when it is heard again.
+        """
         begun_ns = self._clock.monotonic_ns()
         try:
-            return await self._stop_controller.apply(quiet, limit_s=limit_s)
+            resting = await self._stop_controller.apply(quiet, limit_s=limit_s)
         except Exception:  # noqa: BLE001 - a contract: it never raises
             _log.exception("%s could not be brought to rest", self.profile.id)
             seconds = (self._clock.monotonic_ns() - begun_ns) / SECOND_NS
             return RestResult(confirmed=False, seconds=seconds)
+        if self._settling.unheard and not resting.confirmed and not resting.moves:
+            self._settling.begin()
+        return resting
 
     def _halted(self, resting: RestResult) -> None:
         if self._call is not None:
@@ -384,6 +388,7 @@ class Ros2Robot:
             holds=self._measured.holds(self._measured.stale_ns()),
             doubt=self._measured.doubt(),
             values=self._measured.values(),
+            ages_s=self._measured.ages_s(),
             pose=self._camera_map.pose() if online is not False else None,
         )
 

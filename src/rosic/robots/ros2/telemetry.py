@@ -255,6 +255,12 @@ class Measurements:
         except TimeoutError:
             return
 
+    def ages_s(self) -> dict[str, float]:
+        """Return for how long each of `values` has not been heard."""
+        return {
+            value.name: age_s for value in self._values if (age_s := value.source.age_s) is not None
+        }
+
     def values(self) -> dict[str, float | str]:
         """Return the newest of everything the profile names; what cannot be read is left out."""
         found: dict[str, float | str] = {}
