@@ -249,7 +249,8 @@ class SimulatedRobot:
         what = (
             said("drove for {seconds:.1f} s", seconds=driven_s),
             said(
-                "then ROSIC itself stood still for {seconds:.1f} s: ended", seconds=broken.seconds
+                "broken off because ROSIC itself stood still for {seconds:.1f} s",
+                seconds=broken.seconds,
             ),
         )
         return Outcome(

@@ -102,7 +102,9 @@ async def test_what_was_sent_is_said_though_it_was_not_measured(base: RosProcess
     assert outcome.ending is OrderEnding.FAILED
     sent, _, ended = outcome.note.partition("; ")
     assert float(sent.removeprefix("sent velocities for ").removesuffix(" s")) > 0.5
-    assert ended.startswith(("then its motion was not measured", "then it was not heard")), ended
+    assert ended.startswith(
+        ("broken off because its motion was not measured", "broken off because it was not heard")
+    ), ended
 
 
 # ---- a stop that says that it failed ----
@@ -239,4 +241,4 @@ async def test_a_drive_is_broken_off_once_its_motion_is_not_measured(base: RosPr
         await told(base, "twist=nan")
         with pytest.raises(RobotUnreachable, match="whether it rests could not be measured") as why:
             await running
-        assert "then its motion was not measured for 1." in str(why.value)
+        assert "broken off because its motion was not measured for 1." in str(why.value)

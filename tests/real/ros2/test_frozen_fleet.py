@@ -42,9 +42,9 @@ FROZEN_S = 2.5
 BROKEN_WITHIN_S = 1.5
 WATCHED_S = 3.0
 READ_WITHIN_S = 30.0
-NOT_HEARD = "then it was not heard for 1."
+NOT_HEARD = "broken off because it was not heard for 1."
 # What a machine does that gives this process no processor for as long as a robot's watchdog waits.
-STOOD_STILL = "then ROSIC itself stood still"
+STOOD_STILL = "broken off because ROSIC itself stood still"
 _NS = 1_000_000_000
 TOUR = Mission(
     name="tour", do=(MissionPart(on="base1", steps=("drive 0.2 m/s 20 s", "drive -0.2 m/s 20 s")),)
@@ -161,7 +161,7 @@ async def test_one_of_a_common_start_that_was_frozen_is_driven_no_further(
         assert bases["base1"].sent_after(broken_ns) == []
         if STOOD_STILL not in here.shown:
             assert bases["base2"].sent_after(broken_ns), "the other is its own affair"
-            assert here.shown.count("then it was not heard") == 1
+            assert here.shown.count("broken off because it was not heard") == 1
 
 
 async def test_a_mission_whose_robot_was_frozen_waits_for_a_person(bases: dict[str, Base]) -> None:

@@ -63,7 +63,7 @@ def test_a_goal_of_a_gateway_that_was_frozen_is_called_off(
     gateway.process.send_signal(GO_ON)
     ended = gateway.expect("ended", timeout_s=WITHIN_S)
     assert not ended.startswith("done"), ended
-    assert "then ROSIC itself stood still for " in ended
+    assert "broken off because ROSIC itself stood still for " in ended
     peer.expect("called off after", timeout_s=WITHIN_S)
 
 
@@ -95,5 +95,5 @@ def test_a_goal_that_was_accepted_while_its_gateway_was_frozen_is_called_off(
     gateway.process.send_signal(GO_ON)
     ended = gateway.expect("ended", timeout_s=WITHIN_S)
     assert not ended.startswith("done"), ended
-    assert "then ROSIC itself stood still for " in ended
+    assert "broken off because ROSIC itself stood still for " in ended
     peer.expect("called off after", timeout_s=WITHIN_S)

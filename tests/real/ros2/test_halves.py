@@ -116,7 +116,9 @@ async def test_a_goal_ends_when_what_drives_is_frozen(halves: Halves) -> None:
     under_way = await halves.go()
     frozen_s = time.monotonic()
     halves.base.process.send_signal(FREEZE)
-    with pytest.raises(RobotUnreachable, match=r"then its motion was not measured for \d.* s"):
+    with pytest.raises(
+        RobotUnreachable, match=r"broken off because its motion was not measured for \d.* s"
+    ):
         await asyncio.wait_for(under_way, 60 * pace())
     assert time.monotonic() - frozen_s < ENDED_WITHIN_S * patience()
     await asyncio.to_thread(halves.navigator.expect, "called off")
@@ -133,7 +135,7 @@ async def test_a_goal_ends_when_what_carries_it_out_is_frozen(halves: Halves) ->
     assert time.monotonic() - frozen_s < ENDED_WITHIN_S * patience()
     assert (outcome.ending, outcome.code) == (OrderEnding.FAILED, INTERRUPTED)
     assert outcome.note.startswith("moved 0.")
-    assert "; then its software told nothing of it for 3." in outcome.note
+    assert "; broken off because its software told nothing of it for 3." in outcome.note
     assert outcome.facts["distance_m"] > 0
     # It has rested; what is frozen may still go on, so nothing else is begun beside it.
     await until(lambda: halves.robot._settling._task is None)
@@ -157,7 +159,7 @@ async def test_a_goal_ends_when_another_has_taken_the_place_of_what_carried_it_o
     outcome = await asyncio.wait_for(under_way, 60 * pace())
     assert time.monotonic() - killed_s < ENDED_WITHIN_S * patience()
     assert outcome.ending is OrderEnding.FAILED
-    assert outcome.note.endswith("; then its software began anew: ended")
+    assert outcome.note.endswith("; broken off because its software began anew")
     await halves.rests()
     under_way = await halves.go()
     assert (await halves.robot.stop(Stop("base", 1))).confirmed
@@ -182,7 +184,7 @@ async def test_a_goal_ends_when_what_drives_was_frozen_before_it_was_accepted(
     halves.navigator.process.send_signal(GO_ON)
     outcome = await asyncio.wait_for(under_way, 30 * pace())
     assert (outcome.ending, outcome.code) == (OrderEnding.FAILED, INTERRUPTED)
-    assert "then it was not heard for " in outcome.note
+    assert "broken off because it was not heard for " in outcome.note
     await asyncio.to_thread(halves.navigator.expect, "called off")
     await halves.rests()
 

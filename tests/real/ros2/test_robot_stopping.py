@@ -360,13 +360,14 @@ class Disappearance(NamedTuple):
 
 # Whichever deadline is noticed first is named. All of them are over, so all of this is true.
 DOUBT = r"omni was sent zero and told to stop; whether it rests could not be measured\."
+WHY = "broken off because "
 TRUE_OF_IT = re.compile(
     r"omni has not answered for (?P<unanswered>\d+(\.\d)?) s\."
-    r"|omni: moved (?P<metres>\d\.\d\d) m by its odometry; then ("
+    r"|omni: moved (?P<metres>\d\.\d\d) m by its odometry; broken off because ("
     r"it was not heard for (?P<unheard>\d+\.\d) s"
     r"|its motion was not measured for (?P<unmeasured>\d+\.\d) s"
     r"|its software told nothing of it for (?P<untold>\d+\.\d) s"
-    rf"|ROSIC itself stood still for (?P<late>\d+\.\d) s): ended\. {DOUBT}"
+    rf"|ROSIC itself stood still for (?P<late>\d+\.\d) s)\. {DOUBT}"
 )
 
 
@@ -430,6 +431,9 @@ async def test_a_robot_that_disappears_at_work_leaves_doubt_and_cannot_confirm_a
             )
             assert now - begun < 6.0 * patience()
             await until(lambda: robot.presence().online is False)
+            ages_s = robot.presence().ages_s
+            assert ages_s.keys() == robot.presence().values.keys()
+            assert min(ages_s.values()) > profile.link.heartbeat_s, "told as if they were of now"
             assert time.monotonic() - begun < 6.0 * patience()
             rest = await robot.stop(Stop("omni", 1))
             assert not rest.confirmed
@@ -443,9 +447,9 @@ async def test_a_robot_that_disappears_at_work_leaves_doubt_and_cannot_confirm_a
         "omni is not there. Nothing was sent.",
         "omni has not answered for 0.1 s.",
         "omni has not answered for 9.0 s.",
-        f"omni: moved 3.90 m by its odometry; then it was not heard for 1.1 s: ended. {DOUBT}",
-        f"omni: moved 0.01 m by its odometry; then it came to rest by itself: ended. {DOUBT}",
-        f"omni: moved 0.01 m by its odometry; then it was not there any more: ended. {DOUBT}",
+        f"omni: moved 3.90 m by its odometry; {WHY}it was not heard for 1.1 s. {DOUBT}",
+        f"omni: moved 0.01 m by its odometry; {WHY}it came to rest by itself. {DOUBT}",
+        f"omni: moved 0.01 m by its odometry; {WHY}it was not there any more. {DOUBT}",
         "omni was sent zero and told to stop, and still moves.",
     ],
 )

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 SETTLED_S = 0.5
+WOKEN_S = 1.0
+"""After a break it has gone on by then, if nothing was sent afresh."""
 _NS = 1_000_000_000
 
 
@@ -34,7 +36,7 @@ def test_a_gateway_that_was_frozen_drives_no_further(site: Site) -> None:
     time.sleep(SETTLED_S)
     assert site.velocities(back_ns) == []
     assert told.startswith("failed drove for 1."), told
-    assert "by its odometry; then ROSIC itself stood still for 3." in told
+    assert "by its odometry; broken off because ROSIC itself stood still for 3." in told
 
 
 def test_a_stop_that_waited_for_a_frozen_gateway_finds_no_motion(site: Site) -> None:
@@ -72,7 +74,39 @@ def test_a_robot_that_was_frozen_is_driven_no_further(site: Site) -> None:
     late = frozen_ns + int(1.5 * patience() * _NS)
     assert [v for v in site.velocities(back_ns) if v.sent_ns > late] == []
     assert told.startswith("failed drove for 0."), told
-    assert "then it was not heard for 1." in told
+    assert "broken off because it was not heard for 1." in told
+
+
+@pytest.fixture
+def forgetful(site: Site) -> Iterator[Site]:
+    """A base that loses what is sent in a break, rests, and then goes on as before."""
+    site.base.say("forgetful")
+    site.base.expect("ok forgetful")
+    yield site
+    site.base.say("mindful")
+    site.base.expect("ok mindful")
+    site.told_after("presence", "online True at_rest True")
+
+
+@pytest.mark.parametrize("ordered", ["", "stop"])
+@pytest.mark.parametrize("seconds", [1.6, 1.8, 3.9])
+def test_what_was_lost_in_a_break_is_sent_afresh(
+    forgetful: Site, seconds: float, ordered: str
+) -> None:
+    """It is heard again within the attempt to bring it to rest, or only after it."""
+    forgetful.drive(20.0, 0.5)
+    forgetful.base.process.send_signal(FREEZE)
+    if ordered:
+        forgetful.gateway.say(ordered)
+    time.sleep(seconds)
+    forgetful.base.process.send_signal(GO_ON)
+    told = forgetful.ended()
+    if ordered:
+        forgetful.told("rest")
+        forgetful.gateway.say("resume")
+    assert not told.startswith("done"), told
+    time.sleep(WOKEN_S)
+    forgetful.told_after("presence", "online True at_rest True")
 
 
 def test_a_robot_that_was_killed_and_is_back_is_driven_no_further(site: Site) -> None:
@@ -81,7 +115,7 @@ def test_a_robot_that_was_killed_and_is_back_is_driven_no_further(site: Site) ->
     killed_s = time.monotonic()
     note = site.told("note")
     assert time.monotonic() - killed_s < 3.0 * patience(), "said within 2 s of its deadline"
-    assert note.startswith("then it was not heard for 1.")
+    assert note.startswith("broken off because it was not heard for 1.")
     time.sleep(1.0)
     back_ns = time.time_ns()
     site.begin_base()
@@ -123,7 +157,7 @@ def test_what_was_not_measured_is_not_said_to_move(site: Site) -> None:
     finally:
         site.measure_again()
     assert told.startswith("robot-unreachable Base: drove for 0."), told
-    assert "then its motion was not measured for 1." in told
+    assert "broken off because its motion was not measured for 1." in told
     assert told.endswith(
         "Base was sent zero and told to stop; whether it rests could not be measured."
     )

@@ -8,7 +8,9 @@ from typing import Any
 
 import pytest
 
+from rosic.core.deadman import BreakCause, MotionBreak
 from rosic.robots.ros2 import velocity_stream
+from rosic.robots.ros2.bindings.binding_call import over
 from rosic.robots.ros2.velocity_stream import StreamPace, VelocityStream
 
 WATCHDOG_S = 0.5
@@ -93,3 +95,12 @@ async def test_whoever_is_named_in_time_is_driven_on(monkeypatch: pytest.MonkeyP
     sent_s, broken = await driven(monkeypatch, [0.05, 0.2, 0.1], named_at_s=0.3)
     assert broken is None
     assert max(b - a for a, b in pairwise(sent_s)) < WATCHDOG_S
+
+
+def test_why_it_was_broken_off_is_said_whether_or_not_anything_was_done_before() -> None:
+    told = {over(MotionBreak(cause, 1.2)) for cause in BreakCause}
+    assert len(told) == len(BreakCause)
+    assert all(words.startswith("broken off because ") for words in told), told
+    assert over(MotionBreak(BreakCause.SILENT, 1.2)) == (
+        "broken off because it was not heard for 1.2 s"
+    )

@@ -63,7 +63,9 @@ async def test_a_drive_ends_for_good_and_says_for_how_long_it_drove() -> None:
         outcome = running.result()
         assert x_m(robot, clock) - at_m < 0.2, "its watchdog stops it, and nothing moves it again"
     assert (outcome.ending, outcome.code) == (OrderEnding.FAILED, STOOD_STILL)
-    assert outcome.note.startswith("drove for 2.0 s; then ROSIC itself stood still for 8.")
+    assert outcome.note.startswith(
+        "drove for 2.0 s; broken off because ROSIC itself stood still for 8."
+    )
 
 
 async def test_what_a_machine_does_by_itself_ends_as_without_a_link() -> None:

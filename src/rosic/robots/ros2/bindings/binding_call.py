@@ -80,28 +80,33 @@ def over(broken: MotionBreak) -> str:
     """Return why a motion did not go on."""
     seconds = broken.seconds
     if broken.cause is BreakCause.LATE:
-        return said("then ROSIC itself stood still for {seconds:.1f} s: ended", seconds=seconds)
+        return said(
+            "broken off because ROSIC itself stood still for {seconds:.1f} s", seconds=seconds
+        )
     if broken.cause is BreakCause.SILENT:
-        return said("then it was not heard for {seconds:.1f} s: ended", seconds=seconds)
+        return said("broken off because it was not heard for {seconds:.1f} s", seconds=seconds)
     if broken.cause is BreakCause.UNMEASURED:
-        return said("then its motion was not measured for {seconds:.1f} s: ended", seconds=seconds)
+        return said(
+            "broken off because its motion was not measured for {seconds:.1f} s", seconds=seconds
+        )
     if broken.cause is BreakCause.UNREPORTED:
         return said(
-            "then its software told nothing of it for {seconds:.1f} s: ended", seconds=seconds
+            "broken off because its software told nothing of it for {seconds:.1f} s",
+            seconds=seconds,
         )
     return _left(broken.cause)
 
 
 def _left(cause: BreakCause) -> str:
     if cause is BreakCause.GONE:
-        return said("then it was not there any more: ended")
+        return said("broken off because it was not there any more")
     if cause is BreakCause.UNSERVED:
-        return said("then the software for it was not there any more: ended")
+        return said("broken off because the software for it was not there any more")
     if cause is BreakCause.REBORN:
-        return said("then its software began anew: ended")
+        return said("broken off because its software began anew")
     if cause is BreakCause.NAMELESS:
-        return said("then somebody unknown took its velocities, too: ended")
-    return said("then it came to rest by itself: ended")
+        return said("broken off because somebody unknown took its velocities, too")
+    return said("broken off because it came to rest by itself")
 
 
 class BindingCall:
