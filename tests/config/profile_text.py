@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from pathlib import Path
+import tomllib
+from pathlib import Path
 
 MARK = "#!"
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+# What else is installed here is not ROSIC's.
+SHIPPED_KINDS = tuple(sorted(PROJECT["entry-points"]["rosic.robots"]))
 
 GOOD = """\
 id: rover

@@ -14,7 +14,7 @@ from rosic.config.yaml_source import read_yaml
 from rosic.core.alerts.rule import compile_rule, read_run, rules_of
 from rosic.core.language import Vocabulary
 from rosic.core.robot.alert_config import RecipientCircle, Severity
-from tests.config.profile_text import GOOD, MARK, marked_line, spoil, write
+from tests.config.profile_text import GOOD, MARK, SHIPPED_KINDS, marked_line, spoil, write
 from tests.config.test_schema import validator
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def test_alert_below_is_a_rule_unless_another_is_about_the_same_value(tmp_path: 
 
 
 def test_the_schema_knows_it(tmp_path: Path) -> None:
-    fits = validator(robot_schema())
+    fits = validator(robot_schema(SHIPPED_KINDS))
     assert list(fits.iter_errors(read_yaml(write(tmp_path, ALERTS)).data)) == []
     for old, new in (("for: 10 s", "for: long"), ("critical", "dire"), ("gone", "Gone Away")):
         data = read_yaml(write(tmp_path, spoil(old, new, ALERTS))).data

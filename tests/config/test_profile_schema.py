@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.config import plugins
+from rosic.config.json_schema import main, published
 from rosic.config.plugins import profile_schema, robot_factory, robot_kinds
 from rosic.config.profile_validation import profile_rules
 from rosic.config.profiles import known_units, read_profile
@@ -18,7 +19,7 @@ from rosic.core.robot.profile import Profile
 from rosic.core.robot.skill import Skill
 from rosic.robots.ros2.profile import Ros2Profile
 from tests.cli.running import cold_rosic, environment, rosic
-from tests.config.profile_text import spoil, write
+from tests.config.profile_text import ROOT, SHIPPED_KINDS, spoil, write
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -59,10 +60,17 @@ def sentences(path: Path) -> list[str]:
 
 def test_the_kinds_of_rosic_are_found_like_those_of_strangers(installed: Path) -> None:
     assert installed.is_dir()
-    assert robot_kinds() == ("memory", "plain", "ros2", "simulated", "wanting")
+    assert {*SHIPPED_KINDS, "plain", "wanting"} <= {*robot_kinds()}
     schema = profile_schema("ros2")
     assert schema is not None
     assert schema.profile is Ros2Profile
+
+
+def test_what_is_published_of_rosic_says_nothing_of_strangers(installed: Path) -> None:
+    stored = (ROOT / "docs" / "schema" / "robot.schema.json").read_text(encoding="utf-8")
+    assert published(SHIPPED_KINDS)["robot.schema.json"] == stored
+    main(installed / "schema")
+    assert '"plain"' in (installed / "schema" / "robot.schema.json").read_text(encoding="utf-8")
 
 
 def test_a_kind_without_keys_of_its_own_takes_those_of_every_robot(installed: Path) -> None:

@@ -4,30 +4,31 @@ from __future__ import annotations
 
 import json
 import tomllib
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import jsonschema
 import pytest
 
 from rosic.config.json_schema import config_schema, main, published, robot_schema
+from rosic.config.plugins import robot_kinds
 from rosic.config.profiles import shipped_profiles
 from rosic.config.yaml_source import read_yaml
-from tests.config.profile_text import DIALOGUE, GOOD, write
+from tests.config.profile_text import DIALOGUE, GOOD, ROOT, SHIPPED_KINDS, write
 from tests.config.test_config_errors import GOOD as CONFIG
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
     from rosic.config.source_map import Data
 
-ROOT = Path(__file__).parents[2]
 
-
-@pytest.mark.parametrize("name", sorted(published()))
+@pytest.mark.parametrize("name", sorted(published(SHIPPED_KINDS)))
 def test_what_is_published_is_up_to_date(name: str) -> None:
     stored = (ROOT / "docs" / "schema" / name).read_text(encoding="utf-8")
-    assert stored == published()[name], "run: python -m rosic.config.json_schema docs/schema"
+    assert stored == published(SHIPPED_KINDS)[name], (
+        "run: python -m rosic.config.json_schema docs/schema"
+    )
 
 
 def test_it_is_written_into_a_folder(tmp_path: Path) -> None:
@@ -35,7 +36,7 @@ def test_it_is_written_into_a_folder(tmp_path: Path) -> None:
     written = {
         path.name: path.read_text(encoding="utf-8") for path in (tmp_path / "schema").iterdir()
     }
-    assert written == published()
+    assert written == published(robot_kinds())
 
 
 class Wrong(Protocol):
@@ -55,7 +56,7 @@ def validator(schema: dict[str, Any]) -> Validator:
 
 @pytest.fixture(scope="module")
 def robot() -> Validator:
-    return validator(robot_schema())
+    return validator(robot_schema(SHIPPED_KINDS))
 
 
 @pytest.fixture(scope="module")
@@ -135,7 +136,7 @@ def test_what_the_check_refuses_in_a_configuration_the_schema_refuses(
 
 
 def test_people_who_write_a_profile_are_told_what_a_key_means() -> None:
-    schema = robot_schema()
+    schema = robot_schema(SHIPPED_KINDS)
     assert schema["properties"]["watchdog_s"]["description"].startswith("The robot's own time-out")
     skill = schema["$defs"]["Skill"]["properties"]
     assert skill["words"]["description"] == "Other names people use for it."

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import pytest
 
-from rosic.config.plugins import robot_kinds
 from rosic.config.profiles import read_profile, shipped_profiles
+from tests.config.profile_text import SHIPPED_KINDS
 
 if TYPE_CHECKING:
     from rosic.core.robot.profile import Profile
@@ -67,7 +67,7 @@ def test_every_profile_of_then_is_there() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(shipped_profiles()))
-@pytest.mark.parametrize("link", ["", *robot_kinds()])
+@pytest.mark.parametrize("link", ["", *SHIPPED_KINDS])
 def test_a_profile_that_ships_is_read_by_every_kind(name: str, link: str) -> None:
     assert read(shipped_profiles()[name], link).id == name
 

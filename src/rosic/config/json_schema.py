@@ -29,7 +29,7 @@ from rosic.core.fleet.mission import Mission
 from rosic.core.robot.dialogue_protocol import Utterance
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from rosic.contracts.adapter import ProfileSchema
     from rosic.contracts.file_rules import FieldForm, NumberBounds, Rules
@@ -77,14 +77,14 @@ _ENTRY = re.compile(r"^    (?P<names>\w+(?:, \w+)*): (?P<text>.+(?:\n {5,}.+)*)"
 _OWN_AFTER = {"Link": "kind", "Profile": "unstoppable", "Skill": "cost", "Telemetry": ""}
 
 
-def robot_schema() -> dict[str, Any]:
-    """Return the schema of a profile: of every kind of robot link that is installed.
+def robot_schema(kinds: Iterable[str]) -> dict[str, Any]:
+    """Return the schema of a profile, of robot links of these kinds.
 
     Kinds whose profiles have the same form share it. Where there are several forms, the kind that
     a profile names decides.
     """
     forms: dict[type[Profile], tuple[ProfileSchema, list[str]]] = {}
-    for kind in robot_kinds():
+    for kind in kinds:
         schema = profile_schema(kind)
         if schema is not None:
             forms.setdefault(schema.profile, (schema, []))[1].append(kind)
@@ -302,20 +302,20 @@ def render(schema: dict[str, Any]) -> str:
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
 
 
-def published() -> dict[str, str]:
-    """Return every schema by the name of its file."""
+def published(kinds: Iterable[str]) -> dict[str, str]:
+    """Return every schema by the name of its file; a profile is of one of these kinds of links."""
     return {
         "among.schema.json": render(among_schema()),
         "mission.schema.json": render(mission_schema()),
-        "robot.schema.json": render(robot_schema()),
+        "robot.schema.json": render(robot_schema(kinds)),
         "rosic.schema.json": render(config_schema()),
     }
 
 
 def main(folder: Path) -> None:
-    """Write the schemas into a folder."""
+    """Write the schemas into a folder, with every kind of robot link that is installed."""
     folder.mkdir(parents=True, exist_ok=True)
-    for name, text in published().items():
+    for name, text in published(robot_kinds()).items():
         (folder / name).write_text(text, encoding="utf-8")
 
 
