@@ -65,7 +65,7 @@ class RobotProvisioning:
     """Makes and opens robots for one gateway, one after another, and adds them to its registry.
 
     Args:
-        gateway: Furnished.
+        gateway: Its rooms and features are set up.
         parts: Its own.
         memory: Says how far robots got that an earlier run knew (I13).
         says: Brings what a robot says of its own accord to people.
@@ -86,7 +86,7 @@ class RobotProvisioning:
         self._one = asyncio.Lock()
         self._adding: set[asyncio.Task[str]] = set()
         self._closing = False
-        gateway.access.changes.keep(KIND, lambda _fact: None)  # its effect follows: `_enlist`
+        gateway.access.changes.keep(KIND, lambda _fact: None)  # its effect follows: `_add_robot`
 
     async def add(self, draft: ProfileDraft, by: PrincipalId, role: str = "") -> str:
         """Add a robot. Return what is said of it: that it is here, and what it can do.

@@ -117,7 +117,7 @@ TALL = 0.625  # a scene's height for its width
 
 
 def draw(subject: Subject, *, low: bool = False, say: Say = str) -> Drawing:
-    """Draw; `rosic.contracts.renderer.Painter` says what is promised."""
+    """Draw; `rosic.contracts.renderer.Renderer` says what is promised."""
     if isinstance(subject, TimeSeries):
         return graphic(chart(subject, low=low, say=say), low=low)
     if isinstance(subject, PathView):
