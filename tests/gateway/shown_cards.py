@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec.structs import replace
 
+from rosic.app.people import ConfiguredPerson
+from rosic.core.identity import Address
 from rosic.core.message import ChatKind
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from rosic.messengers.memory import MemoryMessenger
@@ -106,16 +108,32 @@ async def showing(
     clock: ManualClock | None = None,
     roles: dict[str, str] | None = None,
     fleet: tuple[Profile, ...] = FLEET,
+    more: int = 0,
 ) -> AsyncIterator[Shown]:
-    """Run a place whose clock on the wall shows the seconds of this test."""
+    """Run a place whose clock on the wall shows the seconds of this test.
+
+    Args:
+        store: Its record.
+        chat: Its messenger.
+        clock: Its clock.
+        roles: Of people, where they are others.
+        fleet: Its robots.
+        more: So many more viewers are known, at ``1000`` and so on.
+    """
     place = Place(store, chat=chat, clock=clock, fleet=fleet)
     gateway = place.gateway
     gateway._parts = replace(
         gateway._parts, face=lambda ns: str((ns - START_WALL_NS) // 1_000_000_000)
     )
-    people = tuple(
-        replace(seed, roles=((roles or {}).get(seed.name, seed.roles[0]),))
-        for seed in gateway._settings.people
+    people = (
+        *(
+            replace(seed, roles=((roles or {}).get(seed.name, seed.roles[0]),))
+            for seed in gateway._settings.people
+        ),
+        *(
+            ConfiguredPerson(f"P{n}", (Address("memory", str(1_000 + n)),), ("viewer",))
+            for n in range(more)
+        ),
     )
     rulebook = RoleRules(roles={**DEFAULT_ROLES, "narrow": ONE_ROBOT})
     gateway._settings = replace(gateway._settings, people=people, rulebook=rulebook)

@@ -5,11 +5,15 @@ from __future__ import annotations
 import msgspec
 import pytest
 
+from rosic.core.message import ChatKind
 from rosic.core.robot.skill import Parameter, Skill
 from rosic.features.dashboard import DashboardFeature
+from rosic.features.dashboard.dashboards import CARDS_A_PERSON
 from rosic.stores.memory import MemoryStore
 from tests.gateway.place import BO, FLEET, VI
 from tests.gateway.shown_cards import GROUP, SlowMessenger, showing
+
+KIND = ChatKind.GROUP
 
 
 async def test_in_a_group_it_says_whose_eyes_it_has() -> None:
@@ -23,6 +27,22 @@ async def test_in_a_group_it_says_whose_eyes_it_has() -> None:
         first, second = shown.cards("-7")
         assert shown.place.chat.shown(first).text == "This card has ended: a newer one is below."
         assert first != second
+
+
+async def test_nobody_has_more_than_twenty_cards_and_whoever_has_keeps_them() -> None:
+    async with showing() as shown:
+        for number in range(CARDS_A_PERSON):
+            assert await shown.begins("/card", account=VI, chat=f"-{number + 1}", kind=KIND)
+        told = await shown.place.say("/card", account=VI, chat="-99", kind=KIND)
+        assert told == "You have 20 cards in other chats already. End one there with /card off."
+        cards = shown.place.gateway.features.get(DashboardFeature).robots
+        assert len(cards) == CARDS_A_PERSON
+        assert await shown.begins("/card", account=BO, chat="-99", kind=KIND), "another has none"
+        told = await shown.place.say("/card", account=VI, chat="-99", kind=KIND)
+        assert told.startswith("You have 20 cards"), "nor do they take another's over"
+        assert await shown.begins("/card omni", account=VI, chat="-3", kind=KIND), "a newer one"
+        await shown.place.say("/card off", account=VI, chat="-4", kind=KIND)
+        assert await shown.begins("/card", account=VI, chat="-99", kind=KIND)
 
 
 async def test_a_robot_that_one_may_not_see_cannot_be_named() -> None:

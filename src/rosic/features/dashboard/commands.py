@@ -70,7 +70,7 @@ class DashboardCommands:
         Raises:
             NotUnderstood: There is no such robot, as far as this person may know.
             NothingToSee: There is no card, or no camera for it.
-            TooManyRequests: There are too many cards.
+            TooManyRequests: There are too many cards, or too many of theirs.
             RecordUnavailable: It could not be ended.
         """
         said = asked.rest.strip().rstrip(_ENDS).translate(_BETWEEN).split()

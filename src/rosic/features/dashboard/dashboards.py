@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 
 LOOK_S: Final = 1.0
 CARDS_AT_MOST: Final = 1_000
+CARDS_A_PERSON: Final = 20
 TRIES_TO_LEAVE: Final = 8
 LONGEST_WAIT_S: Final = 300.0
 
@@ -158,9 +159,13 @@ class Dashboards:
             pinned: Keep it in sight; what an older one was, it is too.
 
         Raises:
-            TooManyRequests: There are too many cards; nothing has changed.
+            TooManyRequests: There are too many cards, or too many of this owner's in other chats;
+                nothing has changed.
         """
         old = self.of(messenger, chat)
+        theirs = sum(c.owner == owner for c in self._cards.values() if c is not old)
+        if theirs >= CARDS_A_PERSON:
+            raise TooManyRequests(words.too_many_of_yours(theirs), retry_after_s=60.0)
         if old is None and len(self._cards) >= CARDS_AT_MOST:
             raise TooManyRequests(words.TOO_MANY, retry_after_s=60.0)
         card = Dashboard(messenger, chat, owner, robots, self.kind)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from rosic.core.i18n import joined, said
+from rosic.core.i18n import joined, said, said_n
 from rosic.core.language.sanitise import echo
 from rosic.core.messages import STALE_S
 from rosic.core.units import measured
@@ -24,6 +24,15 @@ OFF: Final = said("The card has ended.")
 NO_PICTURE: Final = said("There is no camera that this card could show.")
 LOOK_AGAIN: Final = said("Look again")
 TOO_MANY: Final = said("There are too many cards already. End one with /card off.")
+
+
+def too_many_of_yours(count: int) -> str:
+    """Say that somebody has as many cards as one person may."""
+    return said_n(
+        "You have {n} card in another chat already. End one there with /card off.",
+        "You have {n} cards in other chats already. End one there with /card off.",
+        count,
+    )
 
 
 def no_such_robot(name: str) -> str:
