@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
+from rosic.core.history import HistoryQuery
 from rosic.core.identity import OPERATOR, Address
 from rosic.core.message import Chat, ChatEvent, ChatEventKind, ChatKind, MessageValidity
 from rosic.core.records import Claimed, Fact
@@ -417,3 +418,39 @@ async def test_what_only_speaks_of_a_stop_in_a_group_is_answered_with_the_button
         assert not place.gateway.rooms.board["omni"].latched
         assert await _in_group(place, "we meet at the bus stop over there") == ("", [])
         assert await _in_group(place, "where is the button over there") == ("", [])
+
+
+async def test_stops_said_all_day_of_what_is_stopped_are_obeyed_and_fill_no_record() -> None:
+    """Each wrote a row for every robot there: a person who did so for a day filled the disk."""
+    store = MemoryStore()
+    async with Place(store).open() as place:
+
+        async def rows(account: str = ADA) -> int:
+            who = place.gateway.rooms.authoriser.directory.at(Address("memory", account))
+            assert who is not None
+            query = HistoryQuery(principal=who[0].id, robot="omni", limit=1_000)
+            return len(await store.history(query))
+
+        place.robot("omni").work_s = 300.0
+        await place.say("omni move 1 m")
+        for said in range(1, 40):
+            assert "STOP: omni at rest" in await place.say("stop omni")
+            assert place.robot("omni").gate.latched
+            assert place.robot("omni").gate.generation == said, "each was handed to the robot"
+            assert place.latch.read()["omni"] == (said, True), "and is in the latch"
+            await place.clock.advance(1.0)
+        assert await rows() == 2, "one order, one stop"
+        await place.say("stop omni", account=BO)
+        assert await rows(BO) == 1, "somebody else's is their own"
+        await place.say("stop omni")
+        assert await rows() == 2
+        await place.clock.advance(60.0)
+        await place.say("stop omni")
+        assert await rows() == 3, "one a minute"
+        await place.say("resume omni")
+        assert not place.robot("omni").gate.latched
+        before = await rows()
+        await place.say("stop omni")
+        assert await rows() == before + 1, "what stops something is never left out"
+        generation = place.robot("omni").gate.generation
+    assert (await store.open()).generations["omni"] == generation

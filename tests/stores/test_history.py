@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
+from msgspec.structs import replace
 
 from rosic.core.history import HistoryQuery
 from rosic.core.records import Concluded, Letter
@@ -109,4 +110,18 @@ async def test_stops_stand_among_the_commands(store: MemoryStore | DatabaseStore
     assert len(await store.history(HistoryQuery(robot="omni", since_ns=1_000))) == 3
     assert await store.history(HistoryQuery(principal=BO)) == ()
     assert await store.history(HistoryQuery(robot="kuka1")) == ()
+    await store.close()
+
+
+async def test_a_stop_that_was_repeated_is_no_row_and_its_generation_stays(
+    store: MemoryStore | DatabaseStore,
+) -> None:
+    await store.open()
+    await store.write(a_stop(1))
+    await store.write(*[replace(a_stop(number), repeated=True) for number in range(2, 500)])
+    await store.write(a_stop(500))
+    assert [e.kind for e in await store.history(HistoryQuery())] == ["stopped", "stopped"]
+    await store.write(replace(a_stop(501), repeated=True))
+    await store.close()
+    assert (await store.open()).generations == {"omni": 501}, "I13"
     await store.close()

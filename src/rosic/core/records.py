@@ -90,6 +90,9 @@ class Stopped(msgspec.Struct, frozen=True, kw_only=True, tag=True):
 
     Attributes:
         gap: The record was not writable when the stop was applied.
+        repeated: They had stopped it within a minute, and it was stopped still: the record keeps
+            its generation, and no row. How many there were is how far the generations of two rows
+            are apart.
     """
 
     robot: RobotId
@@ -97,6 +100,7 @@ class Stopped(msgspec.Struct, frozen=True, kw_only=True, tag=True):
     principal: PrincipalId
     at_ns: int
     gap: bool = False
+    repeated: bool = False
 
 
 class Resumed(msgspec.Struct, frozen=True, kw_only=True, tag=True):

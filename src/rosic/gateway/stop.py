@@ -17,13 +17,14 @@ from rosic.core.language import leaves_out
 from rosic.core.message import Button, ChatKind, Inbound, Outbound, SendPriority
 from rosic.core.order import RestReport
 from rosic.core.records import Stopped
+from rosic.core.time_units import MINUTE_NS
 from rosic.errors import ChatGone, MessageGone, MessengerFault, Unrecognised
 from rosic.gateway.button_rows import rows
 from rosic.gateway.delivery.chat_queue import OutgoingMessage
 from rosic.gateway.group_people import GroupChatPeople, is_unnamed
 from rosic.gateway.replies import ask_for_it
 from rosic.gateway.resume import RESUMED_AT_MOST
-from rosic.gateway.stopped_by import stopped_by
+from rosic.gateway.stopped_by import STOPPERS_AT_MOST, stopped_by
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Coroutine
@@ -96,6 +97,8 @@ if TYPE_CHECKING:
 # nobody (I15).
 ANSWERS_AT_MOST = 8
 LATCH_WITHIN_S = 10.0
+REPEATED_WITHIN_NS = MINUTE_NS
+"""Whoever says stop all day to what is stopped has so often a row of the record to themselves."""
 NOT_WRITTEN = said("I could not write this down: after a restart, look before you move anything.")
 NOBODY_LEFT_OUT = said("A stop leaves nobody out: all of them were stopped.")
 
@@ -140,6 +143,7 @@ class StopLane:
         self._following: set[asyncio.Task[None]] = set()
         self._answering: Counter[tuple[str, str]] = Counter()
         self._outbox = outbox
+        self._noted_ns: dict[RobotId, dict[PrincipalId, int]] = {}
 
     async def stop(
         self, messenger: Messenger, inbound: Inbound, names: tuple[str, ...], own_of: OwnOf
@@ -191,11 +195,12 @@ class StopLane:
             own: Those among them that carry out an order of theirs by which they are stopped.
         """
         board = self._board
+        again = frozenset(r for r in robots if board[r].latched)
         mine = [r for r in robots if r in own and (not board[r].latched or board[r].own == by)]
         halting = self._linker.stop(robots, by)
         for robot in mine:
             board[robot].own = by
-        self._note(robots, by)
+        self._note(robots, by, again)
         return halting
 
     @property
@@ -210,8 +215,10 @@ class StopLane:
             return "", self._company.visible(inbound.chat) if is_unnamed(inbound) else frozenset()
         return caller.principal, self._organiser.visible(caller.principal)
 
-    def _note(self, robots: tuple[RobotId, ...], by: PrincipalId) -> None:
-        at_ns = self._clock.wall_ns()
+    def _note(
+        self, robots: tuple[RobotId, ...], by: PrincipalId, again: frozenset[RobotId]
+    ) -> None:
+        at_ns, now_ns = self._clock.wall_ns(), self._clock.monotonic_ns()
         self._store.note(
             *(
                 Stopped(
@@ -219,11 +226,22 @@ class StopLane:
                     generation=self._board[robot].generation,
                     principal=by,
                     at_ns=at_ns,
+                    repeated=self._is_repeated(robot, by, now_ns, again=robot in again),
                 )
                 for robot in robots
             ),
             *(stopped_by(robot, self._board) for robot in robots),
         )
+
+    def _is_repeated(self, robot: RobotId, by: PrincipalId, now_ns: int, *, again: bool) -> bool:
+        """Whether somebody's last stop of a robot stands for this one on the record, too."""
+        noted = self._noted_ns.setdefault(robot, {})
+        if not again or len(noted) > STOPPERS_AT_MOST:
+            noted.clear()
+        if now_ns - noted.get(by, -REPEATED_WITHIN_NS) < REPEATED_WITHIN_NS:
+            return True
+        noted[by] = now_ns
+        return False
 
     async def _answer(
         self, messenger: Messenger, inbound: Inbound, halting: StopInProgress, by: PrincipalId

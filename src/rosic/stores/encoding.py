@@ -302,7 +302,8 @@ class RecordEncoder:
 
     def _stopped(self, batch: WriteBatch, record: Stopped) -> None:
         robot, generation = record.robot, record.generation
-        batch.stops += (robot, generation, record.principal, record.at_ns, record.gap)
+        if not record.repeated:
+            batch.stops += (robot, generation, record.principal, record.at_ns, record.gap)
         self._raise(batch, robot, 0, 0, generation)
 
     def _raise(

@@ -395,7 +395,8 @@ class MemoryStore(MemoryHistory):
         self._places.pop(cid, None)
 
     def _stopped(self, record: Stopped) -> None:
-        self._stops.append(record)
+        if not record.repeated:
+            self._stops.append(record)
         self._raise_generation(record.robot, record.generation)
 
     def _resumed(self, record: Resumed) -> None:
