@@ -36,7 +36,8 @@ no host names, no traces. ``code`` never changes; tests, logs and docs use it.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Self
+import re
+from typing import TYPE_CHECKING, ClassVar, Final, Self
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -308,8 +309,14 @@ class StoreFault(Fault):
     code = "store-fault"
 
 
+_BOT_TOKEN: Final = re.compile(r"(?<!\d)\d{5,20}:[A-Za-z0-9_-]{16,}")
+
+
 class ConfigurationError(RosicError):
     """A file or a setting is wrong. Nothing has been started.
+
+    What looks like a bot's token is shown as ``***``, wherever it was written: people write it
+    where the name of a variable or of a file belongs, and sentences repeat what was written.
 
     Attributes:
         where: File and line, when known: ``robots/omni.yaml:12``.
@@ -322,6 +329,6 @@ class ConfigurationError(RosicError):
         parts = [f"{where}: {sentence}" if where else sentence]
         if hint:
             parts.append(hint)
-        super().__init__(" ".join(parts))
-        self.where = where
-        self.hint = hint
+        super().__init__(_BOT_TOKEN.sub("***", " ".join(parts)))
+        self.where = _BOT_TOKEN.sub("***", where)
+        self.hint = _BOT_TOKEN.sub("***", hint)

@@ -188,6 +188,7 @@ def test_nothing_is_overwritten(folder: Path, name: str) -> None:
     [
         ("--robot omin", "No profile is called 'omin'. Did you mean omni?"),
         ("--robot rover --link simulated", "There is no simulated machine called 'rover'."),
+        (f"--token-env {TOKEN}", "takes the NAME of a variable"),
         ("--token-env NO_SUCH", "The environment variable NO_SUCH is not set."),
         ("--token-file none.txt", "to read a secret from"),
         ("--admin 1001", "there is no Telegram here."),
@@ -212,6 +213,7 @@ def test_a_mistake_is_one_sentence_and_nothing_is_written(
     assert (status, out) == (2, "")
     [line] = err.splitlines()
     assert sentence in line
+    assert TOKEN not in line
     assert left(folder) == []
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
@@ -185,6 +186,19 @@ CASES = [
         '"BOT_TOKN" } #!',
         "The environment variable BOT_TOKN is not set.",
         "Set it where ROSIC is started.",
+    ),
+    Case(
+        "a token for the name of a variable",
+        '"BOT_TOKEN" }',
+        f'"{TOKEN}" }} #!',
+        "'token' names no variable of the environment.",
+        "Write the NAME of one that holds the secret, not the secret.",
+    ),
+    Case(
+        "a token for the name of a file",
+        '{ env = "BOT_TOKEN" }',
+        f'{{ file = "{TOKEN}" }} #!',
+        "There is no file *** to read a secret from.",
     ),
     Case("an empty variable", '"BOT_TOKEN" }', '"NOTHING" } #!', "The secret of 'token' is empty."),
     Case(
@@ -463,3 +477,18 @@ def test_everything_is_said_at_once(folder: Path) -> None:
     assert len(said) == 3
     for word, sentence in zip(("BOT_TOKN", "link_loss", "omnii"), said, strict=True):
         assert word in sentence
+
+
+QUOTED = list(re.finditer(r'"[^"]*"', GOOD))
+
+
+@pytest.mark.parametrize("number", range(len(QUOTED)))
+def test_a_token_that_stands_where_something_else_belongs_is_not_shown(
+    number: int, folder: Path
+) -> None:
+    here = QUOTED[number]
+    for text in (TOKEN, f"telegram:{TOKEN}", f"bot{TOKEN}"):
+        spoilt = f'{GOOD[: here.start()]}"{text}"{GOOD[here.end() :]}'
+        for error in check_config(write(folder, spoilt, "rosic.toml"), environ=ENVIRON):
+            shown = f"{error} {error.where} {error.hint} {error!r}"
+            assert TOKEN.partition(":")[2] not in shown

@@ -24,6 +24,7 @@ from rosic.app.setup.init import (
 )
 from rosic.cli.client import CONFIG
 from rosic.config.profiles import shipped_profiles
+from rosic.config.secrets import NAME as VARIABLE
 from rosic.core.identity import Address
 from rosic.errors import ConfigurationError, RosicError
 from rosic.system import SystemClock
@@ -190,6 +191,11 @@ def _parser() -> argparse.ArgumentParser:
 def _answers(options: argparse.Namespace, ask: Questions) -> SetupAnswers:
     name = options.name or ask.text("Name of this place?", NAME)
     zone = options.zone or ask.fit("Its time zone?", zone_here(), check_zone)
+    if options.token_env and not VARIABLE.fullmatch(options.token_env):
+        raise ConfigurationError(
+            "--token-env takes the NAME of a variable of the environment, and this is none.",
+            hint="Set a variable to the token, and write its name.",
+        )
     token = _token(options, ask)
     has_telegram = bool(token or options.token_env or options.token_file)
     drafts = _drafts(options, ask)

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 # A plain text under such a key is hidden as well, although it would better stand elsewhere.
 CONFIDENTIAL = re.compile(r"(?:.*_)?(?:token|password|passphrase|secret|key|credentials?)")
 
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
 
 class SecretSettings:
     """Takes the references out of one messenger's table."""
@@ -55,7 +57,7 @@ class SecretSettings:
         return Secret(text)
 
     def _look_up(self, reference: dict[str, Data], place: Place) -> str:
-        said = f"'{place[-1]}'"
+        said = called(place)
         [(kind, name), *others] = reference.items()
         if others or not isinstance(name, str) or not name:
             raise self._source.error(
@@ -71,6 +73,12 @@ class SecretSettings:
         return text
 
     def _from_environment(self, name: str, place: Place) -> str:
+        if not NAME.fullmatch(name):
+            raise self._source.error(
+                place,
+                f"{called(place)} names no variable of the environment.",
+                "Write the NAME of one that holds the secret, not the secret.",
+            )
         if name not in self._environ:
             raise self._source.error(
                 place,
@@ -98,6 +106,11 @@ class SecretSettings:
             raise self._source.error(
                 place, f"The file {name} cannot be read as a secret."
             ) from None
+
+
+def called(place: Place) -> str:
+    """Return what people call a place in the file."""
+    return f"'{place[-1]}'"
 
 
 def _confidential(place: Place) -> bool:
