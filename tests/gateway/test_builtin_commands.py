@@ -21,9 +21,7 @@ async def test_status_says_who_has_what_and_what_it_does() -> None:
 async def test_status_of_one_robot_and_of_one_that_is_away() -> None:
     async with Place().open() as place:
         place.robot("omni").online = False
-        assert (
-            await place.say("status omni") == "omni: not there, last heard 0 s ago · at rest · free"
-        )
+        assert await place.say("status omni") == "omni: not there, last heard 0 s ago · free"
 
 
 async def test_a_robot_is_not_called_free_in_somebodys_time() -> None:
