@@ -135,7 +135,7 @@ async def test_whoever_presses_it_has_stopped_them() -> None:
         async with _minded(console, place, ()):
             console.interrupt()
             await place.quiet()
-        assert "stopped by Ada" in await place.say("status omni")
+        assert "stopped by you" in await place.say("status omni")
 
 
 async def test_of_somebody_unknown_at_the_terminal_it_is_the_operator_who_stopped_them() -> None:

@@ -26,7 +26,7 @@ async def test_ones_own_stop_covers_nobody_elses_and_continue_does_not_undo_thei
         await place.clock.advance(120)
         await place.say("stop omni")
         told = await place.say("continue")
-        assert told.startswith("omni is stopped, by Bo and Ada, since 22:13. It stays stopped")
+        assert told.startswith("omni is stopped, by Bo and you, since 22:13. It stays stopped")
         assert (_latched(place), _labels(place)) == (["omni"], ["Resume omni"])
         assert await place.say("resume omni") == "omni is ready again.", "that is said of it"
         await place.say("stop omni")
@@ -52,7 +52,7 @@ async def test_what_is_said_to_others_in_a_group_resumes_nothing_and_is_offered(
     async with Place().open() as place:
         await place.say("stop omni")
         told = await _in_group(place, word)
-        assert told.startswith("omni is stopped, by Ada, since 22:13. It stays stopped until you")
+        assert told.startswith("omni is stopped, by you, since 22:13. It stays stopped until you")
         assert (_latched(place), _labels(place)) == (["omni"], ["Resume omni"])
         assert await _in_group(place, word, addressed=True) == "omni is ready again."
 
@@ -84,7 +84,7 @@ async def test_a_resume_that_may_be_said_to_others_is_asked_about(word: str) -> 
             await place.say("/task omni wave")
             acted = place.acted()
             told = await _in_group(place, word)
-            assert told.startswith("omni is stopped, by Ada, since 22:13. It stays stopped until")
+            assert told.startswith("omni is stopped, by you, since 22:13. It stays stopped until")
             await place.clock.advance(3.0)
             assert (_latched(place), _labels(place)) == (["omni"], ["Resume omni"])
             assert place.acted() == acted
@@ -146,7 +146,7 @@ async def test_where_a_task_would_begin_by_itself_it_is_asked_first() -> None:
         for word in ("continue", "continue omni"):
             told = await place.say(word)
             assert told == (
-                "omni is stopped, by Ada, since 22:13. It stays stopped until you resume it. "
+                "omni is stopped, by you, since 22:13. It stays stopped until you resume it. "
                 "Nothing was done.\n"
                 "It moves by itself as soon as it is given a task that waits: 1."
             )

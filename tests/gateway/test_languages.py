@@ -65,8 +65,10 @@ async def test_a_stop_is_answered_in_the_language_of_whoever_stops() -> None:
         stopped = await ask(place, ADA, "stop omni")
         assert "STOP geschickt an omni." in stopped
         assert "omni steht still" in stopped
-        assert "omni ist angehalten, von Ada, seit" in await ask(place, ADA, "omni wave")
+        assert "omni ist angehalten, von dir, seit" in await ask(place, ADA, "omni wave")
         assert "omni is stopped, by Ada, since" in await ask(place, BO, "omni wave")
+        assert "omni: angehalten von dir · frei" in await ask(place, ADA, "status omni")
+        assert "omni: stopped by Ada · free" in await ask(place, BO, "status omni")
         assert await ask(place, ADA, "resume omni") == "omni ist wieder bereit."
 
 

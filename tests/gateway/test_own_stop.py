@@ -172,7 +172,7 @@ async def test_who_may_not_resume_is_offered_what_they_may_do_and_hears_who_can(
     async with School().open() as place:
         await place.say("stop omni kuka1", account=STU, chat=STU)
         told = await place.say("omni move 1 m", account=STU, chat=STU)
-        assert told.startswith("omni is stopped, by Stu, since ")
+        assert told.startswith("omni is stopped, by you, since ")
         assert told.endswith(". Ada or Bo can resume it. Nothing was done.")
         assert _labels(place) == ["Ask for it"]
         await _tap(place, place.button("Ask for it"), STU)
@@ -259,7 +259,7 @@ async def test_a_group_that_is_stopped_is_named_whole_with_one_button() -> None:
         await place.say("stop swarm")
         told = await place.say("swarm move 1 m")
         assert told == (
-            "cf1 and cf2 are stopped, by Ada, since 22:13. They stay stopped until you resume "
+            "cf1 and cf2 are stopped, by you, since 22:13. They stay stopped until you resume "
             "them. Nothing was done."
         )
         assert _labels(place) == ["Resume cf1, cf2"]
@@ -315,7 +315,7 @@ async def test_a_button_to_continue_resumes_nothing_that_was_stopped_since() -> 
         await place.say("cancel task 1")
         await place.clock.advance(1.0)
         await place.say("stop omni")
-        assert (await _tap(place, go_on, ADA)).startswith("omni is stopped, by Ada, since ")
+        assert (await _tap(place, go_on, ADA)).startswith("omni is stopped, by you, since ")
         assert _latched(place) == ["omni"]
 
 
@@ -367,5 +367,5 @@ async def test_who_may_not_resume_is_told_of_the_stop_and_offered_no_button() ->
         await place.quiet()
         assert place.chat.shown(message).text.endswith("stopped before it ended 12:00:00")
         told = await place.say("again", account=STU, chat=STU)
-        assert told.startswith("omni is stopped, by Stu, since 22:13.\nomni: move")
+        assert told.startswith("omni is stopped, by you, since 22:13.\nomni: move")
         assert "Resume omni" not in _labels(place)

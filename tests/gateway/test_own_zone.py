@@ -34,7 +34,7 @@ async def test_one_books_in_ones_own_zone_and_others_read_it_in_theirs() -> None
         told = await place.line(ADA, "omni wave")
         assert "until 14:00" in told
         await place.line(BO, "stop omni")
-        assert "stopped, by Bo, since 21:00." in await place.line(BO, "omni wave")
+        assert "stopped, by you, since 21:00." in await place.line(BO, "omni wave")
         assert "stopped, by Bo, since 13:00." in await place.line(ADA, "omni wave")
 
 

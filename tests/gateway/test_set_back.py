@@ -192,7 +192,7 @@ async def test_what_was_stopped_before_the_clock_was_set_back_can_be_resumed() -
         await place.say("stop omni")
     clock.jump_wall(-DAY_S)
     async with Place(store, latch, clock=clock).open() as place:
-        assert "omni is stopped, by Ada, since" in await place.say("omni wave")
+        assert "omni is stopped, by you, since" in await place.say("omni wave")
         assert (await place.say("resume omni")).startswith("omni is ready again.")
         await AdminApi(books_of(place.gateway, "UTC")).do(
             AdminRequest(AdminVerb.CLOCK, ("accept",))

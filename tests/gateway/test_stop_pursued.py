@@ -41,7 +41,7 @@ async def test_it_is_said_to_move_not_resumed_and_then_to_be_at_rest() -> None:
         told = await here.say("stop omni")
         assert "omni has not confirmed the stop. Use its own stop button." in told
         status = await here.say("status omni")
-        assert "stopped by Ada · STOP not confirmed: it moves" in status
+        assert "stopped by you · STOP not confirmed: it moves" in status
         refused = await here.say("resume omni")
         assert "omni stays stopped: omni still moves: its stop is not confirmed yet" in refused
         await here.clock.advance(EVERY_S)

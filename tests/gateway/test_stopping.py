@@ -60,7 +60,7 @@ async def test_after_a_stop_nothing_moves_until_somebody_who_may_resumes() -> No
         await place.say("stop")
         told = await place.say("omni move 1 m")
         assert told.startswith(
-            "omni is stopped, by Ada, since 22:13. It stays stopped until you resume it."
+            "omni is stopped, by you, since 22:13. It stays stopped until you resume it."
         )
         refused = await place.say("resume omni", account=VI, chat="3")
         assert refused.startswith('Resume needs the right "operator" on omni.')
@@ -225,7 +225,7 @@ async def test_a_stop_survives_a_restart() -> None:
         await place.say("stop omni")
     async with Place(store, latch).open() as place:
         told = await place.say("omni move 1 m")
-        assert told.startswith("omni is stopped, by Ada, since")
+        assert told.startswith("omni is stopped, by you, since")
         assert place.acted() == 0
         await place.say("resume omni")
         await place.say("omni move 1 m")
@@ -248,7 +248,7 @@ async def test_whose_a_stop_was_and_since_when_survives_a_restart() -> None:
         assert told.startswith("kuka1 is stopped. It stays stopped")
         await place.say("stop omni")
         told = await place.say("omni wave")
-        assert told.startswith("omni is stopped, by Bo and Ada, since 22:13."), "Bo's is not over"
+        assert told.startswith("omni is stopped, by Bo and you, since 22:13."), "Bo's is not over"
 
 
 async def test_what_cannot_be_read_of_a_stop_leaves_it_nobodys() -> None:

@@ -221,8 +221,8 @@ async def _swarm(here: Scenes) -> None:
     assert said["text"].count("at rest") + said["text"].count("on the ground") == len(DRONES) + 2
     assert "has not confirmed" not in said["text"]
     await here.reads(leader, f"Task {one} (goto x=50 y=0): paused.")
-    held = await here.asks(leader, "status", f"stopped by {leader}")
-    assert held["text"].count(f"stopped by {leader}") == len(DRONES) + 2
+    held = await here.asks(leader, "status", "stopped by you")
+    assert held["text"].count("stopped by you") == len(DRONES) + 2
     begun = here.acted(f"rover{helps}")
     assert begun == ["goto", "goto"], "its own task, and the other's"
 

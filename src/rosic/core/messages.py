@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import figure, filled, joined, said, said_n, titled
 from rosic.core.language.common_names import shown_name
@@ -12,8 +12,9 @@ from rosic.core.time_units import DAY_S, HOUR_S, MINUTE_S
 from rosic.core.units import bound_in_words, measured
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
+    from rosic.core.identity import PrincipalId
     from rosic.core.order import RestReport
     from rosic.core.robot.profile import Presence, Profile
     from rosic.core.robot.skill import Parameter, Skill
@@ -131,6 +132,16 @@ UNSTOPPABLE = said("cannot be stopped from here: stay beside it")
 
 
 STILL_MOVES = said("STOP not confirmed: it moves")
+
+
+BY_YOU: Final = titled("you", {"de": "dir"})
+
+
+def by_whom(who: PrincipalId, reader: PrincipalId, name_of: Callable[[PrincipalId], str]) -> str:
+    """Return who did something, as it stands behind "by"; empty: nobody, or nobody knows."""
+    if not who:
+        return ""
+    return BY_YOU if who == reader else name_of(who)
 
 
 def status_line(

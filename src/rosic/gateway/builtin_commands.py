@@ -169,12 +169,15 @@ class BuiltinCommands:
 
     def _look(self, caller: Caller, chat: Chat, line: Line, visible: frozenset[RobotId]) -> Reply:
         if isinstance(line, Status):
-            return Reply(self._states(line.robots or sorted(visible)))
+            return Reply(self._states(caller.principal, line.robots or sorted(visible)))
         if isinstance(line, Use):
             return self._use(caller, chat, line)
         if isinstance(line, Help):
             return self._help(caller, line.topic, visible)
-        listed = [self._listed(robot) for robot in sorted(visible)[: messages.NAMED_AT_MOST]]
+        listed = [
+            self._listed(caller.principal, robot)
+            for robot in sorted(visible)[: messages.NAMED_AT_MOST]
+        ]
         return Reply(joined("\n", (*listed, _which(visible))), self._robots(visible))
 
     def _help(self, caller: Caller, topic: str, visible: frozenset[RobotId]) -> Reply:
@@ -224,10 +227,11 @@ class BuiltinCommands:
 
     async def information(self, asked: CommandContext) -> Reply:
         """Tell what there is to know, to whoever may read anything (Algorithm 7)."""
-        visible = self._organiser.visible(asked.caller.principal)
+        principal = asked.caller.principal
+        visible = self._organiser.visible(principal)
         if not visible:
             return Reply(messages.NO_INFORMATION)
-        return Reply(joined("\n", (messages.INFORMATION, self._states(sorted(visible)))))
+        return Reply(joined("\n", (messages.INFORMATION, self._states(principal, sorted(visible)))))
 
     async def again(self, asked: CommandContext) -> Reply:
         """Ask whether the last command of somebody in this chat is to be done once more."""
@@ -242,38 +246,43 @@ class BuiltinCommands:
         [robot] = visible
         skills = self._skills(principal, self._profiles[robot])
         what = said("What should {robot} do?", robot=self._profiles[robot].shown)
-        return Reply(what if len(skills) > 1 else self._status(robot), skills)
+        return Reply(what if len(skills) > 1 else self._status(principal, robot), skills)
 
     def members(self, name: str) -> tuple[RobotId, ...]:
         """Return the robots that a choice means: one, a group's, or none."""
         return (name,) if name in self._profiles else self._vocabularies.current.members(name)
 
-    def _states(self, robots: Sequence[RobotId]) -> str:
-        lines = [self._status(robot) for robot in robots[: messages.NAMED_AT_MOST]]
+    def _states(self, reader: PrincipalId, robots: Sequence[RobotId]) -> str:
+        lines = [self._status(reader, robot) for robot in robots[: messages.NAMED_AT_MOST]]
         if len(robots) > len(lines):
             more = len(robots) - len(lines)
             lines.append(said("and {count} more: say status and their names", count=more))
         return joined("\n", lines)
 
-    def _status(self, robot: RobotId) -> str:
-        holder = self._organiser.whose(robot)
-        stopped = self._board[robot]
-        name_of = self._organiser.name_of
-        by = (name_of(stopped.by) if stopped.by else "") if stopped.latched else None
+    def _status(self, reader: PrincipalId, robot: RobotId) -> str:
+        holder, stopped_by = self._by(reader, robot)
         return messages.status_line(
             self._profiles[robot],
             self._linker.presence(robot),
-            holder=name_of(holder) if holder else "",
-            stopped_by=by,
+            holder=holder,
+            stopped_by=stopped_by,
             waiting=self._linker.waiting(robot),
         )
 
-    def _listed(self, robot: RobotId) -> str:
-        holder, stopped = self._organiser.whose(robot), self._board[robot]
-        name_of = self._organiser.name_of
-        by = (name_of(stopped.by) if stopped.by else "") if stopped.latched else None
-        held = name_of(holder) if holder else ""
-        return messages.robot_line(self._profiles[robot], self._linker.presence(robot), held, by)
+    def _listed(self, reader: PrincipalId, robot: RobotId) -> str:
+        return messages.robot_line(
+            self._profiles[robot], self._linker.presence(robot), *self._by(reader, robot)
+        )
+
+    def _by(self, reader: PrincipalId, robot: RobotId) -> tuple[str, str | None]:
+        """Return by whom a robot is taken, and by whom it is stopped, as one of them may read."""
+        holder, stopped, name_of = (
+            self._organiser.whose(robot),
+            self._board[robot],
+            self._organiser.name_of,
+        )
+        by = messages.by_whom(stopped.by, reader, name_of) if stopped.latched else None
+        return messages.by_whom(holder or "", reader, name_of), by
 
     def _use(self, caller: Caller, chat: Chat, line: Use) -> Reply:
         before = self._chosen(caller.principal, chat)
@@ -302,7 +311,9 @@ class BuiltinCommands:
         if profile is None:
             text = said("{name}: chosen. Its name may be left out now.", name=name)
             return Reply(text, (back,) if back else ())
-        text = said("{status}\nIts name may be left out now.", status=self._status(profile.id))
+        text = said(
+            "{status}\nIts name may be left out now.", status=self._status(principal, profile.id)
+        )
         *above, last = self._skills(principal, profile)
         return Reply(text, (*above, (*last, *back)), about=profile.id)
 

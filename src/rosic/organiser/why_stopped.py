@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 from rosic.core.i18n import joined, said
 from rosic.core.language.suggestions import AND, OR
+from rosic.core.messages import by_whom
 from rosic.core.policy.scope import RESUME
 from rosic.errors import RobotStopped
 
@@ -168,7 +169,9 @@ class WhyStopped:
                 if one
                 else said("{robots} are stopped.", robots=shown)
             )
-        *others, last = (self._organiser.name_of(who) for who in by[-NAMED_AT_MOST:])
+        *others, last = (
+            by_whom(who, principal, self._organiser.name_of) for who in by[-NAMED_AT_MOST:]
+        )
         name = joined(AND, filter(None, (joined(", ", others), last)))
         if one:
             return said(

@@ -77,7 +77,7 @@ async def test_nobody_is_offered_to_resume_what_has_to_stay_stopped() -> None:
         assert "w1 is retired" in await here.say("resume w1", sent_ns=old_ns)
         assert not offered()
         await here.say("/robot add w1")
-        assert "is stopped, by Ada" in await here.say("w1 wave")
+        assert "is stopped, by you" in await here.say("w1 wave")
         assert offered() == ["resume w1"]
 
 

@@ -12,7 +12,7 @@ from rosic.core.language import clean
 from rosic.core.language.command import Command, HelpEntry, HelpPage
 from rosic.core.language.time_tokens import length_said
 from rosic.core.message import Button
-from rosic.core.messages import no_robot
+from rosic.core.messages import by_whom, no_robot
 from rosic.core.records import Decided
 from rosic.core.time_units import DAY_S, HOUR_S
 from rosic.errors import MessengerFault, NotPermitted, NotUnderstood, OutOfBounds
@@ -152,7 +152,9 @@ class AlertCommands:
     def _muted_line(self, following: ActiveRule, mute: Silence, who: PrincipalId) -> str:
         rule = following.rule
         until = self._rooms.organiser.moment(who, mute.until_ns)
-        return words.muted_line(rule, self._alerting.shown(rule), self._name(mute.by), until)
+        return words.muted_line(
+            rule, self._alerting.shown(rule), by_whom(mute.by, who, self._name), until
+        )
 
     async def seen(self, asked: CommandContext) -> Reply:
         """Say that one has seen alarms: all that are open, a robot's, or one.
