@@ -65,6 +65,28 @@ MORE_CASES = [
         "Write request: { data: true }, or false where that is what stops this robot.",
     ),
     Case(
+        "a release that stops again",
+        "stop: { service: /rover/stop, type: std_srvs/srv/Trigger",
+        "stop: { service: /rover/stop, type: std_srvs/srv/SetBool, request: { data: true }, "
+        "release: { data: true }",
+        "'release' says what request says: that would stop it again",
+    ),
+    Case(
+        "a release of something else",
+        "stop: { service: /rover/stop, type: std_srvs/srv/Trigger",
+        "stop: { service: /rover/stop, type: std_srvs/srv/SetBool, request: { data: true }, "
+        "release: { free: true }",
+        "'release' has to say every field that request says",
+    ),
+    Case(
+        "a code that is no number",
+        "      request: { data: $state.value }\n",
+        "      request: { data: $state.value }\n      success: code\n      good: 0\n"
+        "      codes: { three: blocked } #!\n",
+        "'three' is not a code.",
+        "Write a number: 3.",
+    ),
+    Case(
         "numbers and words of one meaning",
         "off: { value: false }",
         "off: { value: slow }",

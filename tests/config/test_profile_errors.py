@@ -106,6 +106,22 @@ def test_what_could_be_better_is_no_error(tmp_path: Path) -> None:
     assert "'drive' is sent over a topic, which does not acknowledge." in str(advice)
 
 
+@pytest.mark.parametrize(
+    ("release", "advised"), [("", True), (", release: { data: false }", False)]
+)
+def test_a_stop_that_may_hold_and_that_nothing_releases_is_named(
+    release: str, tmp_path: Path, *, advised: bool
+) -> None:
+    stop = f"type: std_srvs/srv/SetBool, request: {{ data: true }}{release}"
+    read = read_profile(write(tmp_path, spoil("type: std_srvs/srv/Trigger", stop)))
+    assert read.errors == []
+    told = (
+        "If the stop /rover/stop holds until it is told otherwise, nothing releases it: after a "
+        "resume the robot would not move. Write release: { data: false } in that case."
+    )
+    assert [str(advice).partition(": ")[2] for advice in read.advice] == [told] * advised
+
+
 def test_an_axis_that_is_driven_and_not_measured_is_named(tmp_path: Path) -> None:
     text = spoil("{ linear.x: $speed }", "{ linear.x: $speed, angular.z: 0.1 }")
     text = spoil(", twist.twist.angular.z", "", text)

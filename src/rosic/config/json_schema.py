@@ -275,12 +275,15 @@ def _shape(described: dict[str, Any], form: FieldForm) -> None:
 
 def _describe(parts: dict[str, Any], classes: dict[str, type]) -> None:
     """Take the descriptions out of the docstrings, attribute by attribute."""
+    many = Counter(_lineage(cls)[0] for cls in classes.values())
     for called, part in parts.items():
         lineage = _lineage(classes[called]) if called in classes else []
         said = [one.__doc__ or "" for one in lineage] or [part.get("description", "")]
         # Python 3.13 takes the indentation out of docstrings; earlier ones leave it in.
         texts = [cleandoc(text) for text in said]
-        summary = texts[0].partition("\n\n")[0]
+        # What several are made from describes none of them.
+        own = bool(lineage) and many[lineage[0]] > 1
+        summary = texts[-1 if own else 0].partition("\n\n")[0]
         if summary:
             part["description"] = _plain(summary)
         for text in texts:

@@ -21,6 +21,7 @@ actions: Any = import_module("rclpy.action")
 executors: Any = import_module("rclpy.executors")
 std: Any = import_module("std_msgs.msg")
 AddDiagnostics: Any = import_module("diagnostic_msgs.srv").AddDiagnostics
+CancelGoal: Any = import_module("action_msgs.srv").CancelGoal
 
 
 def say(line: str) -> None:
@@ -36,7 +37,7 @@ class Peer:
         twist: Any = import_module("geometry_msgs.msg").Twist
         self.node = node
         self.group = import_module("rclpy.callback_groups").ReentrantCallbackGroup()
-        self.hesitates = False
+        self.hesitates = self.jammed = False
         self.metre_s = 1.0
         node.declare_parameter("speed_m_s", 0.5)
         self.counter = node.create_publisher(std.Int32, "count", 10)
@@ -50,6 +51,8 @@ class Peer:
             (services.Trigger, "stop", self.on_stop),
             (services.SetBool, "slow", self.on_slow),
             (AddDiagnostics, "take", self.on_take),
+            (services.SetBool, "latch", self.on_latch),
+            (CancelGoal, "code", self.on_code),
         ):
             node.create_service(kind, name, answer, callback_group=self.group)
 
@@ -86,6 +89,18 @@ class Peer:
     def on_stop(self, _request: RosObject, response: RosObject) -> RosObject:
         response.success, response.message = True, "at rest"
         say("stopped")
+        return response
+
+    def on_latch(self, request: RosObject, response: RosObject) -> RosObject:
+        """Hold, or hold no longer; a release is declined while it is jammed."""
+        response.success = request.data or not self.jammed
+        response.message = "" if response.success else "the button is pressed"
+        say(f"latch {request.data}")
+        return response
+
+    def on_code(self, request: RosObject, response: RosObject) -> RosObject:
+        """Answer by the code that it was asked for."""
+        response.return_code = request.goal_info.stamp.sec
         return response
 
     def on_slow(self, request: RosObject, response: RosObject) -> RosObject:
@@ -125,6 +140,10 @@ class Peer:
     def hesitate(self, _rest: str) -> None:
         """Take a second from now on before a goal is accepted."""
         self.hesitates = True
+
+    def jam(self, rest: str) -> None:
+        """Decline to release what holds from now on, or ``jam off`` no more."""
+        self.jammed = rest != "off"
 
     def dawdle(self, rest: str) -> None:
         """Take so many seconds for a metre from now on."""

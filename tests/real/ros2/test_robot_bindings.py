@@ -193,6 +193,43 @@ async def test_a_service_that_does_not_answer_leaves_doubt(peer: RosProcess) -> 
     await asyncio.to_thread(peer.expect, "slow done")
 
 
+CODED: dict[str, object] = {
+    "name": "/omni/code",
+    "type": "action_msgs/srv/CancelGoal",
+    "success": "return_code",
+    "good": 0,
+    "codes": {"3": "gripper blocked"},
+}
+
+
+@pytest.mark.parametrize(
+    ("code", "outcome"),
+    [
+        (0, Outcome(OrderEnding.DONE)),
+        (1, Outcome(OrderEnding.FAILED, "code 1")),
+        (3, Outcome(OrderEnding.FAILED, "code 3, gripper blocked")),
+    ],
+)
+async def test_a_service_may_answer_by_a_code(code: int, outcome: Outcome) -> None:
+    request = {"goal_info.stamp.sec": code}
+    assert await done(omni({"service": {**CODED, "request": request}})) == outcome
+
+
+@pytest.mark.parametrize(
+    ("spoilt", "sentence"),
+    [
+        ({"good": True}, r"return_code of the answer is a number, and nothing says which means"),
+        ({"success": "goals_canceling"}, r"goals_canceling of the answer holds no number"),
+        ({"success": "success"}, r"success"),
+    ],
+)
+async def test_an_answer_that_could_never_mean_success_is_refused(
+    spoilt: dict[str, object], sentence: str
+) -> None:
+    with pytest.raises(ConfigurationError, match=sentence):
+        await done(omni({"service": {**CODED, **spoilt}}))
+
+
 # ---- parameters ----
 
 
@@ -315,6 +352,53 @@ async def test_a_stop_that_leaves_a_field_to_what_it_says_by_itself_is_refused()
 async def test_a_stop_that_says_what_its_service_does_not_ask_is_refused() -> None:
     with pytest.raises(ConfigurationError, match=r"did you mean data\?"):
         await done(omni(MOVES, stop={**HOLD, "request": {"dat": True}}))
+
+
+LATCH: dict[str, object] = {
+    "service": "/omni/latch",
+    "type": "std_srvs/srv/SetBool",
+    "request": {"data": True},
+    "release": {"data": False},
+}
+
+
+async def test_a_stop_that_holds_is_released_by_a_resume(peer: RosProcess) -> None:
+    robot = omni(MOVES, stop=LATCH)
+    await robot.open(lambda _text: None)
+    try:
+        await until(lambda: all(link.ready() for link in robot._stop_controller.calls))
+        await robot.stop(Stop("omni", 1))
+        await asyncio.to_thread(peer.expect, "latch True", timeout_s=60 * pace())
+        peer.say("jam")
+        await asyncio.to_thread(peer.expect, "ok jam", timeout_s=60 * pace())
+        with pytest.raises(
+            RobotUnreachable, match=r"^The stop of Omni was not released: the button is pressed\.$"
+        ):
+            await robot.resume(1)
+        assert robot.gate.latched
+        peer.say("jam off")
+        await asyncio.to_thread(peer.expect, "ok jam", timeout_s=60 * pace())
+        await robot.resume(1)
+        assert not robot.gate.latched
+        assert [line for line in peer.lines if line.startswith("latch")][-1] == "latch False"
+    finally:
+        await robot.close()
+
+
+async def test_what_holds_since_a_motion_was_ended_is_released_before_the_next(
+    peer: RosProcess,
+) -> None:
+    robot = omni(MOVES, stop=LATCH)
+    await robot.open(lambda _text: None)
+    try:
+        await until(lambda: all(link.ready() for link in robot._stop_controller.calls))
+        await robot._to_rest()
+        await asyncio.to_thread(peer.expect, "latch True", timeout_s=60 * pace())
+        peer.lines.clear()
+        assert (await robot.do("do", {})).ending is OrderEnding.DONE
+        assert list(peer.lines) == ["latch False", "stopped"]
+    finally:
+        await robot.close()
 
 
 # ---- one node ----

@@ -39,7 +39,23 @@ class TopicBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         return self.stream_hz > 0 or self.type in VELOCITIES
 
 
-class ServiceBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class AnswerFields(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What an answer is read by.
+
+    Attributes:
+        success: Field that says whether: ``success`` where the answer has it, or a code.
+        good: What it says then: true, or the number of a code that means success, mostly 0.
+        codes: What other codes mean, in words.
+        message: Field that says what.
+    """
+
+    success: str = "success"
+    good: bool | int = True
+    codes: dict[str, str] = {}
+    message: str = "message"
+
+
+class ServiceBinding(AnswerFields, frozen=True, kw_only=True):
     """Call a service; its answer is the robot's receipt."""
 
     name: str
@@ -69,14 +85,13 @@ class Trajectory(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
             raise ValueError("speed is a share of the joints' own: above 0, at most 1")
 
 
-class ActionBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class ActionBinding(AnswerFields, frozen=True, kw_only=True):
     """Send an action goal. Acceptance is the receipt, feedback the progress, the result the end.
 
     Attributes:
         timeout_s: Longest time between acceptance and result; then the goal is cancelled.
         start: Goal field of type ``builtin_interfaces/Time`` that takes a common start, or empty.
         remaining: Feedback field that shrinks to zero on the way, instead of ``fraction``.
-        success, message: Result fields that say whether, and what.
         trajectory: Makes the goal of a trajectory controller; the profile then has ``joints``.
     """
 
@@ -89,8 +104,6 @@ class ActionBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     fraction: str = "fraction"
     stage: str = "stage"
     remaining: str = ""
-    success: str = "success"
-    message: str = "message"
 
 
 class ParametersBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -165,13 +178,16 @@ def of_trajectory(trajectory: Trajectory | None) -> dict[str, float | int | str 
 # ---- how it is stopped, and how its rest is measured ----
 
 
-class StopBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class StopBinding(AnswerFields, frozen=True, kw_only=True):
     """How the robot is stopped besides cancelling its goals.
 
     Attributes:
         service, type: A service, ``std_srvs/srv/Trigger`` for one.
         request: Fields of its request, every one that its type has: what a field says when nobody
             says anything, a brake may take for "release". Empty for a service without any.
+        release: For a stop that holds until it is told otherwise: the same fields, as they release
+            it. Sent by a resume, and before an order where no stop was meant: what ROSIC itself
+            broke off or cancelled. Empty: it holds nothing.
         zero: A velocity topic that is sent zero, and its type.
         cancel_only: This robot has neither, and holds when all its goals are cancelled.
     """
@@ -179,6 +195,7 @@ class StopBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     service: str = ""
     type: str = "std_srvs/srv/Trigger"
     request: dict[str, float | int | str | bool] = {}
+    release: dict[str, float | int | str | bool] = {}
     zero: str = ""
     zero_type: str = "geometry_msgs/msg/Twist"
     cancel_only: bool = False
@@ -186,6 +203,12 @@ class StopBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     def __post_init__(self) -> None:
         if self.cancel_only and (self.service or self.zero):
             raise ValueError("cancel_only means that there is neither a service nor a zero")
+        if self.release and not self.service:
+            raise ValueError("'release' is said to the stop's service, and there is none")
+        if self.release and self.release.keys() != self.request.keys():
+            raise ValueError("'release' has to say every field that request says")
+        if self.release and self.release == self.request:
+            raise ValueError("'release' says what request says: that would stop it again")
 
 
 class AtRest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -185,6 +185,20 @@ def said_stop(profile: Ros2Profile) -> Iterator[ValidationFinding]:
     )
 
 
+def released(profile: Ros2Profile) -> Iterator[ValidationFinding]:
+    """Say that a stop that is switched on has to be switched off, too."""
+    stop = profile.stop
+    field = BOOLEANS.get(stop.type, "") if stop is not None and stop.service else ""
+    if stop is None or not field or stop.release:
+        return
+    yield ValidationFinding(
+        ("stop", "type"),
+        f"If the stop {stop.service} holds until it is told otherwise, nothing releases it: "
+        "after a resume the robot would not move.",
+        f"Write release: {{ {field}: {str(not stop.request.get(field)).lower()} }} in that case.",
+    )
+
+
 def watched(profile: Ros2Profile) -> Iterator[ValidationFinding]:
     """See that a stream is sent often enough for the robot's own time-out."""
     for name, skill in profile.skills.items():
@@ -372,6 +386,7 @@ def advice(profile: Ros2Profile) -> Iterator[ValidationFinding]:
             "Name the robot's own stop service; if it has none, write cancel_only: true.",
         )
     yield from unseen_axes(profile)
+    yield from released(profile)
     for name, skill in profile.skills.items():
         topic = skill.topic
         if skill.kind is SkillClass.MOTION and topic is not None and topic.stream_hz == 0:

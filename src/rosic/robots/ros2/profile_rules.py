@@ -10,6 +10,7 @@ from rosic.core.time_units import DAY_S
 from rosic.robots.ros2.joints import Joints
 from rosic.robots.ros2.profile import (
     ActionBinding,
+    AnswerFields,
     AtRest,
     Camera,
     Deliver,
@@ -98,6 +99,7 @@ FORMS: Final[dict[Field, FieldForm]] = {
     (StopBinding, "service"): _GRAPH_OR_NONE,
     (StopBinding, "type"): _SERVICE,
     (StopBinding, "request"): _PATH,
+    (StopBinding, "release"): _PATH,
     (StopBinding, "zero"): _GRAPH_OR_NONE,
     (StopBinding, "zero_type"): _MESSAGE,
     (AtRest, "topic"): _GRAPH,
@@ -125,6 +127,9 @@ FORMS: Final[dict[Field, FieldForm]] = {
     (ServiceBinding, "name"): _GRAPH,
     (ServiceBinding, "type"): _SERVICE,
     (ServiceBinding, "request"): _PATH,
+    (AnswerFields, "success"): _PATH_OR_NONE,
+    (AnswerFields, "message"): _PATH_OR_NONE,
+    (AnswerFields, "codes"): FieldForm(r"-?[0-9]{1,10}", "a code", "Write a number: 3."),
     (ActionBinding, "name"): _GRAPH,
     (ActionBinding, "type"): _ACTION,
     (ActionBinding, "goal"): _PATH,
@@ -136,8 +141,6 @@ FORMS: Final[dict[Field, FieldForm]] = {
     (Joints, "type"): _STATES,
     (ActionBinding, "fraction"): _PATH_OR_NONE,
     (ActionBinding, "stage"): _PATH_OR_NONE,
-    (ActionBinding, "success"): _PATH_OR_NONE,
-    (ActionBinding, "message"): _PATH_OR_NONE,
     (ParametersBinding, "node"): _GRAPH,
 }
 

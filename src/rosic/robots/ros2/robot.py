@@ -8,11 +8,11 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.contracts.robot import UTTERANCE_BYTES
-from rosic.core.i18n import said
+from rosic.core.i18n import joined, said
 from rosic.core.order import Order, OrderEnding, Outcome, RestReport, Stop
 from rosic.core.robot.profile import Presence, Profile
 from rosic.core.time_units import SECOND_NS
-from rosic.errors import ConfigurationError, RosicError
+from rosic.errors import ConfigurationError, RobotOffline, RobotUnreachable, RosicError
 from rosic.robots.ros2.abandoned_goals import AbandonedGoals
 from rosic.robots.ros2.bindings.action import ActionSkill
 from rosic.robots.ros2.bindings.binding_call import Binding, BindingCall, RobotSide
@@ -280,6 +280,7 @@ class Ros2Robot:
             if order.skill.actuates and carrier is not self._dialogue:
                 self._loose.check(self.profile.shown)
                 await self._settling.check(call)
+                await self._release()
             return await carrier.carry(call)
         except BadValue as fault:
             _log.warning("an order for %s was not sent: %s", self.profile.id, fault)
@@ -297,6 +298,20 @@ class Ros2Robot:
                 self._loose.add(call.loose)
             if call.unsettled:
                 self._settling.begin()
+
+    async def _release(self) -> None:
+        """Release what holds it since a motion was ended without that anybody stopped it.
+
+        Raises:
+            RobotOffline: It was not released; nothing else was sent.
+        """
+        if not self._stop_controller.holds or self.gate.latched:
+            return
+        try:
+            await self._stop_controller.release()
+        except RobotUnreachable as fault:
+            sentence = joined(" ", (fault.sentence, said("Nothing was sent.")))
+            raise RobotOffline(sentence) from fault
 
     async def fall_silent(self, order: Order, tell: Tell) -> RestReport:
         """Stream as `execute` does, then cease without a zero, and wait for measured rest.
@@ -372,7 +387,9 @@ class Ros2Robot:
             self._call.halted.set()
 
     async def resume(self, generation: int) -> None:
-        """Undo the latch. It is kept here, so the robot's side has nothing to answer."""
+        """Undo the latch, which is kept here; its own stop is released first, if that holds."""
+        if self._opened_ns is not None and generation == self.gate.generation:
+            await self._stop_controller.release()
         self.gate.resume(generation)
 
     # ---- what is known of it ----

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.i18n import said
 from rosic.core.time_units import SECOND_NS
-from rosic.errors import RosicError
+from rosic.errors import RobotUnreachable, RosicError
 from rosic.robots.ros2.bindings.answers import BindingAnswer, check_fields
 from rosic.robots.ros2.client.topics import TopicQos
 from rosic.robots.ros2.errors import BadName, NotSent
@@ -32,6 +32,7 @@ AGAIN_EVERY_S = 0.2
 LOOK_EVERY_S = 0.05
 # What has not answered by then does not keep a measured rest from being believed.
 ANSWER_WITHIN_S = 1.0
+RELEASE_WITHIN_S = 2.0
 CANCEL_GOALS = "action_msgs/srv/CancelGoal"
 
 
@@ -58,6 +59,7 @@ class StopController:
     crash, has sent: a robot that is told to stop stops.
 
     Attributes:
+        holds: Its own stop was called, and holds until it is released.
         zeros: Publishers of velocities, by topic as the profile names it.
         calls: Services: the robot's own stop, and the cancelling of each of its actions.
     """
@@ -69,6 +71,7 @@ class StopController:
         self._requests: dict[ServiceLink, Values] = {}
         self._answers: dict[ServiceLink, BindingAnswer] = {}
         self._profile = profile
+        self.holds = False
         self.zeros: dict[str, Publisher] = {}
 
     def types(self) -> set[str]:
@@ -92,10 +95,11 @@ class StopController:
         if stop is not None and stop.service:
             cls = runtime.types.service(stop.type)
             check_stop(cls.Request, stop)
+            check_fields(cls.Request, stop.release)
             link = await runtime.service(stop.service, stop.type)
             self.calls.append(link)
             self._requests[link] = stop.request
-            self._answers[link] = BindingAnswer(cls.Response)
+            self._answers[link] = BindingAnswer(cls.Response, stop)
         for action in _actions(self._profile):
             name = f"{action}/_action/cancel_goal"
             self.calls.append(await runtime.service(name, CANCEL_GOALS))
@@ -127,6 +131,38 @@ class StopController:
         if answer.succeeded(response):
             return ""
         return answer.words(response) or said("it did not say why")
+
+    def asked(self, link: ServiceLink) -> None:
+        """Remember that its own stop holds, if that is what it does: it is being called."""
+        self.holds = self.holds or (link is self.own and self.releases)
+
+    @property
+    def releases(self) -> bool:
+        """Whether its own stop holds until it is released."""
+        return self._profile.stop is not None and bool(self._profile.stop.release)
+
+    async def release(self) -> None:
+        """Release its own stop, where that holds; the robot does not move because of it.
+
+        Raises:
+            RobotUnreachable: It may hold still: nobody answered, or the answer is no success.
+        """
+        link, stop, shown = self.own, self._profile.stop, self._profile.shown
+        if link is None or stop is None or not stop.release:
+            return
+        try:
+            response = await link.call(stop.release, timeout_s=RELEASE_WITHIN_S, urgent=True)
+        except RosicError as fault:
+            _log.warning("the stop of %s was not released: %s", self._profile.id, fault)
+            raise RobotUnreachable(
+                said("The stop of {shown} has not answered to its release.", shown=shown)
+            ) from fault
+        declined = self.declined(link, response)
+        if declined:
+            raise RobotUnreachable(
+                said("The stop of {shown} was not released: {why}.", shown=shown, why=declined)
+            )
+        self.holds = False
 
     def zero(self) -> None:
         """Send zero wherever velocities are sent. It waits for nobody and never raises."""
@@ -286,6 +322,7 @@ class _Attempt:
                 self._asking[link] = asyncio.create_task(self._call(link))
 
     async def _call(self, link: ServiceLink) -> bool:
+        self._stop_controller.asked(link)
         try:
             response = await link.call(
                 self._stop_controller.request(link), timeout_s=ANSWER_WITHIN_S, urgent=True

@@ -64,7 +64,7 @@ class ActionSkill:
         await self._maker.open(runtime, cls)
         if binding.start:
             compile_path(cls.Goal, f"{binding.start}.sec")
-        self._answer = BindingAnswer(cls.Result, binding.success, binding.message)
+        self._answer = BindingAnswer(cls.Result, binding)
         self._reasons.open(runtime)
         self._link = await runtime.action(binding.name, binding.type)
 

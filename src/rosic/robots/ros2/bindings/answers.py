@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.i18n import joined, said
 from rosic.robots.ros2.errors import BadName
 from rosic.robots.ros2.messages.decode import FieldReader, compile_path
 from rosic.robots.ros2.messages.text import clean_text
@@ -12,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic.robots.ros2.profile import AnswerFields
 
 NOTE_BYTES = 240
 _MOST_FACTS = 64
@@ -32,18 +34,39 @@ def check_fields(cls: RosObject, fields: Mapping[str, object]) -> None:
 class BindingAnswer:
     """What a result or a response says of success, and in which words, if it has such fields."""
 
-    def __init__(self, cls: RosObject, success: str = "", message: str = "") -> None:
-        self._success = _reader(cls, success, "success")
-        self._message = _reader(cls, message, *MESSAGES)
+    def __init__(self, cls: RosObject, fields: AnswerFields) -> None:
+        """Check the fields that the profile names.
+
+        Raises:
+            BadName: One is not there, or what it says could never mean success.
+        """
+        self._good, self._codes = fields.good, fields.codes
+        coded = not isinstance(fields.good, bool)
+        self._success = _reader(cls, fields.success, *(() if coded else ("success",)))
+        if self._success is not None:
+            _check_kind(self._success, coded=coded)
+        self._message = _reader(cls, fields.message, *MESSAGES)
         self._facts = _reader(cls, "", "fact_names"), _reader(cls, "", "fact_values")
 
     def succeeded(self, answer: RosObject) -> bool:
         """Tell whether it says success; one that does not speak of it means it."""
-        return self._success is None or self._success(answer) is True
+        if self._success is None:
+            return True
+        told = self._success(answer)
+        return told == self._good and isinstance(told, bool) == isinstance(self._good, bool)
 
     def words(self, answer: RosObject) -> str:
-        """Return the robot's words; inert, may be empty."""
-        return "" if self._message is None else note(self._message(answer))
+        """Return the robot's words, after its code if that means no success; may be empty."""
+        told = "" if self._message is None else note(self._message(answer))
+        return joined("; ", filter(None, (self._code(answer), told)))
+
+    def _code(self, answer: RosObject) -> str:
+        if self._success is None or isinstance(self._good, bool) or self.succeeded(answer):
+            return ""
+        code = str(self._success(answer))
+        words = self._codes.get(code, "")
+        coded = said("code {code}", code=code)
+        return joined(", ", (coded, note(words))) if words else coded
 
     def facts(self, answer: RosObject) -> dict[str, float]:
         """Return what was measured, by name."""
@@ -61,6 +84,24 @@ class BindingAnswer:
 def note(words: object) -> str:
     """Return a robot's words as a person may read them, on one line."""
     return " ".join(clean_text(str(words), max_bytes=NOTE_BYTES).split())
+
+
+def _check_kind(reader: FieldReader, *, coded: bool) -> None:
+    """See that a field can say what means success.
+
+    Raises:
+        BadName: It is a number where yes or no is wanted, or the other way round.
+    """
+    if coded and reader.shape != "number":
+        raise BadName(
+            f"{reader.path} of the answer holds no number, and 'good' is one.",
+            hint="Name the field of the code: success: error_code.",
+        )
+    if not coded and reader.shape == "number":
+        raise BadName(
+            f"{reader.path} of the answer is a number, and nothing says which means success.",
+            hint="Write it, for example good: 0.",
+        )
 
 
 def _listed(value: object) -> list[object]:

@@ -57,7 +57,7 @@ class FileBinding:
         if deliver.service is not None:
             cls = runtime.types.service(deliver.service.type)
             self._cls = cls.Request
-            self._answer = BindingAnswer(cls.Response)
+            self._answer = BindingAnswer(cls.Response, deliver.service)
             self._said = compile_path(cls.Response, deliver.digest) if deliver.digest else None
             self._service = await runtime.service(deliver.service.name, deliver.service.type)
         elif deliver.topic is not None:

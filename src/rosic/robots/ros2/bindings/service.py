@@ -40,7 +40,7 @@ class ServiceSkill:
         """Open the service's client and check the fields of the request."""
         self._cls = runtime.types.service(self._binding.type)
         check_fields(self._cls.Request, self._binding.request)
-        self._answer = BindingAnswer(self._cls.Response)
+        self._answer = BindingAnswer(self._cls.Response, self._binding)
         self._link = await runtime.service(self._binding.name, self._binding.type)
 
     async def close(self) -> None:
