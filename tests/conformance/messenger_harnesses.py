@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.core.message import Chat
+from rosic.core.message import Chat, MessageValidity
 from rosic.messengers.memory import MemoryMessenger
 from rosic.messengers.telegram.messenger import telegram_messenger
 from rosic.system import SystemClock
@@ -26,12 +26,16 @@ class HurriedClock(SystemClock):
         await super().sleep(seconds / 20)
 
 
+UNUSUAL = (MessageValidity.EDITED, MessageValidity.FORWARDED)
+
+
 class MemoryStage:
     """People who are method calls."""
 
     people: tuple[str, ...] = ("ada", "bob")
     keeps = True
     taps = True
+    unusual: tuple[MessageValidity, ...] = UNUSUAL
 
     def __init__(self, patience_s: float = 30.0) -> None:
         self.patience_s = patience_s
@@ -43,6 +47,9 @@ class MemoryStage:
 
     async def write(self, person: str, text: str) -> None:
         self.memory.say(text, account=person, chat=f"chat of {person}")
+
+    async def write_unusually(self, person: str, text: str, standing: MessageValidity) -> None:
+        self.memory.say(text, account=person, chat=f"chat of {person}", standing=standing)
 
     async def tap(self, person: str, message: str, label: str) -> None:
         buttons = (b for row in self.memory.shown(message).buttons for b in row)
@@ -87,6 +94,7 @@ class TelegramStage:
     patience_s = 60.0
     keeps = True
     taps = True
+    unusual: tuple[MessageValidity, ...] = UNUSUAL
 
     def __init__(self, server: FakeTelegram) -> None:
         self.server = server
@@ -100,6 +108,14 @@ class TelegramStage:
 
     async def write(self, person: str, text: str) -> None:
         self.server.say(self.accounts[person], self.accounts[person], text)
+
+    async def write_unusually(self, person: str, text: str, standing: MessageValidity) -> None:
+        account, other = self.accounts[person], self.accounts["Bob"]
+        if standing is MessageValidity.FORWARDED:
+            self.server.say(account, account, text, forward_origin=other)
+            return
+        written = self.server.say(account, account, "hello")
+        self.server.edit(account, written, text)
 
     async def tap(self, person: str, message: str, label: str) -> None:
         account = self.accounts[person]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.message import Chat, Outbound
+from rosic.core.message import Chat, MessageValidity, Outbound
 from rosic.errors import MessengerFault
 from rosic.messengers.terminal import TerminalMessenger
 from rosic.messengers.terminal.screen import GONE, PlainScreen
@@ -56,6 +56,7 @@ class TerminalStage:
     patience_s = 30.0
     keeps = False  # a terminal does not say a line twice
     taps = True
+    unusual: tuple[MessageValidity, ...] = ()  # what was typed stays as it was
 
     def __init__(self, reading: int, writing: int) -> None:
         self.paper = Paper(reading)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from rosic.core.message import Chat
+from rosic.core.message import Chat, MessageValidity
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock
 from rosic.testing.messenger_harness import SeenMessage
@@ -132,6 +132,7 @@ class LinesStage:
     patience_s = 30.0
     keeps = False
     taps = True
+    unusual: tuple[MessageValidity, ...] = ()
 
     def __init__(self) -> None:
         port = free_port()

@@ -167,6 +167,10 @@ class EnclosureRules:
             if not messenger.fetch_bytes:
                 return
             enclosure = await _sent(stage, inbox)
+            large = replace(enclosure, size=messenger.fetch_bytes + 1)
+            content, fault = await _fetched(messenger, large)
+            assert fault is not None, "a file was fetched that is too large"
+            assert not content, "a file that is too large was begun"
             async with stage.outage():
                 assert (await _fetched(messenger, enclosure))[1] is not None
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from contextlib import AbstractAsyncContextManager
 
     from rosic.contracts.messenger import Messenger
-    from rosic.core.message import Chat, Inbound
+    from rosic.core.message import Chat, Inbound, MessageValidity
 
 
 class SeenMessage(NamedTuple):
@@ -33,6 +33,7 @@ class MessengerHarness(Protocol):
         patience_s: How long something that must happen may take.
         keeps: The platform gives out again what was not confirmed.
         taps: People have buttons to tap.
+        unusual: How else than fresh a message may come on this platform: changed, passed on.
     """
 
     messenger: Messenger
@@ -40,6 +41,7 @@ class MessengerHarness(Protocol):
     patience_s: float
     keeps: bool
     taps: bool
+    unusual: tuple[MessageValidity, ...]
 
     def chat(self, person: str) -> Chat:
         """Return the person's chat, as the messenger names it."""
@@ -48,6 +50,9 @@ class MessengerHarness(Protocol):
     async def write(self, person: str, text: str) -> None:
         """Let a person write."""
         ...
+
+    async def write_unusually(self, person: str, text: str, standing: MessageValidity) -> None:
+        """Let a person change a message of theirs to this text, or pass on what another wrote."""
 
     async def tap(self, person: str, message: str, label: str) -> None:
         """Let a person tap the button with this label under a message of the messenger."""

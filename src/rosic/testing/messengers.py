@@ -64,6 +64,23 @@ class MessengerConformance(FileRules, EnclosureRules):
             assert inbound.standing is MessageValidity.FRESH
             assert inbound.nonce is None
 
+    async def test_what_was_changed_or_passed_on_is_not_said_anew(
+        self, stage: MessengerHarness
+    ) -> None:
+        """It comes as what it is, or not at all: only what is fresh may move anything (I17)."""
+        person = stage.people[0]
+        async with listening(stage) as inbox:
+            await until_fresh(stage, inbox)
+            for standing in stage.unusual:
+                await stage.write_unusually(person, f"omni move {standing.value}", standing)
+            await stage.write(person, "status")
+            await until(
+                stage, lambda: any(one.text == "status" for one in inbox.done), "it was swallowed"
+            )
+        for one in inbox.heard:
+            word = one.text.removeprefix("omni move ")
+            assert one.text in ("status", "hello") or one.standing.value == word, one
+
     async def test_nothing_is_confirmed_before_it_was_received(
         self, stage: MessengerHarness
     ) -> None:

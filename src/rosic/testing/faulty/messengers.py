@@ -14,6 +14,7 @@ from msgspec.structs import replace
 
 from rosic.contracts.messenger_proxy import MessengerProxy
 from rosic.core.identity import Address
+from rosic.core.message import MessageValidity
 from rosic.core.time_units import HOUR_S, MINUTE_NS
 from rosic.errors import MessageGone, MessengerFault
 from rosic.testing.messengers import MessengerConformance
@@ -92,6 +93,14 @@ class TakesEverybodyForOne(Tampers):
     def tamper(self, inbound: Inbound) -> Inbound:
         """Forget who it was."""
         return replace(inbound, sender=Address("somewhere", "somebody"))
+
+
+class TakesEverythingForFresh(Tampers):
+    """Reads the words of a message, and not how it came."""
+
+    def tamper(self, inbound: Inbound) -> Inbound:
+        """Forget how it came."""
+        return replace(inbound, standing=MessageValidity.FRESH)
 
 
 class DatesTheFuture(Tampers):
@@ -332,6 +341,7 @@ async def _awaited(receive: Receive, inbound: Inbound) -> None:
 FAULTS_BY_RULE: dict[str, tuple[type[FaultyMessenger], ...]] = {
     "test_messages_of_a_chat_come_in_order": (SwallowsOne, Reorders),
     "test_a_message_says_who_where_and_when": (TakesEverybodyForOne, DatesTheFuture),
+    "test_what_was_changed_or_passed_on_is_not_said_anew": (TakesEverythingForFresh,),
     "test_nothing_is_confirmed_before_it_was_received": (ConfirmsAtOnce,),
     "test_what_was_not_received_comes_again_as_the_same": (NumbersAnew, ConfirmsAtOnce),
     "test_a_stop_overtakes_what_is_being_received": (OneAtATime,),
@@ -418,6 +428,17 @@ class FetchesWhateverComes(FaultyMessenger):
             yield piece
 
 
+class BeginsWhatIsTooLarge(FaultyMessenger):
+    """Counts only while it yields."""
+
+    async def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
+        """Begin, then find out."""
+        async for piece in self.honest.fetch(replace(enclosure, size=0)):
+            yield piece
+        if enclosure.size > self.fetch_bytes:
+            raise MessengerFault("too large")
+
+
 class TakesTroubleForTheEnd(FaultyMessenger):
     """Yields nothing, and says nothing, where nothing can be had."""
 
@@ -446,6 +467,7 @@ FETCHING_FAULTS_BY_RULE: dict[str, tuple[type[FaultyMessenger], ...]] = {
     "test_a_file_of_a_person_comes_as_it_was_sent": (RenamesFiles, LiesAboutSize, LosesTheEnd),
     "test_a_file_that_is_not_as_long_as_was_said_is_a_messenger_fault": (FetchesWhateverComes,),
     "test_a_file_that_cannot_be_fetched_is_a_messenger_fault": (
+        BeginsWhatIsTooLarge,
         TakesTroubleForTheEnd,
         FetchRaisesWhatItGets,
     ),
