@@ -273,6 +273,24 @@ def test_looking_leaves_no_data_behind(tmp_path: Path, capsys: pytest.CaptureFix
 @pytest.mark.parametrize(
     "command",
     [
+        "people",
+        "key list",
+        "history",
+        "explain Bob kuka1 home",
+        "invite --role viewer --robot omni --plain",
+        "lock Bob",
+    ],
+)
+def test_nobody_needs_the_secret_of_a_messenger_to_look_after_people(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    bot = '\n[[messenger]]\nkind = "telegram"\ntoken = {{ env = "NOT_SET_IN_THIS_SHELL" }}\n'
+    Place(tmp_path, capsys, MEMORY + bot).begun().good(command)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
         "invite --role viewer",
         "lock Bob",
         "unlock Bob",

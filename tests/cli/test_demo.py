@@ -253,7 +253,7 @@ def test_in_a_pipe_whoever_chose_german_reads_german_to_the_end() -> None:
 
     at_the_end = ran.out.partition("Am Ende:")[2]
     assert "omni: steht still · vergeben an Gast · Akku" in at_the_end
-    assert "Crazyflie 1: angehalten von dir" in at_the_end
+    assert "Crazyflie 1: angehalten von Gast" in at_the_end
     assert "Du bist Gast." in ran.out
 
 

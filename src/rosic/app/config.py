@@ -117,6 +117,8 @@ def load_config(
     path: Path | str,
     units: UnitTable | None = None,
     environ: Mapping[str, str] | None = None,
+    *,
+    secrets: bool = True,
 ) -> Config:
     """Read the configuration and the profiles it names.
 
@@ -124,11 +126,13 @@ def load_config(
         path: A TOML file.
         units: The units that people may use; None takes all that ROSIC knows.
         environ: Where ``{ env = ... }`` looks; None takes the environment of the process.
+        secrets: Whether they are needed. Otherwise those that cannot be had are left out: whoever
+            looks after people from another shell talks to no messenger.
 
     Raises:
         ConfigurationError: The first thing that is wrong, with its file and line.
     """
-    read = read_config(path, units, environ)
+    read = read_config(path, units, environ, secrets=secrets)
     if read.config is None:
         raise read.errors[0]
     return read.config
@@ -147,6 +151,8 @@ def read_config(
     path: Path | str,
     units: UnitTable | None = None,
     environ: Mapping[str, str] | None = None,
+    *,
+    secrets: bool = True,
 ) -> ReadConfig:
     """Read the configuration, and collect what is wrong and what could be better. Never raises."""
     try:
@@ -159,7 +165,7 @@ def read_config(
         return ReadConfig(None, walker.errors, [])
     file = msgspec.convert(source.data, ConfigFile)
     reading = _Reading(source, Path(path), file)
-    messengers = reading.messengers(os.environ if environ is None else environ)
+    messengers = reading.messengers(os.environ if environ is None else environ, needed=secrets)
     robots = reading.robots(units)
     missions = () if reading.errors else reading.missions(robots, units)
     if reading.errors:
@@ -213,7 +219,9 @@ class _Reading:
         self.files = [path]
         self._file = file
 
-    def messengers(self, environ: Mapping[str, str]) -> tuple[MessengerSettings, ...]:
+    def messengers(
+        self, environ: Mapping[str, str], *, needed: bool
+    ) -> tuple[MessengerSettings, ...]:
         secrets = SecretSettings(self._source, self._folder, environ)
         made: list[MessengerSettings] = []
         for index, table in enumerate(self._file.messenger):
@@ -227,7 +235,7 @@ class _Reading:
                     where=self._source.where(place),
                 )
             )
-        self.errors += secrets.errors
+        self.errors += secrets.errors if needed else ()
         return tuple(made)
 
     def robots(self, units: UnitTable | None) -> tuple[Profile, ...]:

@@ -135,7 +135,7 @@ def _alone(options: argparse.Namespace) -> OfflineAdmin:
     from rosic.app.admin.offline import OfflineAdmin  # noqa: PLC0415 - imports a database
     from rosic.app.config import load_config  # noqa: PLC0415 - and what a configuration may hold
 
-    config = None if options.data is not None else load_config(options.config)
+    config = None if options.data is not None else load_config(options.config, secrets=False)
     return OfflineAdmin(data_of(options), config, SystemClock(), SystemEntropy())
 
 
