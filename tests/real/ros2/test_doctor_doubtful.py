@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import load_config
-from rosic.app.setup.diagnostics_checks import DiagnosticFinding, FindingVerdict
+from rosic.app.setup.diagnostics_checks import DiagnosticFinding, FindingVerdict, examine_graph
 from rosic.app.setup.stop_test import try_robot
 from rosic.system import SystemClock, SystemEntropy
 
@@ -74,6 +74,62 @@ async def tried(folder: Path, within_s: float = 1.0) -> list[DiagnosticFinding]:
     (folder / "rosic.toml").write_text(PLACE)
     config = load_config(folder / "rosic.toml")
     return [f async for f in try_robot(config, "base", SystemClock(), SystemEntropy())]
+
+
+async def seen(folder: Path, profile: str) -> list[str]:
+    """Return what is said of what a profile names on the graph."""
+    (folder / "base.yaml").write_text(profile)
+    (folder / "rosic.toml").write_text(PLACE)
+    config = load_config(folder / "rosic.toml")
+    return [str(finding) async for finding in examine_graph(config.robots)]
+
+
+@pytest.mark.usefixtures("base")
+async def test_what_is_not_on_the_graph_is_named_with_what_to_do(tmp_path: Path) -> None:
+    good = BASE.format(within_s=1.0)
+    assert await seen(tmp_path, good) == [
+        "base       all 4 topics, services and actions of its profile are there"
+    ]
+    spoilt = good.replace("/base/battery", "/base/power").replace("/base/stop", "/base/halt")
+    spoilt = spoilt.replace("geometry_msgs/msg/Twist\n", "geometry_msgs/msg/TwistStamped\n")
+    spoilt = spoilt.replace(
+        "zero: /base/cmd_vel }", "zero: /base/cmd_vel, zero_type: geometry_msgs/msg/TwistStamped }"
+    )
+    found = await seen(tmp_path, spoilt)
+    assert found == [
+        (
+            "base       look at this: nobody offers the service /base/halt now. Start what does, "
+            "or correct the name in the profile."
+        ),
+        (
+            "base       look at this: the topic /base/cmd_vel has the type geometry_msgs/msg/Twist "
+            "there, and geometry_msgs/msg/TwistStamped in the profile. Correct the profile."
+        ),
+        (
+            "base       look at this: nobody sends the topic /base/power now. Start what does, or "
+            "correct the name in the profile."
+        ),
+    ]
+
+
+@pytest.mark.usefixtures("base")
+async def test_a_type_that_is_not_installed_is_named_with_what_to_do(tmp_path: Path) -> None:
+    strange = "type: nowhere_msgs/msg/BatteryState"
+    profile = BASE.format(within_s=1.0).replace("type: sensor_msgs/msg/BatteryState", strange)
+    assert (await seen(tmp_path, profile))[0] == (
+        "base       look at this: the ROS package nowhere_msgs is not installed here, and its "
+        "profile names types of it. Install it for your distribution, or source the workspace it "
+        "is in."
+    )
+
+
+@pytest.mark.usefixtures("graph")
+async def test_where_nothing_of_a_robot_is_seen_the_domain_is_named(tmp_path: Path) -> None:
+    [found] = await seen(tmp_path, BASE.format(within_s=1.0))
+    assert found.startswith(
+        "base       look at this: nothing of it is seen. Start it; if it runs, compare ROS_DOMAIN"
+    )
+    assert found.endswith("here) with what it was started with.")
 
 
 async def test_a_robot_that_reports_too_seldom_is_not_moved_and_what_to_write_is_said(

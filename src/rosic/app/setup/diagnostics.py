@@ -17,6 +17,7 @@ from rosic.app.setup.diagnostics_checks import (
     FindingVerdict,
     examine_clock,
     examine_disk,
+    examine_graph,
     examine_messengers,
     examine_ros,
 )
@@ -125,11 +126,12 @@ async def examine(
     yield examine_memory()
     yield await examine_clock(clock)
     kinds = {profile.link.kind for profile in config.robots} if config else set()
-    yield examine_ros(needed=ROS_LINK in kinds)
+    ros = examine_ros(needed=ROS_LINK in kinds)
+    yield ros
     if config is None:
         return
-    for text in shared_spaces(config.robots):
-        yield DiagnosticFinding("robots", FindingVerdict.LOOK, text)
+    async for finding in _of_its_robots(config, here=ros.verdict is FindingVerdict.GOOD):
+        yield finding
     async for finding in examine_messengers(config, clock):
         yield finding
     if tried:
@@ -139,6 +141,20 @@ async def examine(
 
 async def _of_its_data(config: Config | None) -> tuple[DiagnosticFinding, ...]:
     return () if config is None else (await examine_record(config.data), *examine_openness(config))
+
+
+async def _of_its_robots(config: Config, *, here: bool) -> AsyncIterator[DiagnosticFinding]:
+    """Look at the robots.
+
+    Args:
+        config: Names them.
+        here: There is ROS 2 on this machine.
+    """
+    if here:
+        async for finding in examine_graph(r for r in config.robots if r.link.kind == ROS_LINK):
+            yield finding
+    for text in shared_spaces(config.robots):
+        yield DiagnosticFinding("robots", FindingVerdict.LOOK, text)
 
 
 async def _tried(

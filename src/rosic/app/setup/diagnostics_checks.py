@@ -8,7 +8,8 @@ import os
 import shutil
 import tempfile
 import time
-from contextlib import closing
+from contextlib import closing, suppress
+from importlib.util import find_spec
 from pathlib import Path
 from statistics import quantiles
 from typing import TYPE_CHECKING, NamedTuple
@@ -16,16 +17,26 @@ from typing import TYPE_CHECKING, NamedTuple
 from rosic.app.builder import messenger_of
 from rosic.contracts.console import AccountProbe
 from rosic.errors import ConfigurationError, RosicError
+from rosic.robots.ros2.client.graph import snapshot, wait_for
 from rosic.robots.ros2.client.rclpy_import import load_ros
+from rosic.robots.ros2.client.runtime import RosRuntime
+from rosic.robots.ros2.errors import NotSent
+from rosic.robots.ros2.interfaces.cache import KNOWN
+from rosic.robots.ros2.messages.types import TypeRegistry
+from rosic.robots.ros2.profile import ros2_profile
+from rosic.robots.ros2.profile_checks import full_name, named
 from rosic.stores import sqlite
 from rosic.stores.data_dir import StoreSettings
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
+    from collections.abc import AsyncIterator, Iterable, Iterator
 
     from rosic.app.config import Config
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
+    from rosic.core.robot.profile import Profile
+    from rosic.robots.ros2.client.graph import GraphSnapshot
+    from rosic.robots.ros2.profile import Ros2Profile
 
 
 # ---- findings ----
@@ -169,6 +180,8 @@ def _backwards(clock: Clock) -> int:
 # ---- ROS 2 and messengers ----
 
 CHECK_WITHIN_S = 15.0
+LOOKED_S = 4.0
+"""Discovery takes up to two seconds, and services longer than topics."""
 LOCAL = "local"
 
 
@@ -188,6 +201,106 @@ def examine_ros(*, needed: bool) -> DiagnosticFinding:
     domain = os.environ.get("ROS_DOMAIN_ID", "0")
     named = f", {distribution}" if distribution else ""
     return DiagnosticFinding("ROS 2", FindingVerdict.GOOD, f"found{named}, domain {domain}")
+
+
+async def examine_graph(profiles: Iterable[Profile]) -> AsyncIterator[DiagnosticFinding]:
+    """Look whether what the profiles name is on the graph now; takes a moment, and moves nothing.
+
+    Args:
+        profiles: Of robots over ROS 2; there is ROS 2 here.
+    """
+    wanted = {profile.id: tuple(_ends(ros2_profile(profile))) for profile in profiles}
+    if not wanted:
+        return
+    runtime = await RosRuntime.open(TypeRegistry(()), node_name="rosic_doctor")
+    async with runtime:
+        with suppress(NotSent):
+            await wait_for(
+                runtime,
+                lambda seen: not any(_missing(seen, ends) for ends in wanted.values()),
+                timeout_s=LOOKED_S,
+            )
+        seen = await snapshot(runtime)
+    for robot, ends in wanted.items():
+        for package in _uninstalled(ends):
+            text = (
+                f"the ROS package {package} is not installed here, and its profile names types of "
+                "it. Install it for your distribution, or source the workspace it is in."
+            )
+            yield DiagnosticFinding(robot, FindingVerdict.LOOK, text)
+        missing = _missing(seen, ends)
+        if not missing:
+            text = f"all {len(ends)} topics, services and actions of its profile are there"
+            yield DiagnosticFinding(robot, FindingVerdict.GOOD, text)
+        elif len(missing) == len(ends):
+            domain = os.environ.get("ROS_DOMAIN_ID", "0")
+            middleware = os.environ.get("RMW_IMPLEMENTATION", "the default one")
+            yield DiagnosticFinding(
+                robot,
+                FindingVerdict.LOOK,
+                f"nothing of it is seen. Start it; if it runs, compare ROS_DOMAIN_ID ({domain} "
+                f"here) and RMW_IMPLEMENTATION ({middleware} here) with what it was started with.",
+            )
+        else:
+            for text in missing:
+                yield DiagnosticFinding(robot, FindingVerdict.LOOK, text)
+
+
+class _End(NamedTuple):
+    """What a profile expects of others on the graph."""
+
+    sort: str
+    name: str
+    type: str
+    verb: str = "offers"
+
+
+def _ends(profile: Ros2Profile) -> Iterator[_End]:
+    """Yield what has to be there, each once."""
+    found = [
+        _End(sort, full_name(profile, name), kind, "takes" if sort == "topic" else "offers")
+        for _, sort, name, kind in named(profile)
+    ]
+    if profile.at_rest is not None:
+        found.append(_End("topic", profile.at_rest.topic, profile.at_rest.type, "sends"))
+    found += [
+        _End("topic", t.topic, t.type, "sends") for t in profile.telemetry.values() if t.topic
+    ]
+    yield from dict.fromkeys(found)
+
+
+def _uninstalled(ends: Iterable[_End]) -> list[str]:
+    """Return the packages of types that this Python does not find, and ROSIC cannot build."""
+    packages = dict.fromkeys(end.type.partition("/")[0] for end in ends)
+    return [name for name in packages if name not in KNOWN and find_spec(name) is None]
+
+
+def _missing(seen: GraphSnapshot, ends: Iterable[_End]) -> list[str]:
+    """Return what is wrong with each end that is not there as the profile says."""
+    topics = {topic.name: topic for topic in seen.topics}
+    offered = {"service": seen.services, "action": seen.actions}
+    found: list[str] = []
+    for end in ends:
+        topic = topics.get(end.name)
+        if end.sort == "topic":
+            there = topic is not None and (
+                topic.subscribers if end.verb == "takes" else topic.publishers
+            )
+            types = topic.types if topic is not None else ()
+        else:
+            [types, *_] = [*(o.types for o in offered[end.sort] if o.name == end.name), ()]
+            there = bool(types)
+        if not there:
+            found.append(
+                f"nobody {end.verb} the {end.sort} {end.name} now. Start what does, or correct "
+                "the name in the profile."
+            )
+        elif end.type not in types:
+            found.append(
+                f"the {end.sort} {end.name} has the type {', '.join(types)} there, and {end.type} "
+                "in the profile. Correct the profile."
+            )
+    return found
 
 
 def _unchecked(messenger: Messenger) -> DiagnosticFinding:

@@ -262,8 +262,8 @@ def reached(profile: Ros2Profile) -> Iterator[ValidationFinding]:
 def of_one_type(profile: Ros2Profile) -> Iterator[ValidationFinding]:
     """See that every topic, service and action has one type, wherever it is named."""
     known: dict[tuple[str, str], str] = {}
-    for place, sort, name, kind in _named(profile):
-        full = _full(profile, name)
+    for place, sort, name, kind in named(profile):
+        full = full_name(profile, name)
         other = known.setdefault((sort, full), kind)
         if other != kind:
             yield ValidationFinding(
@@ -274,7 +274,7 @@ def of_one_type(profile: Ros2Profile) -> Iterator[ValidationFinding]:
             )
 
 
-def _named(profile: Ros2Profile) -> Iterator[tuple[Place, str, str, str]]:
+def named(profile: Ros2Profile) -> Iterator[tuple[Place, str, str, str]]:
     """Yield where a name is given, of what sort it is, the name and its type."""
     stop, deliver = profile.stop, profile.files.deliver if profile.files is not None else None
     if stop is not None and stop.service:
@@ -301,18 +301,19 @@ def reaches(profile: Ros2Profile) -> Iterator[str]:
     their rest is measured.
     """
     moving = {skill.id for skill in profile.skills.values() if skill.kind is SkillClass.MOTION}
-    for (part, *where), sort, name, _ in _named(profile):
+    for (part, *where), sort, name, _ in named(profile):
         # A light or a camera may belong to a room, and to every robot in it.
         if part == "stop" or (part == "skills" and where[0] in moving):
-            yield f"the {sort} {_full(profile, name)}"
+            yield f"the {sort} {full_name(profile, name)}"
     if profile.at_rest is not None:
         for field in profile.at_rest.fields:
-            yield f"{field} of the topic {_full(profile, profile.at_rest.topic)}"
+            yield f"{field} of the topic {full_name(profile, profile.at_rest.topic)}"
     if profile.link.dialogue:
-        yield f"the topic {_full(profile, 'to_robot_topic')}"
+        yield f"the topic {full_name(profile, 'to_robot_topic')}"
 
 
-def _full(profile: Ros2Profile, name: str) -> str:
+def full_name(profile: Ros2Profile, name: str) -> str:
+    """Return a name from the root."""
     return name if name.startswith("/") else f"{profile.link.namespace.rstrip('/')}/{name}"
 
 
