@@ -14,7 +14,7 @@
 #   PYTHON=/path/to/python     choose the interpreter
 #   TESTS=tests/core           run a part;  PYTEST_ARGS='-x -k stop'  passes anything else on
 #   WORKERS=0                  run tests one after another; else the files are shared out, the longest first
-#   MUTANTS='--only gate.py'   of one module; --at-most 40: so many of each, --seed 2: others; --write: into docs/mutants.md
+#   MUTANTS='--only order_gate.py'  of one module; --at-most 40: so many of each, --seed 2: others; --write: into docs/mutants.md
 #   TEST_SECONDS=1800          the run of tests is over by then, whatever happens; later where the machine is slow
 
 VENV := .venv
