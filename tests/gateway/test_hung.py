@@ -15,12 +15,14 @@ from rosic.core.records import Claimed, Concluded, Refused, Resumed, Told
 from rosic.errors import RecordUnavailable, StoreFault
 from rosic.gateway.stop import LATCH_WITHIN_S
 from rosic.gateway.unfollowed_messages import COUNTED_S
+from rosic.organiser.refusals import CLOCK_SET_BACK
 from rosic.stores.memory import MemoryStore
 from rosic.stores.stop_latch import MemoryLatch
 from rosic.testing.clock import settle
 from tests.gateway.place import BO as BO_THERE
 from tests.gateway.place import Place, SlowStore
 from tests.gateway.received import ADA, BO, STRANGER, Receiving, receiving
+from tests.gateway.test_rights import who
 from tests.pace import pace
 
 if TYPE_CHECKING:
@@ -283,3 +285,37 @@ async def test_a_resume_whose_stop_file_fails_is_told_to_have_had_no_effect() ->
             await place.gateway.pipeline.resuming.by_operator(["omni"], place.clock.wall_ns())
         entries = await store.history(HistoryQuery(robot="omni"))
         assert [e.outcome for e in entries if e.kind == RESUMED] == ["refused", "refused"]
+
+
+async def test_a_right_that_ends_while_the_record_hangs_moves_nothing_any_more() -> None:
+    """I8: what ends by the clock waits for no write, neither of its own nor of somebody else."""
+    store = HangingStore()
+    async with Place(store).open() as place:
+        keys, changes = place.gateway.access.keys, place.gateway.access.changes
+        bo, omni = who(place, "Bo"), place.robot("omni")
+        async with changes.turn() as turn:
+            await turn.write(keys.issue(bo, "test", lasts_s=90)[1])
+        omni.work_s = 3_600.0
+        await place.say("omni move 1 m", account=BO_THERE, chat=BO_THERE)
+        store.goes_on.clear()
+        await place.clock.advance(80.0)  # the mark of the clock is due each minute, and hangs
+        assert not omni.gate.latched, "the key is still good"
+        await place.clock.advance(11.0)
+        await settle()
+        assert omni.gate.latched
+        store.goes_on.set()
+        await place.quiet()
+
+
+async def test_a_clock_that_is_set_back_while_the_record_hangs_is_said() -> None:
+    store = HangingStore()
+    async with Place(store).open() as place:
+        store.goes_on.clear()
+        await place.clock.advance(80.0)
+        place.clock.jump_wall(-3_600)
+        await place.clock.advance(60.0)
+        await place.quiet()
+        told = [each.outbound.text for each in place.chat.told]
+        store.goes_on.set()
+        await place.quiet()
+        assert any(text.startswith(str(CLOCK_SET_BACK)) for text in told), told

@@ -32,7 +32,7 @@ log = logging.getLogger("rosic.minding")
 
 
 class Maintenance:
-    """One task for all of it.
+    """Two tasks: one that ends what has ended by the clock, and one for all that is written.
 
     Args:
         daily: Done once a day.
@@ -46,21 +46,34 @@ class Maintenance:
         self._enforcer, self._authority = kernel.enforcer, kernel.enforcer.policy
         self._day_ns = self._clock.monotonic_ns()
         self._behind = False
-        self._woken = asyncio.Event()
-        self._authority.when_changed.connect(self._woken.set)
+        # One each, as each clears its own before it looks.
+        self._rights_changed, self._due_changed = asyncio.Event(), asyncio.Event()
+        self._authority.when_changed.connect(self._rights_changed.set)
+        self._authority.when_changed.connect(self._due_changed.set)
 
     async def run(self) -> None:
-        """Mind until cancelled. What fails is logged and tried again."""
+        """Mind until cancelled. What fails is logged and tried again.
+
+        A disk that hangs neither writes nor fails: what ends by the clock never waits behind a
+        write (I8).
+        """
+        async with asyncio.TaskGroup() as both:
+            both.create_task(self._again_and_again(self._end_in_time, self._rights_changed))
+            both.create_task(self._again_and_again(self.look, self._due_changed))
+
+    async def _again_and_again(
+        self, look: Callable[[], Awaitable[None]], changed: asyncio.Event
+    ) -> None:
         while True:
-            self._woken.clear()
+            changed.clear()
             try:
-                await self.look()
+                await look()
             except RosicError as fault:
                 log.warning("not everything could be minded: %s", fault)
             except Exception:
                 log.exception("not everything could be minded")
             # Not past a grant or a key that is given meanwhile: it may end sooner.
-            await sleep_or_wake(self._clock, self._pause_s(), self._woken)
+            await sleep_or_wake(self._clock, self._pause_s(), changed)
 
     def _pause_s(self) -> float:
         now_ns = self._clock.wall_ns()
@@ -73,15 +86,18 @@ class Maintenance:
             return EVERY_S
         return min(EVERY_S, max(SOONEST_S, (next_ns - now_ns) / 1e9))
 
+    async def _end_in_time(self) -> None:
+        """Look at the clock, and end what has ended by it. Waits for nothing."""
+        self._look_at_clock()
+        self._enforcer.enforce()
+
     async def look(self) -> None:
-        """Do all that is due.
+        """Write down all that is due.
 
         Raises:
             RecordUnavailable: Something could not be written; what has ended has ended.
         """
         access, authority = self._access, self._authority
-        self._look_at_clock()
-        self._enforcer.enforce()  # a grant ends by the clock, whether or not that can be written
         async with access.changes.turn() as turn:
             now_ns = self._clock.wall_ns()
             over = authority.grants_book.over(now_ns)
