@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
+from rosic.core.records import Claimed
 from rosic.core.robot.profile import Busy
 from rosic.core.robot.skill import Skill
 from rosic.robots.memory import DONE, MemoryRobot
-from tests.gateway.place import Place, profile
+from tests.gateway.place import Place, SlowStore, profile
 
 if TYPE_CHECKING:
     from rosic.contracts.robot import Tell
@@ -72,6 +73,23 @@ async def test_the_newest_of_several_replacements_is_carried_out() -> None:
             await place.say(text)
         await place.clock.advance(3 * REST_S)
         assert place.robot("omni").acted[-1] == 3
+
+
+async def test_the_newer_of_two_that_begin_together_is_carried_out() -> None:
+    """Both are on disk in the same moment, as a group of claims is: neither is under way yet."""
+    place = heavy(profile("omni", busy=Busy.REPLACE))
+    store = SlowStore(Claimed)
+    place.gateway._parts = replace(place.gateway._parts, store=store)
+    async with place.open():
+        place.chat.say("omni move 1 m")
+        place.chat.say("omni wave", chat="7")
+        await place.quiet()
+        store.ready.set()
+        await place.quiet()
+        await place.clock.advance(10.0)
+        told = [one.outbound.text for one in place.chat.told]
+        assert list(place.robot("omni").acted) == [2], told
+        assert any("A later command took its place" in text for text in told), told
 
 
 async def test_who_replaces_an_order_does_not_shut_rosic_down() -> None:

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Tell
 
 
+GO = Skill(id="go")
+LAND = Skill(id="land", to_safety=True)
+
+
 def ignore(_report: StageReport) -> None:
     """The reports do not matter here."""
 
@@ -308,6 +312,32 @@ async def test_a_replacing_order_ends_the_one_under_way() -> None:
         "a later command took its place",
     )
     assert bench.linker.next("r") is second
+
+
+@pytest.mark.parametrize("busy", list(Busy))
+async def test_what_is_replaced_before_it_was_relayed_never_begins(busy: Busy) -> None:
+    """Both come in one turn of the event loop: the second finds nothing that it could cancel."""
+    bench = LinkerBench(Busy.REPLACE)
+    bench.profile = replace(bench.profile, busy=busy, skills={"go": GO, "land": LAND})
+    bench.robot.profile = bench.profile
+    bench.linker = Linker(
+        {"r": bench.robot}, bench.board, bench.latch, bench.clock, bench.clock.wall_ns, bench.policy
+    )
+    first, lands, after = bench.entry(), bench.entry(), bench.entry()
+    lands.order = replace(lands.order, skill=LAND)
+    assert bench.linker.put(first)
+    assert not bench.linker.put(lands)
+    with pytest.raises(OrderVoid, match="A later command took its place"):
+        await bench.linker.dispatch(first.order, ignore)
+    assert not bench.robot.acted
+    assert bench.linker.next("r") is lands
+    outcome = await asyncio.wait_for(bench.linker.dispatch(lands.order, ignore), 60 * pace())
+    assert outcome.ending is OrderEnding.DONE
+    assert list(bench.robot.acted) == [lands.order.n]
+    assert bench.linker.next("r") is None
+    assert bench.linker.put(after), "nothing gives way to an order that is over"
+    outcome = await asyncio.wait_for(bench.linker.dispatch(after.order, ignore), 60 * pace())
+    assert outcome.ending is OrderEnding.DONE
 
 
 async def test_a_replaceable_order_that_nothing_replaces_ends_as_any_other() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 BUSY = "tests/gateway/test_busy.py"
+MAILBOX = "tests/linker/test_robot_queue.py"
 
 OF_BUSY = (
     Fault(
@@ -20,6 +21,13 @@ OF_BUSY = (
         guard="        if entry.order.skill.to_safety:\n",
         without="        if False:\n",
         caught_by=(f"{BUSY}::test_a_drone_may_always_land",),
+    ),
+    Fault(
+        name="an order is lost that comes together with the one whose place it takes",
+        file="linker/linker.py",
+        guard="        if mailbox.gives_way:\n",
+        without="        if False:\n",
+        caught_by=(f"{MAILBOX}::test_what_is_replaced_before_it_was_relayed_never_begins",),
     ),
     Fault(
         name="stop, then this leaves what runs",

@@ -10,9 +10,9 @@ from rosic.core import messages
 from rosic.core.i18n import said
 from rosic.core.order import Order, OrderEnding, Outcome, RestReport, Stop
 from rosic.core.order_gate import too_late
-from rosic.errors import RobotOffline, RobotUnreachable, RosicError, StoreFault
+from rosic.errors import OrderVoid, RobotOffline, RobotUnreachable, RosicError, StoreFault
 from rosic.linker.pursuit import StopPursuit
-from rosic.linker.robot_queue import QueuedOrder, RobotQueue
+from rosic.linker.robot_queue import REPLACED, QueuedOrder, RobotQueue
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Coroutine, Iterable, Iterator, Mapping
@@ -161,8 +161,14 @@ class Linker:
         return robot.execute(order, tell)
 
     async def _relay(self, robot: Robot, order: Order, tell: Tell) -> Outcome:
-        """Relay an order that gives way to the next."""
+        """Relay an order that gives way to the next.
+
+        Raises:
+            OrderVoid: A later one has taken its place before it began; it moved nothing.
+        """
         mailbox = self.mailboxes[order.robot]
+        if mailbox.gives_way:
+            raise OrderVoid(REPLACED)
         mailbox.running = task = asyncio.create_task(robot.execute(order, tell))
         try:
             await asyncio.wait((task,))

@@ -43,6 +43,7 @@ class RobotQueue:
 
     Attributes:
         current: Whose turn it is; None while the robot is free.
+        gives_way: Whether a later order takes the place of ``current``.
         replaces: Whether what runs may be replaced by what comes.
         running: Only where it ``replaces``: what may be replaced.
     """
@@ -54,6 +55,7 @@ class RobotQueue:
         "_wakes_ns",
         "_watch",
         "current",
+        "gives_way",
         "replaces",
         "running",
     )
@@ -66,6 +68,7 @@ class RobotQueue:
         self._wakes_ns = 0
         self.replaces = robot.profile.replaces
         self.current: QueuedOrder | None = None
+        self.gives_way = False
         self.running: asyncio.Task[Outcome] | None = None
 
     def __len__(self) -> int:
@@ -105,6 +108,7 @@ class RobotQueue:
 
     def next(self) -> QueuedOrder | None:
         """End the present turn. Return whose turn it is now; None frees the robot."""
+        self.gives_way = False
         self.current = self._waiting.popleft() if self._waiting else None
         return self.current
 
@@ -163,13 +167,18 @@ class RobotQueue:
     def replace(self) -> bool:
         """End what is under way, once: a second cancellation would cut its coming to rest short.
 
+        What has its turn and was not relayed yet never is: whoever relays asks ``gives_way``.
+
         Returns:
             Whether there was anything to end.
         """
         running, self.running = self.running, None
         if running is not None:
             running.cancel()
-        return running is not None
+        elif self.current is None or self.gives_way:
+            return False
+        self.gives_way = self.current is not None
+        return True
 
     def _watch_until(self, deadline_ns: int) -> None:
         """Have somebody awake when the next waiting order becomes too old."""
