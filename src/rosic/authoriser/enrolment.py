@@ -107,10 +107,12 @@ class Enrolment:
         return None if self._has_admin() else self.invitations.first_admin()
 
     def nobody_is_admin(self) -> bool:
-        """Whether the first admin is still to come."""
-        return not self._has_admin()
+        """Whether the first admin is still to come; one who is locked has come."""
+        good = self._directory.has_good_key
+        return not any(ADMIN in p.roles and good(p.id) for p in self._directory.people())
 
     def _has_admin(self) -> bool:
+        """Whether an admin can act. Else the operator may let one in, also where all are locked."""
         good, locked = self._directory.has_good_key, self._locks.locked
         return any(
             ADMIN in p.roles and good(p.id) and not locked(p.id) for p in self._directory.people()

@@ -25,7 +25,7 @@ TRIGGER = "std_srvs/srv/Trigger"
 async def test_a_robot_is_seen_with_all_it_offers(runtime: RosRuntime) -> None:
     seen = await wait_for(
         runtime,
-        lambda now: len(now.services) >= 2 and bool(now.actions and now.nodes),
+        lambda now: len(now.services) >= 5 and bool(now.actions and now.nodes),
         namespace="/omni",
         timeout_s=60,
     )
@@ -34,6 +34,8 @@ async def test_a_robot_is_seen_with_all_it_offers(runtime: RosRuntime) -> None:
     assert GraphTopic("/omni/cmd_vel", ("geometry_msgs/msg/Twist",), 0, 1) in seen.topics
     assert GraphTopic("/omni/count", ("std_msgs/msg/Int32",), 1, 0) in seen.topics
     assert set(seen.services) == {
+        OfferedEndpoint("/omni/code", ("action_msgs/srv/CancelGoal",)),
+        OfferedEndpoint("/omni/latch", ("std_srvs/srv/SetBool",)),
         OfferedEndpoint("/omni/slow", ("std_srvs/srv/SetBool",)),
         OfferedEndpoint("/omni/stop", (TRIGGER,)),
         OfferedEndpoint("/omni/take", ("diagnostic_msgs/srv/AddDiagnostics",)),
