@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 MEMORY = CONFIG.replace('"simulated"', '"memory"')
+TWO_ADMINS = MEMORY.replace('"operator"', '"admin"')
 PEOPLE = "[[messenger]]" + CONFIG.partition("[[messenger]]")[2].partition("[[robot]]")[0]
 PEOPLE += "[[principal]]" + CONFIG.partition("[[principal]]")[2]
 WRONG_TOKEN = {"LAB_TOKEN": "4242424242:wrong-wrong-wrong-wrong-wrong-wrong"}
@@ -110,7 +111,7 @@ def test_a_stop_needs_nothing_but_the_data_folder(tmp_path: Path) -> None:
 
 
 def test_somebody_revoked_stays_revoked(tmp_path: Path) -> None:
-    config = write_config(tmp_path, MEMORY)
+    config = write_config(tmp_path, TWO_ADMINS)
     with gateway(config) as running:
         people = rosic("people", "-c", config).out
         assert re.search(
@@ -142,7 +143,7 @@ def test_somebody_revoked_stays_revoked(tmp_path: Path) -> None:
 def test_somebody_of_the_file_who_is_revoked_before_the_next_start_never_gets_in(
     tmp_path: Path,
 ) -> None:
-    before_ada, ada, after_ada = MEMORY.partition('[[principal]]\nname = "Ada"')
+    before_ada, ada, after_ada = TWO_ADMINS.partition('[[principal]]\nname = "Ada"')
     assert ada
     with gateway(write_config(tmp_path, before_ada)) as running:
         assert running.end() == 0

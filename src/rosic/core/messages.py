@@ -134,7 +134,7 @@ UNSTOPPABLE = said("cannot be stopped from here: stay beside it")
 STILL_MOVES = said("STOP not confirmed: it moves")
 
 
-BY_YOU: Final = titled("you", {"de": "dir"})
+BY_YOU: Final = said("you")
 
 
 def by_whom(who: PrincipalId, reader: PrincipalId, name_of: Callable[[PrincipalId], str]) -> str:

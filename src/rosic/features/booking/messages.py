@@ -198,10 +198,12 @@ def day_of(shown: str, day: LocalTime, zone: Zone) -> str:
 
 
 def day_line(slot: BookedSlot, who: str, day: LocalTime, zone: Zone) -> str:
-    """One line of a robot's day; what lies outside of the day is cut off."""
+    """One line of a robot's day; what lies outside of the day is cut off. Empty: the reader's."""
     start, end = zone.local(slot.start_ns), zone.local(slot.end_ns)
     since = start.time_text() if start.day_number == day.day_number else "00:00"
     until = end.time_text() if end.day_number == day.day_number else "24:00"
+    if not who:
+        return said("{since} to {until} you", since=since, until=until)
     return said("{since} to {until} {who}", since=since, until=until, who=who)
 
 

@@ -118,7 +118,7 @@ class SlotListing:
         lines = [words.day_of(shown, day, zone) if slots else words.day_free(shown, day, zone)]
         for slot in slots[:MOST_LINES]:
             mine = slot.principal == principal
-            who = said("you") if mine else times.calendar.name_of(slot.principal)
+            who = "" if mine else times.calendar.name_of(slot.principal)
             lines.append(words.day_line(slot, who, day, zone))
         if len(slots) > MOST_LINES:
             lines.append(words.and_more(len(slots) - MOST_LINES))
