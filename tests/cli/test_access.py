@@ -215,6 +215,25 @@ def test_a_lock_holds_until_it_is_undone(place: Place) -> None:
     assert place.wrong("unlock", "Bob") == "Bob is not locked. Nothing was done."
 
 
+@pytest.mark.parametrize("by", ["revoke", "take_key", "take_key by its id"])
+async def test_a_revocation_waits_for_no_other_change(place: Place, by: str) -> None:
+    config = load_config(place.config)
+    store = MemoryStore()
+    memory = await store.open()
+    alone = OfflineAdmin(place.folder, config, SystemClock(), SystemEntropy())
+    books = await alone.books(store, memory, OfflineSeeding.WRITTEN)
+    desk, [bob] = AdminApi(books), books.authoriser.directory.named("Bob")
+    [key] = books.access.keys.of(bob.id)
+
+    async with books.access.changes.turn():  # somebody else's write hangs on the disk
+        does = desk.access.revoke if by == "revoke" else desk.access.take_key
+        ending = asyncio.create_task(does(key.id if by.endswith("id") else "Bob"))
+        await asyncio.sleep(0)
+        assert not books.authoriser.has_access(bob.id)
+        assert "also after a restart" in await ending, "it has a way of its own to the disk"
+    await store.close()
+
+
 async def test_a_lock_waits_for_no_other_change_and_for_no_disk(place: Place) -> None:
     config = load_config(place.config)
     store = MemoryStore()
@@ -227,7 +246,7 @@ async def test_a_lock_waits_for_no_other_change_and_for_no_disk(place: Place) ->
         locking = asyncio.create_task(desk.access.lock("Bob"))
         await asyncio.sleep(0)
         assert bob.id in books.organiser.locked
-    assert "until an admin unlocks" in await locking
+        assert "until an admin unlocks" in await locking
 
     await store.close()
     with pytest.raises(RecordUnavailable):

@@ -271,10 +271,10 @@ async def test_a_full_disk_keeps_nobody_from_being_locked() -> None:
         assert robot.presence().doing == "move"
         store.broken = True
         told = await place.say("/lock Bo")
-        assert told.startswith(
+        assert (
             "Bo is locked: nothing they send is carried out until an admin unlocks them. I could "
             "not write this down: it holds until ROSIC is restarted. The operator has to look."
-        )
+        ) in told
         assert robot.gate.latched
         assert robot.presence().at_rest
         assert await place.say("cf1 wave", account=BO, chat=BO) == (

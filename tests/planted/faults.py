@@ -20,6 +20,7 @@ TURNED_AWAY = "tests/gateway/test_turned_away.py"
 REDEEMERS = "tests/gateway/test_redeemers.py"
 WRONG = "tests/gateway/test_wrong_rights_and_times.py"
 ISOLATION = "tests/gateway/test_isolation.py"
+ENDING = "tests/features/access/test_revoke_lock.py"
 GATE = "tests/core/test_order_gate.py"
 
 
@@ -374,21 +375,41 @@ FAULTS = (
     Fault(
         name="a lock waits for the disk",
         file="gateway/transactions.py",
-        guard=(
-            "        self._apply(records)\n        try:\n"
-            "            await self._store.write(*records)\n"
-        ),
+        guard=("        self._apply(records)\n        if self._one.locked():\n"),
         without=(
             "        await self._store.write(*records)\n        self._apply(records)\n"
-            "        try:\n            pass\n"
+            "        if self._one.locked():\n"
         ),
         caught_by=(f"{WRONG}::test_a_full_disk_keeps_nobody_from_being_locked",),
     ),
     Fault(
+        name="I8 a revocation waits behind somebody else's hung write",
+        file="gateway/transactions.py",
+        guard=(
+            "        self._apply(records)\n        if self._one.locked():\n"
+            "            self._taken.append(again)\n"
+        ),
+        without="        async with self._one:\n            self._apply(records)\n",
+        caught_by=(
+            f"{ENDING}::test_revoking_waits_for_nobodys_disk_and_is_answered_in_a_second",
+            "tests/cli/test_access.py::test_a_revocation_waits_for_no_other_change",
+        ),
+    ),
+    Fault(
+        name="I8 what was given before a revocation and written after it is theirs",
+        file="gateway/transactions.py",
+        guard="            self._taken.append(again)\n",
+        without="            pass\n",
+        caught_by=(
+            f"{ENDING}::test_what_is_given_too_late_outlives_no_revoking",
+            f"{ENDING}::test_an_unlocking_that_is_written_too_late_undoes_no_later_lock",
+        ),
+    ),
+    Fault(
         name="changes are made side by side, and two come in by one code",
         file="gateway/transactions.py",
-        guard="        async with self._one:\n            yield",
-        without="        if True:\n            yield",
+        guard="        async with self._one:\n            try:\n                yield",
+        without="        if True:\n            try:\n                yield",
         caught_by=(REDEEMERS,),
     ),
 )

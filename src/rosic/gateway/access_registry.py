@@ -108,10 +108,10 @@ class AccessRegistry:
         board: StopRegistry,
         place: PlaceNames,
     ) -> None:
-        self.changes = Transactions(store)
-        self.note = store.note
         self.keys = authoriser.keys
         self.time, self.counters = self.keys.time, self.keys.counters
+        self.changes = Transactions(store, self.time)
+        self.note = store.note
         self.locks = AccountLocks(self.time)
         self.may_invite: Deferred[[PrincipalId, InvitedRights], bool] = Deferred(_nobody_invites)
         self.enrolment = Enrolment(
@@ -308,7 +308,6 @@ class AbuseResponse:
     async def _invalidate(self, caller: Caller, said: InvalidateKey) -> None:
         """End a key by rule: at once, written as soon as it can be, and both sides are told."""
         if not said.spare:
-            async with self._changes.turn() as turn:
-                await turn.act(self._keys.revoke(caller.key, RULE).records)
+            await self._changes.take_away(self._keys.revoke(caller.key, RULE).records)
             self._reach.tell((caller.principal,), said.to_person)
         self._reach.tell(admins_of(self._organiser), said.to_admins, urgent=True)

@@ -1,19 +1,23 @@
-"""Changes of who may do what: one at a time, on disk before their effect, never half applied."""
+"""Changes of who may do what: one at a time, on disk before their effect, never half applied.
+
+But for what takes rights away: that is so at once, whoever changes something else meanwhile.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import logging
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from rosic.core.i18n import said
-from rosic.core.records import Fact
+from rosic.core.records import Decided, Fact
 from rosic.errors import RecordUnavailable, StoreFault
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterable
 
+    from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
     from rosic.core.records import Record
 
@@ -21,6 +25,8 @@ R = TypeVar("R")
 
 log = logging.getLogger("rosic.changes")
 
+WRITTEN_WITHIN_S: Final = 1.0
+"""Nobody waits longer to read that something was taken away."""
 UNWRITABLE = said("I cannot write this down now, so nothing was changed. The operator has to look.")
 
 
@@ -28,15 +34,23 @@ class Transactions:
     """Takes records to the disk and then to whoever keeps them in memory.
 
     A decision looks at what is so and returns records; between the look and the effect nothing
-    else may change, so both lie in one turn.
+    else may change, so both lie in one turn. What takes rights away does not wait for a turn, as
+    the disk of whoever has it may hang: what that one gives afterwards is taken once more.
+
+    Args:
+        clock: Counts how long somebody waits for the disk.
     """
 
-    def __init__(self, store: Store) -> None:
+    def __init__(self, store: Store, clock: Clock) -> None:
         self._store = store
+        self._clock = clock
         self._facts: dict[str, Callable[[Fact], object]] = {}
         self._records: dict[type, Callable[[Record], object]] = {}
         self._after: list[Callable[[], object]] = []
         self._one = asyncio.Lock()
+        # What was taken away since the present turn began: it may have looked before that.
+        self._taken: list[Callable[[], Iterable[Record]]] = []
+        self._writing: set[asyncio.Task[bool]] = set()
 
     def keep(self, kind: str, apply: Callable[[Fact], object]) -> None:
         """Say who keeps facts of a kind."""
@@ -60,9 +74,58 @@ class Transactions:
     async def turn(self) -> AsyncIterator[UnitOfWork]:
         """Let nothing else change meanwhile."""
         async with self._one:
-            yield UnitOfWork(self._store, self._apply)
+            try:
+                yield UnitOfWork(self._store, self._apply)
+            finally:
+                self._taken.clear()
+
+    async def take_away(
+        self, records: Iterable[Record], again: Callable[[], Iterable[Record]] = tuple
+    ) -> bool:
+        """Let it be so before anything is waited for, and write it down beside all turns.
+
+        Args:
+            records: Take rights away. They were decided in the present step of the event loop.
+            again: Returns what takes away the same of what was given meanwhile by somebody whose
+                turn it is, and who had looked before.
+
+        Returns:
+            Whether it is on disk, within `WRITTEN_WITHIN_S`. If not, it holds while this process
+            lives, and is written as soon as that is possible.
+        """
+        records = tuple(records)
+        self._apply(records)
+        if self._one.locked():
+            self._taken.append(again)
+        writing = asyncio.create_task(self._write(records))
+        self._writing.add(writing)
+        writing.add_done_callback(self._writing.discard)
+        patience = asyncio.create_task(self._clock.sleep(WRITTEN_WITHIN_S))
+        try:
+            await asyncio.wait((writing, patience), return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            patience.cancel()
+        return writing.done() and writing.result()
+
+    async def _write(self, records: tuple[Record, ...]) -> bool:
+        try:
+            await self._store.write(*records)
+        except StoreFault:
+            self._store.note(*records)
+            return False
+        return True
 
     def _apply(self, records: Iterable[Record]) -> None:
+        self._let_be_so(records)
+        for again in self._taken:
+            more = tuple(again())
+            if any(not isinstance(record, Decided) for record in more):
+                self._let_be_so(more)
+                self._store.note(*more)
+        for settle in self._after:
+            settle()
+
+    def _let_be_so(self, records: Iterable[Record]) -> None:
         for record in records:
             if isinstance(record, Fact):
                 apply = self._facts.get(record.kind)
@@ -72,8 +135,6 @@ class Transactions:
                     apply(record)
             elif (told := self._records.get(type(record))) is not None:
                 told(record)
-        for settle in self._after:
-            settle()
 
 
 class UnitOfWork:

@@ -10,9 +10,11 @@ from rosic.core.policy.roles import Grant
 from rosic.core.records import Decided, Fact, KeyRevoked, Record
 from rosic.features.access import access_messages, messages
 from rosic.gateway.commands import ONLY_IN_PRIVATE
+from rosic.gateway.transactions import WRITTEN_WITHIN_S
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import settle
 from tests.features.access.access_handlers import ADA, BO, CY, DI, ED, BrokenStore, Hall, a_hall
+from tests.pace import pace
 
 GONE = "Your access here has ended. The admin of this place can renew it."
 LAST = (
@@ -166,20 +168,14 @@ async def test_whoever_is_locked_while_they_wait_for_a_turn_does_nothing_more() 
     store = SlowStore()
     async with a_hall(store) as hall:
         await hall.knows(DI, "Di", "admin")
-        await hall.say(BO, "/revoke Cy Young")
         await hall.say(ED, await hall.invited("senior"))
         await hall.tap(ED, "Join")
         await hall.say(ADA, "/lock Cy Young")
-        code = await hall.invited("viewer")
-        made = hall.enrolment.invitations.find(code)
-        assert made is not None
         store.ready.clear()
         hall.chat.say("/invite viewer", account=ADA, chat=ADA)  # holds the turn
         await settle()
-        revoke, under = hall.button(BO, "Revoke")
-        hall.chat.tap(revoke, under=under, account=BO)
         lines = (
-            *("/invite viewer", f"/invite back {made.id}", "/invite reopen"),
+            *("/invite viewer", "/invite reopen"),
             *("/approve Ed", "/decline Ed", "/unlock Cy Young"),
             *("/code 123456", "/authenticator reset Cy Young"),
         )
@@ -192,13 +188,13 @@ async def test_whoever_is_locked_while_they_wait_for_a_turn_does_nothing_more() 
         assert hall.locks.locked("p-2")
         store.ready.set()
         await hall.quiet()
-        chats = (BO, *(f"b{number}" for number in range(len(lines))))
+        chats = tuple(f"b{number}" for number in range(len(lines)))
         assert {hall.told(chat, before) for chat in chats} == {
             "Your access is locked. Ask an admin."
         }
         assert hall.directory.has_good_key("p-3")
         assert hall.locks.locked("p-3")
-        assert len(hall.enrolment.invitations.open()) == 2  # the one that is asked about, Ada's
+        assert len(hall.enrolment.invitations.open()) == 1  # Ada's
         assert hall.enrolment.applicants.all()
 
 
@@ -271,6 +267,91 @@ async def test_a_lock_waits_for_nobodys_disk() -> None:
         await hall.quiet()
         assert hall.last(ADA).text == LOCKED
         assert hall.ended == [("p-3", True)]
+
+
+async def test_revoking_waits_for_nobodys_disk_and_is_answered_in_a_second() -> None:
+    store = SlowStore()
+    async with a_hall(store) as hall:
+        code = await hall.invited("viewer")
+        made = hall.enrolment.invitations.find(code)
+        assert made is not None
+        await hall.say(ADA, "/revoke Cy Young")
+        store.ready.clear()
+        hall.chat.say("/invite viewer", account=BO, chat=BO)  # holds the turn
+        await settle()
+        button, under = hall.button(ADA, "Revoke")
+        hall.chat.tap(button, under=under, account=ADA)
+        hall.chat.say(f"/invite back {made.id}", account=ADA, chat="elsewhere")
+        await hall.quiet()
+        assert not hall.directory.has_good_key("p-3")
+        assert made.id not in {one.id for one in hall.enrolment.invitations.open()}
+        assert hall.ended == [("p-3", True)]
+        assert await hall.say(CY, "/me") == GONE
+        await hall.clock.advance(WRITTEN_WITHIN_S)
+        await hall.quiet()
+        assert hall.last(ADA).text == f"Cy Young has no access any more. {messages.UNWRITTEN}"
+        assert hall.told("elsewhere").endswith(messages.UNWRITTEN)
+        store.ready.set()
+        await hall.quiet()
+        clock = hall.clock
+    async with Hall(store, clock=clock, seed=1).open() as again:
+        assert await again.say(CY, "/me") == GONE, "it was written as soon as the disk answered"
+
+
+async def test_what_is_given_too_late_outlives_no_revoking() -> None:
+    """Whoever gives more had looked before it: their write hung meanwhile (I8)."""
+    store = SlowStore()
+    async with a_hall(store) as hall:
+        await hall.say(ADA, "/revoke Cy Young")
+        until_ns = hall.clock.wall_ns() + 3_600_000_000_000
+
+        async def give() -> bool:
+            async with hall.changes.turn() as turn:
+                given = Grant(id="late", role="senior", expires_ns=until_ns)
+                await turn.write(
+                    (
+                        *hall.keys.issue("p-3", "test")[1],
+                        *hall.authority.grants_book.give("p-3", (given,), "test"),
+                    )
+                )
+                return hall.directory.has_good_key("p-3")
+
+        store.ready.clear()
+        giving = asyncio.create_task(give())
+        await settle()
+        button, under = hall.button(ADA, "Revoke")
+        hall.chat.tap(button, under=under, account=ADA)
+        await hall.quiet()
+        assert not hall.directory.has_good_key("p-3")
+        store.ready.set()
+        assert not await asyncio.wait_for(giving, 60 * pace()), "not for a moment"
+        await hall.quiet()
+        assert hall.rights.grants("p-3") == ()
+        assert not any(hall.keys.good(key.id) for key in hall.keys.of("p-3"))
+        clock = hall.clock
+    async with Hall(store, clock=clock, seed=1).open() as again:
+        assert await again.say(CY, "/me") == GONE
+        assert again.rights.grants("p-3") == ()
+
+
+async def test_an_unlocking_that_is_written_too_late_undoes_no_later_lock() -> None:
+    store = SlowStore()
+    async with a_hall(store) as hall:
+        await hall.say(ADA, "/lock Cy Young")
+        store.ready.clear()
+        hall.chat.say("/unlock Cy Young", account=BO, chat=BO)
+        await settle()
+        hall.chat.say("/lock Cy Young", account=ADA, chat=ADA)
+        await hall.quiet()
+        store.ready.set()
+        await hall.quiet()
+        assert hall.locks.locked("p-3")
+        assert await hall.say(ADA, "/unlock Cy Young") == "Cy Young is unlocked."
+        assert not hall.locks.locked("p-3"), "whoever looks afterwards has seen it"
+        await hall.say(ADA, "/lock Cy Young")
+        clock = hall.clock
+    async with Hall(store, clock=clock, seed=1).open() as again:
+        assert again.locks.locked("p-3")
 
 
 async def test_what_is_in_hand_ends_before_the_disk_has_answered() -> None:

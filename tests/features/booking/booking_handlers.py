@@ -139,7 +139,7 @@ class Lab:
             nobody_to_tell,
         )
         outbox = Outbox(self.store, clock, SeededEntropy(), chat_sender)
-        self.changes = Transactions(self.store)
+        self.changes = Transactions(self.store, clock)
         names = CalendarNames(
             name_of=NAMES.__getitem__,
             shown_of=lambda robot: vocabularies.current.profiles[robot].shown,

@@ -16,7 +16,7 @@ from rosic.core.identity import OPERATOR
 from rosic.core.language import clean
 from rosic.core.policy.roles import Grant
 from rosic.core.policy.validation import grant_mistakes
-from rosic.core.records import Decided, Fact
+from rosic.core.records import Decided
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access.messages import how_to_join, noted
 
@@ -208,7 +208,7 @@ class AccessAdmin:
             if owner is not None and [key.id for key in self._good(owner)] == [name]:
                 self._check_another_admin(owner)
             said = f"The key {name} is not good any more, also after a restart."
-            written = await self._act(lambda: revocation.records)
+            written = await self._access.changes.take_away(revocation.records)
             if self._notices is not None and owner is not None:
                 self._notices.key_taken(owner, OPERATOR)
             return noted(said, written=written)
@@ -217,7 +217,7 @@ class AccessAdmin:
             raise NotUnderstood(keys_messages.NOTHING_TO_ROTATE)
         self._check_another_admin(person)
         said = f"{clean(person.name)} has no good key any more, also after a restart."
-        written = await self._act(lambda: self._keys_end(person))
+        written = await self._take_away(lambda: self._keys_end(person))
         if self._notices is not None:
             self._notices.revoked(person, OPERATOR)
         return noted(said, written=written)
@@ -238,9 +238,8 @@ class AccessAdmin:
         ends = [self._access.keys.revoke(key.id, OPERATOR) for key in self._good(person)]
         return tuple(record for end in ends for record in end.records)
 
-    async def _act(self, decide: Callable[[], tuple[Record, ...]]) -> bool:
-        async with self._access.changes.turn() as turn:
-            return await turn.act(decide())
+    async def _take_away(self, decide: Callable[[], tuple[Record, ...]]) -> bool:
+        return await self._access.changes.take_away(decide(), decide)
 
     # ---- ends ----
 
@@ -257,7 +256,7 @@ class AccessAdmin:
         if not self._good(person):
             return f"{clean(person.name)} has no access already. Nothing was changed."
         self._check_another_admin(person)
-        written = await self._act(lambda: self._everything(person))
+        written = await self._take_away(lambda: self._everything(person))
         if self._notices is not None:
             self._notices.revoked(person, OPERATOR)
         return noted(
@@ -280,12 +279,13 @@ class AccessAdmin:
             NotUnderstood: Nobody, or more than one, is called so.
         """
         person = the_one(self._directory, name)
-        records = self._access.locks.lock(person.id, OPERATOR)
-        for record in records:
-            if isinstance(record, Fact):
-                self._access.locks.apply(record)
-        self._books.enforce()
-        written = await self._act(lambda: records)
+        locks = self._access.locks
+
+        def again() -> tuple[Record, ...]:
+            return () if locks.locked(person.id) else locks.lock(person.id, OPERATOR)
+
+        records = locks.lock(person.id, OPERATOR)
+        written = await self._access.changes.take_away(records, again)
         if self._notices is not None:
             self._notices.locked(person, OPERATOR)
         return noted(keys_messages.locked(clean(person.name)), written=written)

@@ -16,7 +16,7 @@ from rosic.organiser.calendar_messages import moment
 from rosic.organiser.timezones import UNIVERSAL, Zone, zone_named
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from rosic.app.gateway import Gateway
     from rosic.authoriser.authoriser import Authoriser
@@ -40,7 +40,6 @@ class AdminContext(NamedTuple):
     """Everything that an operator may ask about or change.
 
     Attributes:
-        enforce: Takes robots from whoever may not have them any more.
         zone: Of the place; times are told in it.
         assurances: What a conversation on each platform is worth.
         messengers: Those by which an invitation may be handed in; none while no gateway runs.
@@ -51,7 +50,6 @@ class AdminContext(NamedTuple):
 
     access: AccessRegistry
     authority: PolicyService
-    enforce: Callable[[], object]
     authoriser: Authoriser
     organiser: Organiser
     vocabularies: VocabularyHolder
@@ -99,7 +97,6 @@ def books_of(
     return AdminContext(
         access=gateway.access,
         authority=gateway.authority,
-        enforce=gateway.enforcer.enforce,
         authoriser=rooms.authoriser,
         organiser=rooms.organiser,
         vocabularies=rooms.vocabularies,

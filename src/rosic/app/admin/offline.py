@@ -188,7 +188,6 @@ class OfflineAdmin:
         return AdminContext(
             access=access,
             authority=authority,
-            enforce=_nothing_runs,
             authoriser=authoriser,
             organiser=organiser,
             vocabularies=around.vocabularies,
@@ -243,10 +242,6 @@ async def _nowhere() -> MemoryStore:
 
 def _nobody_hears(_people: tuple[PrincipalId, ...], _text: str) -> None:
     """Without a gateway nobody is reached."""
-
-
-def _nothing_runs() -> None:
-    """Without a gateway no robot is anybody's, so none has to be taken from them."""
 
 
 def _nothing_is_asked(_fact: Fact) -> None:

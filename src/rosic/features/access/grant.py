@@ -211,15 +211,15 @@ class GrantCommands:
         return Button(request_messages.take_label(), f"/grant {BACK} {ids}")
 
     async def _take_back(self, by: PrincipalId, ids: list[str]) -> Reply:
-        async with self._registry.changes.turn() as turn:
-            held = [one for one in map(self._registry.grants_book.holder, ids) if one is not None]
-            if not held:
-                raise Expired(request_messages.gone())
-            principal, grants = held[0][0], tuple(grant for _, grant in held)
-            if by not in self._admin_policy.givers_of(grants, besides=principal):
-                raise NotPermitted(request_messages.not_yours(self._admin_policy.helpers(by)))
-            records = [self._registry.grants_book.take_one(principal, g.id, by) for g in grants]
-            await turn.act(record for some in records for record in some)
+        book = self._registry.grants_book
+        held = [one for one in map(book.holder, ids) if one is not None]
+        if not held:
+            raise Expired(request_messages.gone())
+        principal, grants = held[0][0], tuple(grant for _, grant in held)
+        if by not in self._admin_policy.givers_of(grants, besides=principal):
+            raise NotPermitted(request_messages.not_yours(self._admin_policy.helpers(by)))
+        taken = [book.take_one(principal, grant.id, by) for grant in grants]
+        await self._registry.changes.take_away(record for some in taken for record in some)
         name, who = self._registry.name(by), self._registry.name(principal)
         told = request_messages.was_taken(name, self.said(grants, principal))
         self._registry.reach.tell((principal,), told)

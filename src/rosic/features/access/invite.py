@@ -360,10 +360,8 @@ class InviteCommands:
 
     async def _take_back(self, asked: CommandContext, invitation: str) -> Reply:
         by, made = asked.caller.principal, self._registry.enrolment.invitations
-        async with self._registry.changes.turn() as turn:
-            self._admin_policy.check(by, INVITE)
-            records = made.withdraw(invitation, by)
-            written = await turn.act(records)
+        self._admin_policy.check(by, INVITE)
+        written = await self._registry.changes.take_away(made.withdraw(invitation, by))
         return Reply(messages.noted(messages.TAKEN_BACK, written=written), anew=True)
 
     async def _reopen(self, asked: CommandContext) -> Reply:

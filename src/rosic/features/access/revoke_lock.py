@@ -12,7 +12,6 @@ from rosic.authoriser import keys_messages
 from rosic.core.i18n import said
 from rosic.core.identity import OPERATOR
 from rosic.core.message import Button
-from rosic.core.records import Fact
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access import access_messages, messages
 from rosic.features.access.admin_policy import BY_ID, LOCK, PEOPLE, PersonNames, asked_again, sure
@@ -20,7 +19,7 @@ from rosic.gateway.commands import Reply, check_private
 from rosic.gateway.replies import LEAVE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from rosic.authoriser.enrolment_records import Applicant
     from rosic.core.identity import Principal, PrincipalId
@@ -107,13 +106,13 @@ class RevokeLockCommands:
         return applicant is not None and now_ns < applicant.pending.expires_ns
 
     async def _end_for_good(self, person: Principal, by: PrincipalId) -> bool:
-        async with self._registry.changes.turn() as turn:
-            self._admin_policy.check(by, PEOPLE)  # they may have waited for somebody else's turn
-            self._check_revocable(person)
-            ending = self._begin_to_end(person.id)
-            written = await turn.act(self._revocation(person, by))
-        await ending
-        return written
+        """Take everything at once, whoever holds the turn: somebody else's write may hang.
+
+        Nothing was waited for since it was seen that this is theirs to do.
+        """
+        self._check_revocable(person)
+        records = self._revocation(person, by)
+        return await self._end(person.id, records, lambda: self._revocation(person, by))
 
     def _given(self, principal: PrincipalId) -> str:
         rights, now_ns = self._registry.rights(), self._registry.clock.wall_ns()
@@ -180,29 +179,30 @@ class RevokeLockCommands:
         return tuple(self._registry.name(principal) for principal in self._locks.all())
 
     async def _end_for_now(self, principal: PrincipalId, by: PrincipalId) -> bool:
-        """Lock at once, whoever holds the turn: somebody else's write may hang on the disk."""
-        records = self._locks.lock(principal, by)
-        for record in records:
-            if isinstance(record, Fact):
-                self._locks.apply(record)
-        ending = self._begin_to_end(principal)
-        async with self._registry.changes.turn() as turn:
-            written = await turn.act(records)
-        await ending
-        return written
+        """Lock at once, whoever holds the turn: they may unlock, and had looked before."""
+
+        def again() -> tuple[Record, ...]:
+            return () if self._locks.locked(principal) else self._locks.lock(principal, by)
+
+        return await self._end(principal, self._locks.lock(principal, by), again)
 
     # ---- both ----
 
-    def _begin_to_end(self, principal: PrincipalId) -> asyncio.Future[object]:
-        """End what somebody has in hand, beside the writing: the disk may take its time.
+    async def _end(
+        self,
+        principal: PrincipalId,
+        records: tuple[Record, ...],
+        again: Callable[[], tuple[Record, ...]],
+    ) -> bool:
+        """Take access away, and end what somebody has in hand, beside the writing.
 
         The task begins when the event loop is let go, and by then it is in force that they may
-        nothing any more.
+        nothing any more. The answer does not wait for it: it may need a turn of the changes.
         """
         ending = asyncio.ensure_future(self._registry.ended(principal))
         self._ending.add(ending)
         ending.add_done_callback(self._ending.discard)
-        return ending
+        return await self._registry.changes.take_away(records, again)
 
 
 def _locked(person: Principal, by: PrincipalId, *, written: bool) -> Reply:

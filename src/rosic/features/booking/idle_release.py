@@ -116,12 +116,8 @@ class IdleSlotRelease:
         times = self._times
         if times.sides.may_book(slot.principal, slot.robot) is None:
             return False
-        async with times.changes.turn() as turn:
-            if self._availability.slot(slot.robot) is not slot:
-                return True
-            facts = times.calendar.cancel(slot.id, slot.principal)
-            # As whatever takes rights away it waits for no disk.
-            await turn.act(decided("release", OPERATOR, times.clock.wall_ns(), facts))
+        facts = times.calendar.cancel(slot.id, slot.principal)
+        await times.changes.take_away(decided("release", OPERATOR, times.clock.wall_ns(), facts))
         self._watches.pop(slot.robot, None)
         times.reach.tell((slot.principal,), scheduler_messages.taken_back(times.shown(slot.robot)))
         return True
