@@ -103,11 +103,14 @@ async def test_so_does_one_to_a_life_that_many_others_came_after() -> None:
         assert place.last()[1].text.startswith("Which robot is to")
 
 
-async def test_a_reply_to_what_a_person_wrote_means_the_chosen_robot() -> None:
+async def test_a_reply_to_what_a_person_wrote_asks_whether_the_chosen_robot_is_meant() -> None:
     async with Place().open() as place:
         await place.say("use kuka1", **LAB)
         await place.say("hello there", account=BO, message="of-bo", **LAB)
-        await place.say("wave", answers="of-bo", **LAB)
+        told = await place.say("wave", answers="of-bo", **LAB)
+        assert told == "kuka1: wave? It moves only if you confirm it."
+        assert place.acted("kuka1") == 0
+        await place.tap(*place.button("Do it"))
         assert place.acted("kuka1") == 1
 
 

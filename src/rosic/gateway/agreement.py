@@ -154,7 +154,7 @@ class Agreements:
 
     def named(self, line: Do) -> str:
         """Return what was said with the name of whom it is for, if that was left out."""
-        return self.named_for(line.group or line.robots[0], line.text)
+        return self.named_for(line.name, line.text)
 
     def named_for(self, name: str, text: str) -> str:
         """Return what was said to a robot or a group with its name, if that was left out."""
@@ -237,4 +237,4 @@ class Agreements:
 
 def _is_for(line: Line, name: str) -> bool:
     """Whether a line says by itself whom it is for."""
-    return isinstance(line, Do) and name == (line.group or line.robots[0])
+    return isinstance(line, Do) and name == line.name

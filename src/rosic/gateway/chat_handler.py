@@ -11,6 +11,7 @@ from rosic.core.i18n import ImperialCatalogue, said
 from rosic.core.language import CommandLine, Do, Halt, Misunderstood, Resume, Use, kept_of
 from rosic.core.language.arguments import unit_needed
 from rosic.core.message import ChatKind
+from rosic.core.policy.roles import StepRequired
 from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, Repeated, Unrecognised
 from rosic.gateway.builtin_commands import BuiltinCommands
 from rosic.gateway.commands import CommandContext
@@ -36,13 +37,15 @@ if TYPE_CHECKING:
     from rosic.gateway.delivery.sender import ChatSender
     from rosic.gateway.hooks import PipelineHooks
     from rosic.gateway.replies import Replies
-    from rosic.gateway.reply_context import RobotFollowers
+    from rosic.gateway.reply_context import GroupConversations, RobotFollowers
     from rosic.gateway.resume import ResumeHandler
     from rosic.gateway.urgent_lane import UrgentLane
 
 FOLLOWED_KEPT = 10_000
 FAULT = said("Something went wrong here. It is not known what was done; please look.")
 NOTHING_DONE = said("Nothing was done.")
+DONE_ALREADY = said("This was done already.")
+FOR_OTHERS = said("This may be meant for somebody else here. Nothing was done.")
 
 log = logging.getLogger("rosic.pipeline")
 
@@ -61,6 +64,7 @@ class ChatParts(NamedTuple):
         resuming: Undoes stops.
         cancels: Ends what people have under way.
         urgent: Stops.
+        conversations: Whom people speak to in chats of many.
     """
 
     reader: LanguageReader
@@ -71,6 +75,7 @@ class ChatParts(NamedTuple):
     resuming: ResumeHandler
     cancels: CancelLane
     urgent: UrgentLane
+    conversations: GroupConversations
 
 
 class ChatHandler:
@@ -161,6 +166,8 @@ class ChatHandler:
         lines = self._reader.lines(message.text, selected, visible)
         if inbound.nonce is not None:
             self._agreements.check(caller, lines, message.act)
+        if len(lines) > 1 and inbound.chat.kind is not ChatKind.PRIVATE:
+            message.read_as(lines, self._reader.vocabulary)
         return lines
 
     def check_units(self, message: MessageContext, line: Do) -> None:
@@ -174,6 +181,55 @@ class ChatHandler:
             asked = unit_needed(self._reader.vocabulary, line)
             if asked is not None:
                 raise NotUnderstood(asked.sentence, offers=asked.offers)
+
+    # ---- what may be meant for somebody else ----
+
+    def check_meant(self, message: MessageContext, line: Do, cid: CommandId) -> None:
+        """Let a line of a chat of many move a robot at once if it is surely meant for that robot.
+
+        People talk to each other there, about robots as well. Surely meant is a tap, what is
+        addressed to us, and a line that names its robot, unless it stands among lines that are no
+        commands. What names none is meant in a topic of that robot and while whoever wrote it is
+        talking to it, but not in reply to what another person wrote.
+
+        Raises:
+            FirstNeeded: It may be meant for somebody else: a tap has to confirm it.
+            Repeated: The same line was asked about, or followed, before.
+        """
+        inbound = message.inbound
+        if inbound.nonce is not None or inbound.addressed:
+            return
+        if not any(skill.actuates for skill in line.skills):
+            return
+        if (line.named or line.text.startswith("/")) and not message.unclear:
+            return
+        # Before it is asked: what was asked about once is not done because it comes again later.
+        if self._repeated(cid):
+            raise Repeated(DONE_ALREADY)
+        if message.unclear or not self._in_conversation(message, line):
+            need = StepRequired.CONFIRMATION.value
+            raise FirstNeeded(FOR_OTHERS, need=need, robot=line.robots[0], text=line.text)
+
+    def _in_conversation(self, message: MessageContext, line: Do) -> bool:
+        """Whether a line without a name goes on with what its author says to that robot."""
+        inbound, name = message.inbound, line.name
+        if inbound.answers or inbound.answers_us:
+            return False
+        if inbound.chat.topic and self._rooms.container.here(inbound.chat) == name:
+            return True
+        who = message.caller.principal
+        return self._parts.conversations.goes_on(who, inbound.chat, name)
+
+    def spoke_to(self, message: MessageContext, line: Do | Use) -> None:
+        """Note in a chat of many whom somebody speaks to, if a line or what it answers says so."""
+        inbound = message.inbound
+        if inbound.nonce is None and not inbound.addressed:
+            named = line.named if isinstance(line, Do) else not inbound.answers
+            if message.unclear or not named:
+                return
+        if line.name:
+            who = message.caller.principal
+            self._parts.conversations.note(who, inbound.chat, line.name)
 
     async def _tapped(self, message: MessageContext) -> bool:
         """Take in what a tap says; whether it says a command that is not answered yet."""
@@ -265,6 +321,8 @@ class ChatHandler:
         if isinstance(line, Use):
             for robot in self._builtin.members(line.name):
                 self._parts.followers.note(robot, messenger, inbound.chat, caller.principal)
+            if inbound.chat.kind is not ChatKind.PRIVATE:
+                self.spoke_to(message, line)
         reply = self._builtin.answer(caller, inbound.chat, line)
         self._replies.hand_over(messenger, inbound, caller, reply)
 
@@ -289,12 +347,17 @@ class ChatHandler:
         """
         messenger, inbound, caller = message.messenger, message.inbound, message.caller
         if isinstance(why, FirstNeeded):
-            if isinstance(line, Do):
-                reply = self._parts.confirmation.ask(caller, line, why)
-                self._replies.offer(messenger, inbound, caller, reply.text, reply.buttons)
-            else:
+            if not isinstance(line, Do):
                 self._replies.say(messenger, inbound, why.sentence)
-        elif isinstance(why, Refusal):
+                return
+            try:
+                reply = self._parts.confirmation.ask(caller, line, why)
+            except Refusal as instead:  # nothing of it was looked at before it was asked about
+                why = instead
+            else:
+                self._replies.offer(messenger, inbound, caller, reply.text, reply.buttons)
+                return
+        if isinstance(why, Refusal):
             self._agreements.make_good(why, line, caller, inbound.chat)
             await self._replies.refuse(
                 message, cid, why, kept_of(line, message.text, self._rooms.vocabulary.commands)

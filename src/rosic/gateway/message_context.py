@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
+from rosic.core.language.skill_values import is_understood
 from rosic.core.policy.roles import ASSURANCES, Assurance
 from rosic.organiser.organiser import AuthContext
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.language import Line, Vocabulary
     from rosic.core.message import Chat, Inbound
     from rosic.core.robot.profile import RobotId
 
@@ -41,6 +43,7 @@ class MessageContext:
         note: What is said beside its orders: that a default was lowered; mostly empty.
         text: What is read: as it was typed, or what the button says.
         proven: It was asked whether they have shown a second factor lately, and they have.
+        unclear: In a chat of many: one of its lines is no command, and was said to others.
     """
 
     __slots__ = (
@@ -57,6 +60,7 @@ class MessageContext:
         "shown_ns",
         "stepped_up",
         "text",
+        "unclear",
     )
 
     def __init__(
@@ -70,7 +74,7 @@ class MessageContext:
         self.act = b""
         self.note = ""
         self.text = inbound.text
-        self.confirmed = self.proven = False
+        self.confirmed = self.proven = self.unclear = False
         self.second: PrincipalId | None = None
         self.shown_ns = 0
         self.stepped_up = stepped_up
@@ -83,6 +87,10 @@ class MessageContext:
     def tapped(self, command: str, act: bytes, shown_ns: int) -> None:
         """Take in what a button says, what it agrees to, and when it was shown (wall clock)."""
         self.text, self.act, self.shown_ns = command, act, shown_ns
+
+    def read_as(self, lines: Sequence[Line], vocabulary: Vocabulary) -> None:
+        """Take in what its several lines were read as."""
+        self.unclear = not all(is_understood(line, vocabulary) for line in lines)
 
     def confirmed_as(self, command: str, second: PrincipalId | None) -> None:
         """Take in what was confirmed, and who else has agreed to it."""

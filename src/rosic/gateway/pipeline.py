@@ -9,7 +9,7 @@ from rosic.container.history import CommandHistory
 from rosic.container.records import ReplyTo
 from rosic.core.i18n import in_language
 from rosic.core.language import Do, LanguageReader
-from rosic.core.message import MessageValidity
+from rosic.core.message import ChatKind, MessageValidity
 from rosic.core.order_status import ENGLISH, wording_in
 from rosic.core.synchronised_start import begin_together
 from rosic.errors import OutOfBounds, Refusal
@@ -25,7 +25,7 @@ from rosic.gateway.limit_clamping import LimitClamping
 from rosic.gateway.order_execution import OrderExecutor
 from rosic.gateway.order_status import OrderMessage, stop_button
 from rosic.gateway.replies import Replies, reply_id
-from rosic.gateway.reply_context import RobotFollowers
+from rosic.gateway.reply_context import GroupConversations, RobotFollowers
 from rosic.gateway.requests import RequestFactory, line_id
 from rosic.gateway.unfollowed_messages import UnfollowedMessages
 from rosic.gateway.urgent_lane import UrgentLane
@@ -51,6 +51,7 @@ if TYPE_CHECKING:
 
 LONG = 1_000
 FRESH = MessageValidity.FRESH
+PRIVATE = ChatKind.PRIVATE
 
 
 class Pipeline:
@@ -117,6 +118,7 @@ class Pipeline:
             resuming,
             self.cancels,
             self._urgent,
+            GroupConversations(clock),
         )
         self._chat = ChatHandler(rooms, chat_sender, replies, hooks, self.agreements, parts)
         self._unfollowed = UnfollowedMessages(
@@ -197,6 +199,7 @@ class Pipeline:
 
         Raises:
             Refusal: It is too old, or too much, or a number of it may be in feet or in metres.
+            FirstNeeded: In a chat of many it may be meant for somebody else.
         """
         caller = message.caller
         if self.cancels.last:
@@ -204,6 +207,8 @@ class Pipeline:
         requests = self._requesting.requests(message, line, cid, self._clock.monotonic_ns())
         self._rooms.organiser.charge(caller)  # not for what was sent in vain while nobody listened
         self._chat.check_units(message, line)
+        if message.inbound.chat.kind is not PRIVATE:
+            self._chat.check_meant(message, line, cid)
         return requests
 
     def _arguments_of(self, request: Request) -> Mapping[str, Argument]:
@@ -232,6 +237,8 @@ class Pipeline:
     ) -> None:
         """Let the orders of a line be relayed, each as soon as its robot has its turn."""
         messenger, chat, caller = message.messenger, message.inbound.chat, message.caller
+        if chat.kind is not PRIVATE:
+            self._chat.spoke_to(message, line)
         message.asked += line.robots
         self.command_history.note(caller.principal, chat, line.group or line.robots[0], line.text)
         if len(orders) > 1:

@@ -1,18 +1,20 @@
-"""Of which robot a message of ours speaks: whoever replies to it means that one."""
+"""Of whom a message speaks: whom a reply means, whom somebody talks to, and who hears a robot."""
 
 from __future__ import annotations
 
 from collections import OrderedDict
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.contracts.messenger import Messenger
 from rosic.core.identity import PrincipalId
 from rosic.core.message import Chat
+from rosic.core.time_units import MINUTE_NS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.container.container import Containers
+    from rosic.contracts.clock import Clock
     from rosic.core.message import Inbound
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.message_context import MessageContext
@@ -73,6 +75,37 @@ def meant(
     if said.inbound.answers_us:
         return ""
     return container.selected(said.caller.principal, said.inbound.chat)
+
+
+# ---- who speaks to which robot in a chat of many ----
+
+GOES_ON_NS: Final = 5 * MINUTE_NS
+CONVERSATIONS_KEPT: Final = 8_192
+
+
+class GroupConversations:
+    """Which robot or group somebody named lately in a chat that others read along.
+
+    For `GOES_ON_NS` what they say there without a name is meant for that one; later it may be meant
+    for somebody else in the chat. In memory, bounded: what is forgotten is asked about.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._named_ns: OrderedDict[tuple[PrincipalId, Chat, str], int] = OrderedDict()
+
+    def note(self, who: PrincipalId, chat: Chat, name: str) -> None:
+        """Remember that somebody has just named a robot or a group in a chat."""
+        key = (who, chat, name)
+        self._named_ns[key] = self._clock.monotonic_ns()
+        self._named_ns.move_to_end(key)
+        if len(self._named_ns) > CONVERSATIONS_KEPT:
+            self._named_ns.popitem(last=False)
+
+    def goes_on(self, who: PrincipalId, chat: Chat, name: str) -> bool:
+        """Whether somebody has named that robot or group lately in that chat, topic by topic."""
+        named_ns = self._named_ns.get((who, chat, name))
+        return named_ns is not None and self._clock.monotonic_ns() - named_ns < GOES_ON_NS
 
 
 # ---- who hears a robot (Algorithm 8) ----

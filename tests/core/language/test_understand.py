@@ -20,6 +20,7 @@ from rosic.core.language import (
     Vocabulary,
     understand,
 )
+from rosic.core.language.skill_values import is_understood
 from rosic.core.order import SpokenValue
 
 if TYPE_CHECKING:
@@ -242,6 +243,59 @@ def test_several_lines_keep_their_order(vocabulary: Vocabulary, everyone: frozen
 
     assert [type(line) for line in lines] == [Do, Misunderstood, Status, Halt]
     assert lines[-1] == Halt(("omni",))
+
+
+@pytest.mark.parametrize(
+    ("text", "selected", "name", "named"),
+    [
+        ("omni move 1 m", "", "omni", True),
+        ("please omni, move 1 m", "", "omni", True),
+        ("move omni 1 m", "", "omni", True),
+        ("omni move 1 m", "omni", "omni", True),
+        ("rover move 1 m", "kuka1", "omni", True),
+        ("crazyflies takeoff", "", "crazyflies", True),
+        ("takeoff crazyflies", "", "crazyflies", True),
+        ("move 1 m", "omni", "omni", False),
+        ("/move 1 m", "omni", "omni", False),
+        ("takeoff", "crazyflies", "crazyflies", False),
+        ("handover", "", "yumi", False),
+        ("echo Hello there", "", "echo", True),
+        ("echo say Hello there", "", "echo", True),
+        ("Hello there", "echo", "echo", False),
+        ("say Hello there", "echo", "echo", False),
+    ],
+)
+def test_an_order_knows_whether_its_line_names_whom_it_is_for(
+    means: Means, text: str, selected: str, name: str, named: bool
+) -> None:
+    line = means(text, selected)
+    assert isinstance(line, Do)
+    assert (line.name, line.named) == (name, named)
+
+
+@pytest.mark.parametrize(
+    ("text", "understood"),
+    [
+        ("omni move 1 m", True),
+        ("omni move 40 m", True),
+        ("omni turn", True),
+        ("crazyflies takeoff 1 m", True),
+        ("stop", True),
+        ("status", True),
+        ("echo Hello there", True),
+        ("say Hello there", True),
+        ("Hello there", False),
+        ("/mvoe", False),
+        ("omni mvoe 1 m", False),
+        ("omni move was what I meant", False),
+        ("omni move 1 kg", False),
+        ("crazyflies takeoff is at noon", False),
+    ],
+)
+def test_what_is_surely_a_command_is_read_to_its_end(
+    means: Means, vocabulary: Vocabulary, text: str, understood: bool
+) -> None:
+    assert is_understood(means(text, "echo"), vocabulary) is understood
 
 
 class TestDialogue:

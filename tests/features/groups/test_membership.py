@@ -138,7 +138,11 @@ async def test_what_was_chosen_and_what_is_kept_moves_with_a_group() -> None:
         await place.say("/archive on", **IN_LAB)
         await place.say("use omni", account=BO, **IN_LAB)
         await _pass(place, _passing(ChatEventKind.MOVED, new_id="-1005"))
-        await place.say("wave", account=BO, chat="-1005", kind=ChatKind.GROUP)
+        told = await place.say("wave", account=BO, chat="-1005", kind=ChatKind.GROUP)
+        assert told == "omni: wave? It moves only if you confirm it.", (
+            "nobody has spoken to it there"
+        )
+        await place.tap(*place.button("Do it"), account=BO)
         assert place.acted() == 1
         archive = place.gateway.archive
         assert archive.keeps(Chat("memory", "-1005", ChatKind.GROUP))

@@ -34,6 +34,9 @@ class Do(msgspec.Struct, frozen=True, kw_only=True):
         spoken: Values as said; `bind` makes arguments of them, robot by robot.
         text: The line as typed, without characters that cannot be seen.
         group: The group's name; empty for one robot.
+        named: The line itself names the robot or the group: it is not merely what is chosen in that
+            chat, or the only one that can do it.
+        speech: It means nothing else, so it is taken for words to a robot that one talks to.
     """
 
     robots: tuple[RobotId, ...]
@@ -41,6 +44,13 @@ class Do(msgspec.Struct, frozen=True, kw_only=True):
     spoken: tuple[SpokenValue, ...]
     text: str
     group: str = ""
+    named: bool = False
+    speech: bool = False
+
+    @property
+    def name(self) -> str:
+        """Whom it is for: a group's name, or a robot's id."""
+        return self.group or self.robots[0]
 
 
 class Status(msgspec.Struct, frozen=True):

@@ -209,14 +209,14 @@ class LineReader:
             return Help(callee.name)
         found = self._skill(callee, at)
         if found is not None:
-            return self._do(callee, *found)
+            return self._do(callee, *found, named=True)
         word = self._vocabulary.commands.aliases.get(self._low[at], self._low[at])
         verb = _VERBS.get(word)
         if verb is not None:
             return verb(self, callee, at + 1)
         if word == CONTINUE:
             return CommandLine(CONTINUE, " ".join((callee.name, self._rest(at + 1))).rstrip())
-        if (speech := self._said(callee, at)) is not None:
+        if (speech := self._said(callee, at, named=True)) is not None:
             return speech
         return self._trouble().no_such_skill(callee, at)
 
@@ -242,6 +242,8 @@ class LineReader:
         robots: tuple[CompiledRobot, ...],
         skills: tuple[CompiledSkill, ...],
         at: int,
+        *,
+        named: bool = False,
     ) -> Line:
         alone = len(skills) == 1
         skill = skills[0] if alone else merge(skills)
@@ -264,6 +266,7 @@ class LineReader:
             spoken=spoken,
             text=self._line,
             group=callee.name if callee.group else "",
+            named=named,
         )
 
     def _rest(self, at: int) -> str:
@@ -271,7 +274,7 @@ class LineReader:
         parts = self._line.split(None, at)
         return parts[at] if at < len(parts) else ""
 
-    def _said(self, callee: NameTarget, at: int) -> Line | None:
+    def _said(self, callee: NameTarget, at: int, *, named: bool = False) -> Line | None:
         """Return the line as words to a robot, if it is one that can be spoken to."""
         robot = callee.robots[0]
         if callee.group or not robot.profile.link.dialogue:
@@ -287,6 +290,8 @@ class LineReader:
             skills=(skill.skill,),
             spoken=(SpokenValue(skill.text.name, None, self._rest(at)),),
             text=self._line,
+            named=named,
+            speech=True,
         )
 
     def _unaddressed(self, at: int, *, slash: bool) -> Line:
@@ -318,7 +323,8 @@ class LineReader:
         able = tuple([robot for robot in callee.robots if phrase in robot.phrases])
         if not able:
             return None
-        return self._do(callee, able, tuple([robot.phrases[phrase] for robot in able]), end)
+        skills = tuple([robot.phrases[phrase] for robot in able])
+        return self._do(callee, able, skills, end, named=True)
 
     def _to_chosen(self, chosen: NameTarget, at: int, *, slash: bool) -> Line | None:
         found = self._skill(chosen, at)

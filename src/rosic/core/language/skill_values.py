@@ -5,11 +5,13 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from rosic.core.language.ast import Do, Line, Misunderstood
 from rosic.core.language.compiled import TOLERANCE, CompiledParameter, CompiledSkill
 from rosic.core.language.sanitise import clean
 
 if TYPE_CHECKING:
     from rosic.core.language.numbers import Unit, UnitTable
+    from rosic.core.language.vocabulary import Vocabulary
     from rosic.core.order import SpokenValue
     from rosic.core.robot.skill import Argument
 
@@ -29,6 +31,20 @@ def fits(compiled: CompiledSkill, spoken: tuple[SpokenValue, ...], units: UnitTa
         parameter, argument = placed
         given[parameter.name] = argument
     return True
+
+
+def is_understood(line: Line, vocabulary: Vocabulary) -> bool:
+    """Return whether a line is surely a command: read to its end, each value at a place.
+
+    What means nothing is no command because a robot that one talks to is chosen. Of what a group
+    is asked, its first robot is looked at, so that it costs as much as one.
+    """
+    if not isinstance(line, Do):
+        return not isinstance(line, Misunderstood)
+    if line.speech:
+        return line.named
+    compiled = vocabulary.compiled_skill(line.robots[0], line.skills[0].id)
+    return compiled is not None and fits(compiled, line.spoken, vocabulary.units)
 
 
 def _beyond(
