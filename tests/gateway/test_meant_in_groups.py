@@ -172,6 +172,17 @@ async def test_what_comes_twice_is_asked_once_and_not_done_later() -> None:
         assert acts(place) == {"omni": 1}
 
 
+async def test_what_is_addressed_to_another_bot_of_ours_is_not_asked_about_as_well() -> None:
+    """Each of several bots hears the message, by one id; it is addressed to one of them."""
+    async with Place().open() as place:
+        await choose(place, "omni")
+        ours = written(place, "wave", answers="of-bo", addressed=True)
+        await brought(place, ours)
+        assert acts(place) == {"omni": 1}
+        assert await brought(place, replace(ours, addressed=False)) == ""
+        assert acts(place) == {"omni": 1}
+
+
 # ---- what is done at once ----
 
 

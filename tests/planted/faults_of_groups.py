@@ -51,7 +51,7 @@ OF_GROUPS = (
     Fault(
         name="what was asked about in a group is done because it comes again later",
         file="gateway/chat_handler.py",
-        guard="        if self._repeated(cid):\n            raise Repeated(DONE_ALREADY)\n",
+        guard="        if repeated:\n            raise Repeated(DONE_ALREADY)\n",
         without="",
         caught_by=(f"{MEANT}::test_what_comes_twice_is_asked_once_and_not_done_later",),
     ),

@@ -197,14 +197,15 @@ class ChatHandler:
             Repeated: The same line was asked about, or followed, before.
         """
         inbound = message.inbound
-        if inbound.nonce is not None or inbound.addressed:
+        if inbound.nonce is not None or not any(skill.actuates for skill in line.skills):
             return
-        if not any(skill.actuates for skill in line.skills):
-            return
-        if (line.named or line.text.startswith("/")) and not message.unclear:
+        # Noted of every one: to another bot of ours the same message may not be addressed.
+        repeated = self._repeated(cid)
+        named = line.named or line.text.startswith("/")
+        if inbound.addressed or (named and not message.unclear):
             return
         # Before it is asked: what was asked about once is not done because it comes again later.
-        if self._repeated(cid):
+        if repeated:
             raise Repeated(DONE_ALREADY)
         if message.unclear or not self._in_conversation(message, line):
             need = StepRequired.CONFIRMATION.value
