@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
+from rosic.app.admin.dispatch import NOT_KEPT, AdminDispatcher
 from rosic.container.bounded_writes import WITHIN_S
 from rosic.core.history import RESUMED, HistoryQuery
 from rosic.core.message import Chat, MessageValidity
 from rosic.core.records import Claimed, Concluded, Refused, Resumed, Told
 from rosic.errors import RecordUnavailable, StoreFault
-from rosic.gateway.stop import LATCH_WITHIN_S
+from rosic.gateway.stop import LATCH_WITHIN_S, NOT_WRITTEN
 from rosic.gateway.unfollowed_messages import COUNTED_S
+from rosic.linker.linker import KEPT_WITHIN_S
 from rosic.organiser.refusals import CLOCK_SET_BACK
 from rosic.stores.memory import MemoryStore
 from rosic.stores.stop_latch import MemoryLatch
@@ -156,6 +158,34 @@ async def test_only_the_newest_stop_of_a_robot_waits_for_the_stop_file() -> None
         await place.clock.advance(LATCH_WITHIN_S)
         assert all(task.done() for task in taken)
         assert not place.gateway.stop_lane._latch_wait._newest
+
+
+async def test_a_stop_is_answered_though_the_stop_file_hangs() -> None:
+    """By chat and by the operator: what was measured, and that it could not be written down."""
+    latch = HangingLatch()
+    async with Place(latch=latch).open() as place:
+        latch.hangs = True
+        place.chat.say("stop omni")
+        await place.quiet()
+        assert place.robot("omni").gate.latched
+        await place.clock.advance(KEPT_WITHIN_S)
+        await place.quiet()
+        told = place.last()[1].text
+        assert told.startswith("STOP: omni at rest")
+        assert str(NOT_WRITTEN) in told
+        assert place.gateway.stop_lane.quiet
+
+        desk = AdminDispatcher(place.gateway)
+        yielded: list[str] = []
+
+        async def stop() -> None:
+            yielded.extend([one async for one in desk.stop(["kuka1"])])
+
+        stopping = asyncio.create_task(stop())
+        await place.quiet()
+        await place.clock.advance(KEPT_WITHIN_S)
+        await asyncio.wait_for(stopping, 60 * pace())
+        assert yielded[-1] == str(NOT_KEPT)
 
 
 async def late_order(place: Place, store: SlowStore) -> str:

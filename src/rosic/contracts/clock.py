@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+import asyncio
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 # ---- time ----
 
@@ -47,6 +51,29 @@ def reading(clock: Clock) -> ClockReading:
 def passed_ns(clock: Clock, since: ClockReading) -> int:
     """Return how much time has passed since then, by the clock that says more."""
     return max(clock.monotonic_ns() - since.monotonic_ns, clock.wall_ns() - since.wall_ns)
+
+
+async def done_within(clock: Clock, seconds: float, tasks: Iterable[asyncio.Future[Any]]) -> bool:
+    """Wait until tasks are done, but no longer than so. They go on, whatever comes of the wait.
+
+    Returns:
+        Whether all are done.
+    """
+    tasks = tuple(tasks)
+    if all(task.done() for task in tasks):
+        return True
+    both = asyncio.create_task(_all_done(tasks))
+    patience = asyncio.create_task(clock.sleep(seconds))
+    try:
+        await asyncio.wait((both, patience), return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        both.cancel()
+        patience.cancel()
+    return all(task.done() for task in tasks)
+
+
+async def _all_done(tasks: tuple[asyncio.Future[Any], ...]) -> None:
+    await asyncio.wait(tasks)  # unlike gather, it leaves them be when cut off
 
 
 # ---- chance ----

@@ -270,7 +270,7 @@ class StopLane:
             message = await self._say(messenger, sent, "")
         rests = [await self._rest(robot, task) for robot, task in halting.rests.items()]
         text = self._told(inbound, rests)
-        if not await asyncio.shield(halting.latched):
+        if not await halting.kept(self._clock):
             text = joined(" ", (text, NOT_WRITTEN))
         who, asking = self._who_can(inbound, tuple(halting.rests), by)
         plain = in_language(joined("\n", filter(None, (text, who))), catalogue)

@@ -10,6 +10,7 @@ import logging
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Final, TypeVar
 
+from rosic.contracts.clock import done_within
 from rosic.core.i18n import said
 from rosic.core.records import Decided, Fact
 from rosic.errors import RecordUnavailable, StoreFault
@@ -100,12 +101,7 @@ class Transactions:
         writing = asyncio.create_task(self._write(records))
         self._writing.add(writing)
         writing.add_done_callback(self._writing.discard)
-        patience = asyncio.create_task(self._clock.sleep(WRITTEN_WITHIN_S))
-        try:
-            await asyncio.wait((writing, patience), return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            patience.cancel()
-        return writing.done() and writing.result()
+        return await done_within(self._clock, WRITTEN_WITHIN_S, (writing,)) and writing.result()
 
     async def _write(self, records: tuple[Record, ...]) -> bool:
         try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any, Protocol
 
+from rosic.contracts.clock import done_within
 from rosic.contracts.robot import deliver_of
 from rosic.core import messages
 from rosic.core.i18n import said
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 
 
 CLEARED_WITHIN_S = 0.5
+KEPT_WITHIN_S = 1.0
+"""A stop file that hangs neither writes nor fails: nobody waits longer for it."""
 
 
 class PolicyMoved(RosicError):
@@ -60,6 +63,10 @@ class StopInProgress:
     ) -> None:
         self.rests = rests
         self.latched = latched
+
+    async def kept(self, clock: Clock) -> bool:
+        """Return whether it would survive a power cut; False after `KEPT_WITHIN_S`, too."""
+        return await done_within(clock, KEPT_WITHIN_S, (self.latched,)) and self.latched.result()
 
 
 class Linker:

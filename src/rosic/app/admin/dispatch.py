@@ -288,7 +288,7 @@ class AdminDispatcher:
             for robot, rest in halting.rests.items()
         ]
         yield messages.rests(rooms.profiles, found)
-        if not await asyncio.shield(halting.latched):
+        if not await halting.kept(self._gateway.access.time):
             yield NOT_KEPT
 
     async def resume(self, names: Sequence[str] = ()) -> str:
