@@ -16,7 +16,7 @@ from rosic.core.robot.skill import Skill
 from rosic.core.robot.view import ViewKind
 from rosic.core.stop_registry import StopRegistry, not_known_yet
 from rosic.errors import NothingToSee, OrderVoid, RobotOffline, RobotUnreachable, StoreFault
-from rosic.linker.linker import Linker, PolicyMoved
+from rosic.linker.linker import KEPT_WITHIN_S, Linker, PolicyMoved
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.stop_latch import FileLatch, MemoryLatch
 from rosic.testing.clock import ManualClock, settle
@@ -162,6 +162,46 @@ async def test_a_resume_that_was_cut_off_leaves_the_robot_stopped_on_disk_too() 
     with pytest.raises(asyncio.CancelledError):
         await resuming
     assert board["omni"].latched
+    assert latch.read() == {"omni": (1, True)}
+
+
+async def test_a_resume_whose_stop_file_hangs_ends_in_time_and_leaves_the_robot_stopped() -> None:
+    latch = SlowLatch()
+    latch.ready.set()
+    clock = ManualClock()
+    robot = MemoryRobot(PROFILE, OrderGate.new("omni"), clock)
+    board = StopRegistry(["omni"], {}, not_known_yet())
+    linker = Linker({"omni": robot}, board, latch, clock, clock.wall_ns, Policy(0))
+    assert await linker.stop(["omni"], "p1").latched
+    latch.ready.clear()
+    for _ in range(3):
+        resuming = asyncio.create_task(linker.resume("omni", 1))
+        await clock.advance(KEPT_WITHIN_S)
+        await clock.advance(KEPT_WITHIN_S)
+        with pytest.raises(StoreFault, match="The stop file does not answer"):
+            await asyncio.wait_for(resuming, 60 * patience())
+        assert board["omni"].latched
+        assert robot.gate.latched
+    assert len(linker._latching) == 2, "only the first has begun to write"
+    latch.ready.set()
+    await settle()
+    assert latch.read() == {"omni": (1, True)}, "the newest entry says how it is"
+    assert await linker.resume("omni", 1)
+    assert latch.read() == {"omni": (1, False)}
+
+
+async def test_a_resume_waits_for_the_entry_of_its_stop_no_longer_than_that() -> None:
+    latch, clock = SlowLatch(), ManualClock()
+    robot = MemoryRobot(PROFILE, OrderGate.new("omni"), clock)
+    board = StopRegistry(["omni"], {}, not_known_yet())
+    linker = Linker({"omni": robot}, board, latch, clock, clock.wall_ns, Policy(0))
+    linker.stop(["omni"], "p1")
+    resuming = asyncio.create_task(linker.resume("omni", 1))
+    await clock.advance(KEPT_WITHIN_S)
+    with pytest.raises(StoreFault, match="The stop file does not answer"):
+        await asyncio.wait_for(resuming, 60 * patience())
+    latch.ready.set()
+    await settle()
     assert latch.read() == {"omni": (1, True)}
 
 

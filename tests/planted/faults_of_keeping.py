@@ -29,11 +29,20 @@ OF_KEEPING = (
     Fault(
         name="I5 a resume that failed leaves the latch open on disk",
         file="linker/linker.py",
-        guard="            await self.hold_for_good(robot_id, generation)\n            raise",
-        without="            raise",
+        guard="            await done_within(self._clock, KEPT_WITHIN_S, (holding,))\n",
+        without="            holding.cancel()\n",
         caught_by=(
             f"{LINKER}::test_a_resume_that_failed_leaves_the_robot_stopped_on_disk_too",
             f"{LINKER}::test_a_resume_that_was_cut_off_leaves_the_robot_stopped_on_disk_too",
+        ),
+    ),
+    Fault(
+        name="L1 a resume does not notice that the stop file hangs",
+        file="linker/linker.py",
+        guard="        if not await done_within(self._clock, KEPT_WITHIN_S, (writing,)):\n",
+        without="        if False:\n",
+        caught_by=(
+            f"{LINKER}::test_a_resume_whose_stop_file_hangs_ends_in_time_and_leaves_the_robot_stopped",
         ),
     ),
     Fault(

@@ -33,6 +33,9 @@ KEPT_WITHIN_S = 1.0
 """A stop file that hangs neither writes nor fails: nobody waits longer for it."""
 
 
+LATCH_HANGS = said("The stop file does not answer.")
+
+
 class PolicyMoved(RosicError):
     """The policy or the time moved on since admission: the order is admitted once more (I8)."""
 
@@ -101,7 +104,7 @@ class Linker:
         self._stops = stops
         self._latch = latch
         self._clock = clock
-        self._latching: set[asyncio.Task[bool]] = set()
+        self._latching: set[asyncio.Task[Any]] = set()
         self._clearing: set[asyncio.Task[None]] = set()
         self._resting: set[asyncio.Task[RestReport]] = set()
         self.pursuit = StopPursuit(self._robots, stops, clock)
@@ -242,12 +245,12 @@ class Linker:
         Raises:
             RobotUnreachable: It is measured to move, or is not there and was never seen at rest, or
                 its side did not answer; it stays stopped.
-            StoreFault: The latch cannot be written; it stays stopped.
+            StoreFault: The latch cannot be written, or does not answer in time; it stays stopped.
         """
         # A stop's own entry must not be written after the one that undoes it; and the entry comes
         # before the effect, so that a robot that moves again is never said to stay stopped.
-        if self._latching:
-            await asyncio.wait(self._latching)  # unlike gather, it leaves them be when cut off
+        if not await done_within(self._clock, KEPT_WITHIN_S, self._latching):
+            raise StoreFault(LATCH_HANGS)
         if self._stops[robot_id].generation != generation:
             return False
         if self._robots[robot_id].presence().moves:
@@ -255,16 +258,37 @@ class Linker:
         if self.pursuit.in_doubt(robot_id):
             raise RobotUnreachable(messages.not_resumed_in_doubt(self.profile(robot_id).shown))
         try:
-            await self._latch.write(robot_id, generation, latched=False)
+            await self._let_go(robot_id, generation)
             await self._robots[robot_id].resume(generation)
         except BaseException:  # failed or cut off: on disk, too, it stays stopped
-            await self.hold_for_good(robot_id, generation)
+            holding = self._keep(self.hold_for_good(robot_id, generation))
+            await done_within(self._clock, KEPT_WITHIN_S, (holding,))
             raise
         self._stops.resume(robot_id, generation)
         if self._stops[robot_id].latched:
             return False
         self.pursuit.end(robot_id)
         return True
+
+    async def _let_go(self, robot_id: RobotId, generation: int) -> None:
+        """Write that a robot is not stopped any more.
+
+        Raises:
+            StoreFault: Not written, or not in time; whatever becomes of it, what is written next
+                says how it is.
+        """
+        writing = self._keep(self._latch.write(robot_id, generation, latched=False))
+        if not await done_within(self._clock, KEPT_WITHIN_S, (writing,)):
+            raise StoreFault(LATCH_HANGS)
+        writing.result()
+
+    def _keep(self, writing: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
+        """Begin to write an entry. The next resume waits for it: only the last entry counts."""
+        task = asyncio.create_task(writing)
+        self._latching.add(task)
+        task.add_done_callback(self._latching.discard)
+        task.add_done_callback(_whatever_came_of_it)
+        return task
 
     def hold(self, robot_id: RobotId) -> int:
         """Latch a robot for nobody: on return nothing of ours moves it any more."""
@@ -341,3 +365,9 @@ class Linker:
         """Route to one more robot from now on."""
         self._robots[robot.profile.id] = robot
         self.mailboxes[robot.profile.id] = RobotQueue(robot, self._clock)
+
+
+def _whatever_came_of_it(task: asyncio.Task[None]) -> None:
+    """Look at how a write ended that nobody waits for any more: it is no news then."""
+    if not task.cancelled():
+        task.exception()
