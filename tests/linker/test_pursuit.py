@@ -173,18 +173,40 @@ async def test_a_later_stop_takes_over(place: Place) -> None:
     assert place.robot.told == [1, 2, 2, 2]
 
 
-async def test_whoever_waits_for_an_earlier_stop_hears_at_once_that_a_later_took_its_place(
+async def test_whoever_waits_for_an_earlier_stop_hears_what_came_of_the_later_one(
     place: Place,
 ) -> None:
-    place.robot.times = None
+    place.robot.times = 4
     await stopped(place)
-    waiting = asyncio.create_task(place.linker.pursuit.rested("omni"))
+    first = asyncio.create_task(place.linker.pursuit.rested("omni", 1))
     await settle()
     await stopped(place)
+    second = asyncio.create_task(place.linker.pursuit.rested("omni", 2))
     await settle()
-    assert waiting.done()
-    assert await waiting is None
-    place.linker.pursuit.close()
+    assert not first.done()
+    assert not second.done()
+    await place.pass_s(2 * EVERY_S)
+    for waiting in (first, second):
+        rest = await waiting
+        assert rest is not None
+        assert rest.confirmed
+
+
+async def test_whoever_asks_after_it_was_confirmed_is_told_of_this_stop_and_of_no_earlier_one(
+    place: Place,
+) -> None:
+    place.robot.times = 2
+    await stopped(place)
+    await place.pass_s(EVERY_S)
+    rest = await place.linker.pursuit.rested("omni", 1)
+    assert rest is not None
+    assert rest.confirmed
+    place.robot.at_rest = False
+    await stopped(place)
+    waiting = asyncio.create_task(place.linker.pursuit.rested("omni", 2))
+    await settle()
+    place.linker.pursuit.end("omni")
+    assert await waiting is None, "what was measured then is nothing that is so now"
 
 
 async def test_a_stop_that_stands_no_more_is_not_applied_again(place: Place) -> None:
@@ -220,7 +242,7 @@ async def test_a_stop_that_comes_while_an_earlier_one_is_undone_stands() -> None
 
 
 async def test_nobody_waits_for_what_is_not_pursued(place: Place) -> None:
-    assert await place.linker.pursuit.rested("omni") is None
+    assert await place.linker.pursuit.rested("omni", 1) is None
 
 
 async def test_what_moves_is_not_resumed_and_stays_stopped_on_disk_too(place: Place) -> None:
@@ -272,7 +294,7 @@ async def test_one_that_was_stopped_before_a_restart_is_stopped_again_only_where
 
 async def test_whoever_waits_is_told_what_came_of_it(place: Place) -> None:
     await stopped(place)
-    waiting = asyncio.create_task(place.linker.pursuit.rested("omni"))
+    waiting = asyncio.create_task(place.linker.pursuit.rested("omni", 1))
     await settle()
     await place.pass_s(EVERY_S * 2)
     rest = await waiting
@@ -280,7 +302,7 @@ async def test_whoever_waits_is_told_what_came_of_it(place: Place) -> None:
     assert rest.confirmed
     place.robot.at_rest = place.robot.times = None
     await stopped(place)
-    waiting = asyncio.create_task(place.linker.pursuit.rested("omni"))
+    waiting = asyncio.create_task(place.linker.pursuit.rested("omni", 2))
     await settle()
     place.linker.pursuit.close()
     assert await waiting is None

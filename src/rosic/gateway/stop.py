@@ -140,7 +140,7 @@ class StopLane:
         self._clock = clock
         self._latch_wait = LatchWait(clock)
         self._tasks: set[asyncio.Task[None]] = set()
-        self._following: set[asyncio.Task[None]] = set()
+        self._following: dict[tuple[str, str, RobotId], asyncio.Task[None]] = {}
         self._answering: Counter[tuple[str, str]] = Counter()
         self._outbox = outbox
         self._noted_ns: dict[RobotId, dict[PrincipalId, int]] = {}
@@ -257,6 +257,8 @@ class StopLane:
     async def _answer_when_at_rest(
         self, messenger: Messenger, inbound: Inbound, halting: StopInProgress, by: PrincipalId
     ) -> None:
+        generations = {robot: self._board[robot].generation for robot in halting.rests}
+        self._leave_off(messenger, inbound, generations)
         shown = [self._profiles[robot].shown for robot in halting.rests]
         catalogue = self._languages.of_sender(inbound)
         message = key = ""
@@ -286,9 +288,7 @@ class StopLane:
         else:
             self._outbox.insist(key, messenger, replace(outbound, buttons=()))
         for rest in islice((r for r in rests if not r.confirmed), messages.NAMED_AT_MOST):
-            task = asyncio.create_task(self._when_at_rest(messenger, inbound, rest.robot))
-            self._following.add(task)
-            task.add_done_callback(self._following.discard)
+            self._follow(messenger, inbound, rest.robot, generations[rest.robot])
 
     def _told(self, inbound: Inbound, rests: list[RestReport]) -> str:
         """Return what became of a stop; and that it left nobody out, where it was to."""
@@ -296,9 +296,36 @@ class StopLane:
         all_the_same = len(rests) > 1 and leaves_out(inbound.text)
         return joined("\n", (text, NOBODY_LEFT_OUT)) if all_the_same else text
 
-    async def _when_at_rest(self, messenger: Messenger, inbound: Inbound, robot: RobotId) -> None:
-        """Say so once a robot is at rest whose stop was answered without that."""
-        if await self._linker.pursuit.rested(robot) is None:
+    def _follow(
+        self, messenger: Messenger, inbound: Inbound, robot: RobotId, generation: int
+    ) -> None:
+        task = asyncio.create_task(self._when_at_rest(messenger, inbound, robot, generation))
+        where = (messenger.name, inbound.chat.id, robot)
+        self._following[where] = task
+        task.add_done_callback(lambda _: self._followed(where, task))
+
+    def _followed(self, where: tuple[str, str, RobotId], task: asyncio.Task[None]) -> None:
+        if self._following.get(where) is task:
+            del self._following[where]
+
+    def _leave_off(
+        self, messenger: Messenger, inbound: Inbound, robots: Collection[RobotId]
+    ) -> None:
+        """Say nothing more of earlier stops in a chat: the answer to the newest says how it is."""
+        for robot in robots:
+            task = self._following.pop((messenger.name, inbound.chat.id, robot), None)
+            if task is not None:
+                task.cancel()
+
+    async def _when_at_rest(
+        self, messenger: Messenger, inbound: Inbound, robot: RobotId, generation: int
+    ) -> None:
+        """Say so once a robot is at rest whose stop was answered without that.
+
+        Whoever stopped it before others did is told, too; nobody once it was resumed.
+        """
+        rested = await self._linker.pursuit.rested(robot, generation)
+        if rested is None or not self._board[robot].latched:
             return
         text = messages.at_rest_now(self._profiles[robot].shown)
         plain = in_language(text, self._languages.of_sender(inbound))
@@ -395,7 +422,7 @@ class StopLane:
 
     async def close(self) -> None:
         """Wait for answers under way, briefly; robots are stopped already."""
-        for task in self._following:
+        for task in self._following.values():
             task.cancel()
         if self._tasks:
             await asyncio.wait(tuple(self._tasks), timeout=2.0)

@@ -38,6 +38,7 @@ class StopPursuit:
         self._clock = clock
         self._under_way: dict[RobotId, asyncio.Task[RestReport | None]] = {}
         self._told: set[RobotId] = set()
+        self._confirmed: dict[RobotId, tuple[int, RestReport]] = {}
 
     def begin(self, stop: Stop, first: asyncio.Task[RestReport] | None) -> None:
         """Go on after a first try.
@@ -52,7 +53,7 @@ class StopPursuit:
             self._told.add(stop.robot)
         task = asyncio.create_task(self._pursue(stop, first))
         self._under_way[stop.robot] = task
-        task.add_done_callback(lambda done: self._over(stop.robot, done))
+        task.add_done_callback(lambda done: self._over(stop, done))
 
     def end(self, robot: RobotId) -> None:
         """Leave a robot alone: its stop is undone, or it is not ours any more."""
@@ -72,26 +73,38 @@ class StopPursuit:
         """
         return robot in self._told and self._robots[robot].presence().online is False
 
-    async def rested(self, robot: RobotId) -> RestReport | None:
-        """Wait until a stop was confirmed. None: it was undone first, or it is not known any more.
+    async def rested(self, robot: RobotId, generation: int) -> RestReport | None:
+        """Wait until a stop, or a later one that took its place, was confirmed.
 
-        Cutting the wait off leaves the pursuit as it is.
+        Everybody who has stopped a robot hears of it, however many stopped it after them. Cutting
+        the wait off leaves the pursuit as it is.
+
+        Args:
+            robot: Which one.
+            generation: Of the stop. It may have been confirmed already.
+
+        Returns:
+            What was measured. None: it was undone first, or it is not known any more.
         """
-        task = self._under_way.get(robot)
-        if task is None:
-            return None
-        await asyncio.wait((task,))
-        return None if task.cancelled() or task.exception() else task.result()
+        while (task := self._under_way.get(robot)) is not None:
+            await asyncio.wait((task,))
+        confirmed_generation, rest = self._confirmed.get(robot, (0, None))
+        return rest if confirmed_generation >= generation else None
 
     def close(self) -> None:
         """End all of them."""
         for robot in tuple(self._under_way):
             self.end(robot)
 
-    def _over(self, robot: RobotId, task: asyncio.Task[RestReport | None]) -> None:
-        if self._under_way.get(robot) is task:
-            del self._under_way[robot]
-            self._told.discard(robot)
+    def _over(self, stop: Stop, task: asyncio.Task[RestReport | None]) -> None:
+        robot = stop.robot
+        if self._under_way.get(robot) is not task:
+            return
+        del self._under_way[robot]
+        self._told.discard(robot)
+        rest = None if task.cancelled() or task.exception() else task.result()
+        if rest is not None:
+            self._confirmed[robot] = stop.generation, rest
 
     async def _pursue(
         self, stop: Stop, first: asyncio.Task[RestReport] | None

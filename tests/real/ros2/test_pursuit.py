@@ -50,7 +50,7 @@ async def moving(robot: TriedRobot) -> asyncio.Task[Outcome]:
 
 async def confirmed(linker: Linker) -> None:
     async with asyncio.timeout(60 * pace()):
-        rest = await linker.pursuit.rested("omni")
+        rest = await linker.pursuit.rested("omni", 1)
     assert rest is not None
     assert rest.confirmed
 
