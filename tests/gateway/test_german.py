@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 from typing import TYPE_CHECKING
 
@@ -32,6 +33,7 @@ from rosic.core.units import in_units_of
 from rosic.features.booking.cancel import BOOKINGS
 from rosic.gateway.order_label import label_of
 from tests.gateway.place import FLEET, VI, Place
+from tests.pace import patience
 from tests.texts import read
 
 if TYPE_CHECKING:
@@ -298,7 +300,12 @@ async def test_what_german_says_of_a_command_does_what_english_does(
     told = []
     for line in (german, english):
         async with Place().open() as place:
-            told.append(await place.say(line))
+            before = len(place.chat.told)
+            said = await place.say(line)
+            async with asyncio.timeout(30 * patience()):
+                while len(place.chat.told) == before:  # a file is made in a thread
+                    await asyncio.sleep(0)
+            told.append(said or place.chat.told[-1].outbound.text)
     assert told[0] == told[1]
 
 
