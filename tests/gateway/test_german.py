@@ -303,7 +303,7 @@ async def test_what_german_says_of_a_command_does_what_english_does(
             before = len(place.chat.told)
             said = await place.say(line)
             async with asyncio.timeout(30 * patience()):
-                while len(place.chat.told) == before:  # a file is made in a thread
+                while len(place.chat.told) == before:  # noqa: ASYNC110 - a file is made in a thread
                     await asyncio.sleep(0)
             told.append(said or place.chat.told[-1].outbound.text)
     assert told[0] == told[1]
