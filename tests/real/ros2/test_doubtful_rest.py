@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import signal
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from rosic.core.order import OrderEnding, Outcome, Stop
 from rosic.errors import RobotOffline, RobotUnreachable
 from rosic.robots.ros2.profile import AtRest, StopBinding
 from rosic.system import SystemClock
+from tests.pace import pace
 from tests.real.ros2.base_profile import base_profile
 from tests.real.ros2.simulated import opened, until
 
@@ -231,6 +233,37 @@ async def test_a_velocity_that_is_no_number_is_neither_rest_nor_motion(base: Ros
         rest = await robot.stop(Stop("base", 1))
         assert not rest.confirmed
         assert not robot.presence().moves
+
+
+@pytest.mark.limit(240)
+async def test_nothing_new_moves_what_did_not_come_to_rest_after_a_break(base: RosProcess) -> None:
+    """It is told to stop three times; then it is let be, but for as long as it moves it is so."""
+    lands = profile()
+    skills = {**lands.skills, "land": replace(lands.skills["drive"], id="land", to_safety=True)}
+    async with opened(replace(lands, skills=skills), SystemClock()) as robot:
+        await until(lambda: robot.presence().at_rest is True)
+        running = asyncio.create_task(robot.do("drive", LONG))
+        await until(lambda: robot.presence().at_rest is False or running.done())
+        await told(base, "twist=nan zero=false stop=false by_hand=0.3")
+        with pytest.raises(RobotUnreachable, match="whether it rests could not be measured"):
+            await running
+        await told(base, "twist=true")
+        before = await told(base, "velocities")
+        refused = ""
+        async with asyncio.timeout(60 * pace()):
+            while "Base still moves, though it was told to stop" not in refused:
+                with pytest.raises(RobotOffline) as why:
+                    await robot.do("drive", SLOWLY)
+                refused = str(why.value)
+        assert "Nothing was sent. Use its own stop button." in refused
+        assert await told(base, "velocities") == before
+        with suppress(RobotUnreachable):
+            await robot.do("land", SLOWLY)
+        assert await told(base, "velocities") > before, "a drone may always land"
+
+        await told(base, "zero=true stop=true by_hand=0")
+        await until(lambda: robot.presence().at_rest is True and robot._settling._task is None)
+        assert (await robot.do("drive", SLOWLY)).ending is OrderEnding.DONE
 
 
 async def test_a_drive_is_broken_off_once_its_motion_is_not_measured(base: RosProcess) -> None:

@@ -1,7 +1,8 @@
 """After a motion was broken off and rest not seen: nothing moves before the robot has rested (I6).
 
 A robot that was frozen, or out of reach, may go on with what it was told before as soon as it is
-back. It is brought to rest then, before anything else is asked of it.
+back. It is brought to rest then, before anything else is asked of it. Where that fails it is told
+to stop no more, but nothing new moves it for as long as it is measured to move.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 EVERY_S: Final = 0.1
 TRIES: Final = 3
-"""Whoever drives a robot that is back by its own controls is left alone after so many."""
+"""Whoever drives a robot that is back by its own controls is not braked any more after so many."""
 
 
 class RestInterlock:
@@ -49,6 +50,7 @@ class RestInterlock:
         self._online = online
         self._to_rest = to_rest
         self._task: asyncio.Task[None] | None = None
+        self._gave_up = False
 
     @property
     def unheard(self) -> bool:
@@ -57,8 +59,12 @@ class RestInterlock:
         return self._online() is False or (age_s is not None and age_s > self._measured.within_s)
 
     def begin(self) -> None:
-        """Bring it to rest as soon as it is heard; once is enough."""
+        """Bring it to rest as soon as it is heard; once is enough, until that was given up."""
+        if self._task is not None and self._gave_up:
+            self._task.cancel()
+            self._task = None
         if self._task is None:
+            self._gave_up = False
             self._task = asyncio.create_task(self._settle())
 
     def close(self) -> None:
@@ -73,8 +79,12 @@ class RestInterlock:
                     await self._clock.sleep(EVERY_S)
                 if (await self._to_rest()).confirmed or not self._measured.measures_rest:
                     return
+            self._gave_up = True
+            while self._measured.at_rest(self._measured.stale_ns()) is not True:
+                await self._clock.sleep(EVERY_S)
         finally:
-            self._task = None
+            if self._task is asyncio.current_task():
+                self._task, self._gave_up = None, False
 
     async def check(self, call: BindingCall) -> None:
         """See that the robot is there, that its rest can be measured, and that it has rested.
@@ -95,6 +105,16 @@ class RestInterlock:
                     shown=shown,
                 )
             ) from None
+        if self._gave_up:
+            if call.order.skill.to_safety:
+                return  # it goes on by itself: a landing makes that no worse
+            raise RobotOffline(
+                said(
+                    "{shown} still moves, though it was told to stop since its last motion was "
+                    "broken off. Nothing was sent. Use its own stop button.",
+                    shown=shown,
+                )
+            )
         if self._task is not None:
             await asyncio.wait((self._task,), timeout=self._profile.rest_timeout_s)
         if self._task is not None:
