@@ -87,6 +87,23 @@ async def test_at_the_end_whoever_has_it_comes_to_rest_and_then_it_is_the_nexts(
         assert await lab.told_until(170) == []
 
 
+async def test_a_time_ends_though_somebody_elses_write_hangs() -> None:
+    """I8: who waits no more for a robot is written down, and that may take for ever."""
+    async with Lab().open() as lab:
+        await lab.book(ANN, "kuka1 10:02 2 min")
+        await lab.book(CEM, "omni now 3h")
+        assert "You are number 1 in the queue for omni" in await lab.say(BEN, "/wait omni")
+        await lab.told_until(3)
+        lab.begin(ANN)
+        async with lab.changes.turn():
+            lab.forbidden.add(BEN)  # who is to be taken out of the queue
+            lab.scheduler.look()
+            told = [text for _, text in await lab.told_until(4.1)]
+            assert lab.handed == [("kuka1", "your time is over", 240.0)]
+            assert told == ["Your time with KUKA iiwa is over. It is at rest."]
+        assert [who for who, _ in await lab.told(0.5)] == [BEN], "and then they are served"
+
+
 async def test_an_idle_lease_at_the_end_is_given_back_too() -> None:
     async with Lab().open() as lab:
         await lab.book(ANN, "kuka1 11:00 1h")

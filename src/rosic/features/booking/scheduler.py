@@ -191,6 +191,7 @@ class BookingScheduler:
         self.availability = Availability(times)
         self._times = times
         self._woken = asyncio.Event()
+        self._serving: asyncio.Task[int] | None = None
         self._ending = SlotEnd(times, self.availability, self.look)
         self._unused = IdleSlotRelease(times, self.availability)
         self._offering = TurnOffers(times, self.availability)
@@ -205,35 +206,78 @@ class BookingScheduler:
 
     async def run(self) -> None:
         """Follow the calendar until cancelled. What fails is logged and tried again."""
-        while True:
-            self._woken.clear()
-            try:
-                wake_ns = await self._follow()
-            except Refusal as refusal:
-                log.warning("times could not be followed: %s", refusal)
-                wake_ns = self._times.clock.monotonic_ns() + AGAIN_NS
-            except Exception:
-                log.exception("times could not be followed")
-                wake_ns = self._times.clock.monotonic_ns() + AGAIN_NS
-            await self._sleep(wake_ns)
+        try:
+            while True:
+                self._woken.clear()
+                try:
+                    wake_ns = await self._follow()
+                except Refusal as refusal:
+                    log.warning("times could not be followed: %s", refusal)
+                    wake_ns = self._times.clock.monotonic_ns() + AGAIN_NS
+                except Exception:
+                    log.exception("times could not be followed")
+                    wake_ns = self._times.clock.monotonic_ns() + AGAIN_NS
+                await self._sleep(wake_ns)
+        finally:
+            if self._serving is not None:
+                self._serving.cancel()
 
     async def close(self) -> None:
         """Wait for robots that come to rest, briefly."""
         await self._ending.close()
 
     async def _follow(self) -> int:
-        """Do all that is due, and return when to look again, monotonic clock."""
+        """Do all that is due, and return when to look again, monotonic clock.
+
+        Whoever waits for a robot is served after what begins and ends. That writes, and a disk that
+        hangs neither writes nor fails: meanwhile everything ends in its time (I8).
+        """
         times = self._times
         await self._ring(times.calendar.due(times.clock.wall_ns()))
-        wakes = [self._ending.seen_to(), await self._offering.pass_on()]
-        wanted = [r for r in times.waiting.wanted() if r in times.vocabulary.profiles]
-        wakes.extend([await self._attend(robot) for robot in wanted])
-        # What all this has written may ring, too: it is looked at before sleeping.
-        now_ns, wall_ns = times.clock.monotonic_ns(), times.clock.wall_ns()
+        due_ns = self._due_ns()
+        begun = self._serving is None
+        serving = self._serving or asyncio.create_task(self._serve())
+        self._serving = serving
+        if not serving.done():
+            await self._until(serving, due_ns)
+        if not serving.done():
+            return due_ns
+        self._serving = None
+        if not begun:  # something may have changed since it looked
+            return times.clock.monotonic_ns()
+        # What it has written may ring, too: it is looked at before sleeping.
+        return min(serving.result(), self._due_ns())
+
+    def _due_ns(self) -> int:
+        """Return when the next thing begins or ends, monotonic clock; or when to look again."""
+        times, now_ns = self._times, self._times.clock.monotonic_ns()
+        wakes = [now_ns + LONGEST_SLEEP_NS, self._ending.seen_to()]
         next_ns = times.calendar.next_event_ns()
         if next_ns is not None:
-            wakes.append(now_ns + next_ns - wall_ns)
-        return min((ns for ns in wakes if ns is not None), default=now_ns + LONGEST_SLEEP_NS)
+            wakes.append(now_ns + next_ns - times.clock.wall_ns())
+        return min(ns for ns in wakes if ns is not None)
+
+    async def _until(self, serving: asyncio.Task[int], due_ns: int) -> None:
+        """Wait until those who wait are served, or something else is due, or has changed."""
+        left_s = max(0, due_ns - self._times.clock.monotonic_ns()) / SECOND_NS
+        sleeping = asyncio.create_task(sleep_or_wake(self._times.clock, left_s, self._woken))
+        try:
+            await asyncio.wait((serving, sleeping), return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            sleeping.cancel()
+
+    async def _serve(self) -> int:
+        """See to everybody who waits; return when to do so again, monotonic clock.
+
+        Raises:
+            RecordUnavailable: Not all could be written.
+        """
+        times = self._times
+        wakes = [await self._offering.pass_on()]
+        wanted = [r for r in times.waiting.wanted() if r in times.vocabulary.profiles]
+        wakes.extend([await self._attend(robot) for robot in wanted])
+        longest_ns = times.clock.monotonic_ns() + LONGEST_SLEEP_NS
+        return min((ns for ns in wakes if ns is not None), default=longest_ns)
 
     async def _attend(self, robot: RobotId) -> int | None:
         """See to a robot that somebody waits for; a fault with one holds no other up."""
@@ -260,7 +304,8 @@ class BookingScheduler:
 
     async def _ring(self, events: tuple[CalendarEvent, ...]) -> None:
         """Tell starts and warnings; let those come to rest whose time is over."""
-        events = tuple([event for event in events if not await self._takes_back(event)])
+        back = await asyncio.gather(*map(self._takes_back, events))
+        events = tuple(event for event, is_back in zip(events, back, strict=True) if not is_back)
         ended: dict[RobotId, set[PrincipalId]] = {}
         for event in events:
             robot = event.slot.robot
