@@ -15,7 +15,7 @@ from rosic.gateway.hooks import PipelineHooks
 from rosic.testing.clock import ManualClock
 from tests.gateway.place import edited
 
-DECIDING = ("confirmation_of", "stepped_up", "proof_used", "refused")
+DECIDING = ("confirmation_of", "stepped_up", "proof_used", "refused", "changes_late")
 INBOUND = Inbound(
     sender=Address("memory", "1"),
     chat=Chat("memory", "1"),
@@ -48,6 +48,7 @@ async def test_until_it_is_known_who_is_let_in_nobody_is_and_nothing_is_taken() 
         stepped_up=never,
         proof_used=never,
         refused=never,
+        changes_late=never,
         commands=NO_COMMANDS,
     )
     messenger = edited(ManualClock())

@@ -14,6 +14,7 @@ from rosic.core.history import RESUMED, HistoryQuery
 from rosic.core.message import Chat, MessageValidity
 from rosic.core.records import Claimed, Concluded, Refused, Resumed, Told
 from rosic.errors import RecordUnavailable, StoreFault
+from rosic.gateway.replies import LATE
 from rosic.gateway.stop import LATCH_WITHIN_S, NOT_WRITTEN
 from rosic.gateway.unfollowed_messages import COUNTED_S
 from rosic.linker.linker import KEPT_WITHIN_S
@@ -129,6 +130,34 @@ async def test_whoever_sent_what_is_given_up_is_told() -> None:
             "Nothing was done for them. Stop still works."
         )
         assert place.acted("kuka1") == 0
+
+
+async def test_whoever_changes_something_is_told_that_it_waits_and_then_how_it_ended() -> None:
+    """Whoever has the turn, and whoever waits for it: their change is never half known."""
+    store = HangingStore()
+    async with Place(store).open() as place:
+        store.goes_on.clear()
+        place.chat.say("/invite viewer for 2h")
+        await place.quiet()
+        place.chat.say("/book kuka1 now 30 min", account=BO_THERE, chat=BO_THERE)
+        place.chat.say("/me", account="3", chat="3")
+        await place.quiet()
+        before = len(place.chat.told)
+        await place.clock.advance(WITHIN_S)
+        await place.quiet()
+        told = [each.outbound for each in list(place.chat.told)[before:]]
+        assert sorted((each.chat.id, each.text) for each in told) == [
+            ("1", str(LATE)),
+            (BO_THERE, str(LATE)),
+        ]
+        await place.clock.advance(10 * WITHIN_S)
+        await place.quiet()
+        assert len(place.chat.told) == before + 2, "once"
+        store.goes_on.set()
+        await place.quiet()
+        answers = "\n".join(each.outbound.text for each in list(place.chat.told)[before + 2 :])
+        assert "Invitation as viewer" in answers
+        assert "kuka1 is yours" in answers
 
 
 async def test_a_stop_file_that_hangs_hides_no_stop_of_another_robot() -> None:

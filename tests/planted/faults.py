@@ -20,6 +20,7 @@ TURNED_AWAY = "tests/gateway/test_turned_away.py"
 REDEEMERS = "tests/gateway/test_redeemers.py"
 WRONG = "tests/gateway/test_wrong_rights_and_times.py"
 ISOLATION = "tests/gateway/test_isolation.py"
+HUNG = "tests/gateway/test_hung.py"
 ENDING = "tests/features/access/test_revoke_lock.py"
 GATE = "tests/core/test_order_gate.py"
 
@@ -406,10 +407,19 @@ FAULTS = (
         ),
     ),
     Fault(
+        name="L1 nobody is told that their change waits for a disk that hangs",
+        file="app/gateway.py",
+        guard="            changes_late=lambda: access.changes.late,\n",
+        without="            changes_late=lambda: False,\n",
+        caught_by=(
+            f"{HUNG}::test_whoever_changes_something_is_told_that_it_waits_and_then_how_it_ended",
+        ),
+    ),
+    Fault(
         name="changes are made side by side, and two come in by one code",
         file="gateway/transactions.py",
-        guard="        async with self._one:\n            try:\n                yield",
-        without="        if True:\n            try:\n                yield",
+        guard="        async with self._one:\n            self._since_ns",
+        without="        if True:\n            self._since_ns",
         caught_by=(REDEEMERS,),
     ),
 )

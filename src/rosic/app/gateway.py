@@ -284,6 +284,7 @@ class Gateway(RunningGateway):
             stepped_up=access.two_factor.fresh,
             proof_used=misuse.proof_used,
             refused=misuse.refused,
+            changes_late=lambda: access.changes.late,
             commands=self.rooms.vocabulary.commands,
         )
         return Pipeline(self.rooms, self.stop_lane, chat_sender, parts.clock, parts.face, hooks)

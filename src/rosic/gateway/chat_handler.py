@@ -297,7 +297,9 @@ class ChatHandler:
         elif isinstance(line, CommandLine):
             self._parts.cancels.check(message.caller, inbound)
             asked = CommandContext(messenger, inbound, message.caller, line.rest, cid, message.act)
-            reply = await self._hooks.commands.do(line, asked)
+            doing = self._hooks.commands.do(line, asked)
+            late = self._hooks.changes_late
+            reply = await self._replies.while_late(messenger, inbound, late, doing)
             self._replies.hand_over(messenger, inbound, message.caller, reply)
         else:
             self._question(message, line)

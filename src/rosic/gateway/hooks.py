@@ -47,6 +47,7 @@ class PipelineHooks:
         stepped_up: Whether somebody has shown a second factor lately, in a chat.
         proof_used: Has what this has let pass count for its idle time.
         refused: Follows the rules about misuse; told of every refusal.
+        changes_late: Whether changes wait for a disk that hangs.
         commands: What can be asked of ROSIC, besides orders.
     """
 
@@ -57,6 +58,7 @@ class PipelineHooks:
         stepped_up: SteppedUp,
         proof_used: ProofUsed,
         refused: Refused,
+        changes_late: Callable[[], bool],
         commands: CommandTable,
     ) -> None:
         self.commands = CommandRegistry(commands)
@@ -64,6 +66,7 @@ class PipelineHooks:
         self.stepped_up = stepped_up
         self.proof_used = proof_used
         self.refused = refused
+        self.changes_late = changes_late
         self.newcomer: Deferred[[Messenger, Inbound, str], Awaitable[Reply | None]]
         self.newcomer = Deferred(_no_code)
         self.enclosed: Deferred[[Messenger, Inbound, Caller], None] = Deferred(_left)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections import OrderedDict
 from functools import partial
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from rosic.authoriser.button_tokens import OPEN
 from rosic.container.records import KeptAnswer
@@ -21,7 +22,7 @@ from rosic.gateway.order_label import label_of
 from rosic.gateway.requests import is_missed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable
 
     from rosic.authoriser.button_tokens import RedeemedButton
     from rosic.contracts.clock import Clock
@@ -63,6 +64,13 @@ NOTHING_STOPPED = said(
 ENDED_STOPPED_NOTHING = said("I stopped nothing. Use the stop button of the robot itself.")
 
 
+LATE_AFTER_S = 1.0
+LATE = said(
+    "The record cannot keep up. What you asked for waits for it; it is not done yet, and you hear "
+    "how it ends. Stop still works."
+)
+R = TypeVar("R")
+
 Bind: TypeAlias = "Callable[[Button, Caller, Chat], Button]"
 
 
@@ -98,6 +106,35 @@ class Replies:
         plain = in_language(text, self._languages.of_sender(inbound))
         outbound = Outbound(chat=inbound.chat, text=plain, reply_to=reply_id(inbound))
         self._say(self._note(messenger, outbound, inbound), inbound)
+
+    async def while_late(
+        self,
+        messenger: Messenger,
+        inbound: Inbound,
+        late: Callable[[], bool],
+        doing: Awaitable[R],
+    ) -> R:
+        """Wait for what somebody asked for; tell them, once, if it waits for the disk.
+
+        Args:
+            messenger: By which they asked.
+            inbound: What they sent.
+            late: Whether things wait for the disk.
+            doing: What is waited for. It is not cut off.
+        """
+        telling = asyncio.create_task(self._tell_late(messenger, inbound, late))
+        try:
+            return await doing
+        finally:
+            telling.cancel()
+
+    async def _tell_late(
+        self, messenger: Messenger, inbound: Inbound, late: Callable[[], bool]
+    ) -> None:
+        await self._clock.sleep(LATE_AFTER_S)
+        while not late():
+            await self._clock.sleep(LATE_AFTER_S)
+        self.say(messenger, inbound, LATE)
 
     def offer(
         self,

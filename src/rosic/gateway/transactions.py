@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 from rosic.contracts.clock import done_within
 from rosic.core.i18n import said
 from rosic.core.records import Decided, Fact
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import RecordUnavailable, StoreFault
 
 if TYPE_CHECKING:
@@ -52,6 +53,7 @@ class Transactions:
         # What was taken away since the present turn began: it may have looked before that.
         self._taken: list[Callable[[], Iterable[Record]]] = []
         self._writing: set[asyncio.Task[bool]] = set()
+        self._since_ns: int | None = None
 
     def keep(self, kind: str, apply: Callable[[Fact], object]) -> None:
         """Say who keeps facts of a kind."""
@@ -75,10 +77,24 @@ class Transactions:
     async def turn(self) -> AsyncIterator[UnitOfWork]:
         """Let nothing else change meanwhile."""
         async with self._one:
+            self._since_ns = self._clock.monotonic_ns()
             try:
                 yield UnitOfWork(self._store, self._apply)
             finally:
+                self._since_ns = None
                 self._taken.clear()
+
+    @property
+    def late(self) -> bool:
+        """Whether the present turn has lasted so long that its write must hang.
+
+        It is not cut off: nobody would know what of it comes to the disk, and a grant might be
+        written after all that was said to be none.
+        """
+        since_ns = self._since_ns
+        if since_ns is None:
+            return False
+        return self._clock.monotonic_ns() - since_ns >= WRITTEN_WITHIN_S * SECOND_NS
 
     async def take_away(
         self, records: Iterable[Record], again: Callable[[], Iterable[Record]] = tuple
