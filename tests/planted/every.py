@@ -12,6 +12,7 @@ from tests.planted.faults_of_cards import OF_CARDS
 from tests.planted.faults_of_dispatch import OF_DISPATCH
 from tests.planted.faults_of_fleet import OF_FLEET, OF_TASKS
 from tests.planted.faults_of_groups import OF_GROUPS
+from tests.planted.faults_of_hanging import OF_HANGING
 from tests.planted.faults_of_keeping import OF_KEEPING
 from tests.planted.faults_of_orders import OF_ORDERS
 from tests.planted.faults_of_reading import OF_READING
@@ -32,6 +33,7 @@ ALL = (
     *OF_BREAKS,
     *OF_CANCELLING,
     *OF_BUSY,
+    *OF_HANGING,
     *OF_READING,
     *OF_GROUPS,
     *MESSENGER_FAULTS,
