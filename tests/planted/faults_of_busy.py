@@ -11,8 +11,8 @@ OF_BUSY = (
     Fault(
         name="an order for a busy robot is claimed and accepted before it is refused",
         file="gateway/pipeline.py",
-        guard="        self._busy.check(requests, caller.principal, line.text)\n",
-        without="",
+        guard="                self._busy.check(request, caller.principal, line.text)\n",
+        without="                pass\n",
         caught_by=(f"{BUSY}::test_it_is_said_once_and_nothing_is_claimed",),
     ),
     Fault(

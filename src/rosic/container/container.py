@@ -319,13 +319,16 @@ class Containers:
     async def place(self, cids: Sequence[bytes], principal: PrincipalId, message: str) -> None:
         """Write down which message shows some lives, before that message says how one ended."""
         try:
-            await self._store.write(*_placed(cids, principal, message))
+            letter = Letter(principal, message.encode("utf-8", "replace"))
+            await self._store.write(*(Placed(cid=cid, letter=letter) for cid in cids))
         except StoreFault:
             return  # a later run would say it in a new message
 
     def note_place(self, cids: Sequence[bytes], principal: PrincipalId, message: str) -> None:
         """Write it down before whatever is written later: before how any of them ends."""
-        self._store.note(*_placed(cids, principal, message))
+        letter = Letter(principal, message.encode("utf-8", "replace"))
+        for cid in cids:  # mostly one
+            self._store.note(Placed(cid=cid, letter=letter))
 
     async def resume(self, cid: bytes, caller: Caller, robot: RobotId, generation: int) -> None:
         """Write a resume down before its effect.
@@ -453,13 +456,6 @@ def _as_said() -> None:
 def _nowhere(_chat: Chat) -> str:
     """No part of a chat is about any robot."""
     return ""
-
-
-def _placed(cids: Sequence[bytes], principal: PrincipalId, message: str) -> list[Placed]:
-    letter = Letter(principal, message.encode("utf-8", "replace"))
-    if len(cids) == 1:
-        return [Placed(cid=cids[0], letter=letter)]
-    return [Placed(cid=cid, letter=letter) for cid in cids]
 
 
 def _claim(

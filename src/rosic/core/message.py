@@ -149,11 +149,6 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     written: str = ""
     links: tuple[str, ...] = ()
 
-    @property
-    def brings(self) -> bool:
-        """Whether there is something besides words: a file or a place."""
-        return self.enclosed is not None or self.place is not None
-
 
 class ChatEventKind(enum.Enum):
     """What happens to a chat besides what is said in it."""

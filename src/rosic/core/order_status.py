@@ -130,8 +130,15 @@ class OrderStatus:
         return news and bool(self.progress())  # what says neither what nor how far is no news
 
     def wording(self, outcome: Outcome, at_ns: int) -> str:
-        """Return how an outcome reads; the life goes on."""
-        return ended(outcome, self._face(at_ns), self.words)
+        """Return how an outcome reads, ``done 14:02:13: object held``; the life goes on."""
+        time_of_day, words = self._face(at_ns), self.words
+        word = words.ended[outcome.ending]
+        note = _noted(outcome.note, words.catalogue) if outcome.note else ""
+        if outcome.ending is UNKNOWN:
+            return f"{word} ({time_of_day}). {note or words.look}"
+        if outcome.ending is REFUSED:
+            return note or word
+        return f"{word} {time_of_day}: {note}" if note else f"{word} {time_of_day}"
 
     def end(self, words: str) -> None:
         """The life is over; what comes later does not change it."""
@@ -186,17 +193,6 @@ class OrderStatus:
         if report.stage is OrderStage.RUNNING:
             return f"{self.where}: {self.progress()}"
         return f"{self.where}: {self.words.step[report.stage]}"
-
-
-def ended(outcome: Outcome, time_of_day: str, words: StatusTexts = ENGLISH) -> str:
-    """Return how an order ended, plain: ``done 14:02:13: object held``."""
-    word = words.ended[outcome.ending]
-    note = _noted(outcome.note, words.catalogue) if outcome.note else ""
-    if outcome.ending is UNKNOWN:
-        return f"{word} ({time_of_day}). {note or words.look}"
-    if outcome.ending is REFUSED:
-        return note or word
-    return f"{word} {time_of_day}: {note}" if note else f"{word} {time_of_day}"
 
 
 def _noted(note: str, catalogue: Catalogue | None) -> str:

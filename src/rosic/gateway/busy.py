@@ -39,24 +39,22 @@ class BusyRobots:
         self._executor = executor
         self._ending: set[asyncio.Task[None]] = set()
 
-    def check(self, requests: Sequence[Request], principal: PrincipalId, command: str) -> None:
-        """See that robots begin at once what is asked of them, or take it into their queues.
+    def check(self, request: Request, principal: PrincipalId, command: str) -> None:
+        """See that a robot begins at once what is asked of it, or takes it into its queue.
 
         Args:
-            requests: What is asked of each.
+            request: What is asked of it.
             principal: By whom.
             command: The same as a button would say it.
 
         Raises:
-            RobotBusy: One is at work, and its profile does not queue; none of them begins.
+            RobotBusy: It is at work, and its profile does not queue.
         """
-        linker = self._rooms.linker
-        for request in requests:
-            current = linker.mailboxes[request.robot].current
-            if current is None or request.sequel or request.skill.to_safety:
-                continue
-            if self._rooms.profiles[request.robot].busy is Busy.REFUSE:
-                raise self._busy(current.order, request, principal, command)
+        current = self._rooms.linker.mailboxes[request.robot].current
+        if current is None or request.sequel or request.skill.to_safety:
+            return
+        if self._rooms.profiles[request.robot].busy is Busy.REFUSE:
+            raise self._busy(current.order, request, principal, command)
 
     def _busy(
         self, current: Order, request: Request, principal: PrincipalId, command: str

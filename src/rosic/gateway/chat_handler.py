@@ -125,7 +125,7 @@ class ChatHandler:
             self._languages.hear(caller.principal, inbound.locale)
         message = MessageContext(messenger, inbound, caller, arrived_ns, self._hooks.stepped_up)
         self._rooms.organiser.check_unlocked(caller)
-        if inbound.brings:
+        if inbound.enclosed is not None or inbound.place is not None:
             self._take_in(message)
         return message
 
@@ -176,8 +176,9 @@ class ChatHandler:
         Raises:
             NotUnderstood: There is one.
         """
-        catalogue = self._languages.of(message.caller.principal)
-        if message.inbound.nonce is None and isinstance(catalogue, ImperialCatalogue):
+        if message.inbound.nonce is not None or not line.spoken:
+            return
+        if isinstance(self._languages.of(message.caller.principal), ImperialCatalogue):
             asked = unit_needed(self._reader.vocabulary, line)
             if asked is not None:
                 raise NotUnderstood(asked.sentence, offers=asked.offers)
@@ -396,7 +397,11 @@ class ChatHandler:
         """Whether words that make no sense were meant for ROSIC at all."""
         first = inbound.text[:64].split(maxsplit=1)[:1]
         return (
-            (inbound.chat.kind is ChatKind.PRIVATE and not inbound.brings)
+            (
+                inbound.chat.kind is ChatKind.PRIVATE
+                and inbound.enclosed is None
+                and inbound.place is None
+            )
             or inbound.addressed
             or inbound.text.startswith("/")
             or (bool(first) and first[0].lower() in self._rooms.vocabulary.callees)

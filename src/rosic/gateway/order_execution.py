@@ -12,7 +12,8 @@ from rosic.core.deadman import BROKEN_OFF
 from rosic.core.i18n import capital, joined, said
 from rosic.core.language import inert_text
 from rosic.core.order import NEVER_BEGUN, Order, OrderEnding, Outcome, StageReport
-from rosic.errors import OrderVoid, Refusal, RobotUnreachable
+from rosic.core.signal import Signal
+from rosic.errors import OrderVoid, Refusal, RobotUnreachable, StillMoves
 from rosic.linker.linker import Linker, PolicyMoved
 
 if TYPE_CHECKING:
@@ -132,7 +133,11 @@ class RobotWorker:
 
 
 class OrderExecutor:
-    """Every order under way. Each robot has its own task: a long motion blocks nobody else."""
+    """Every order under way. Each robot has its own task: a long motion blocks nobody else.
+
+    Attributes:
+        still_moves: An order is over, and its robot was not brought to rest.
+    """
 
     def __init__(
         self,
@@ -144,6 +149,7 @@ class OrderExecutor:
     ) -> None:
         self._hear_ends: tuple[Callable[[RobotId], None], ...] = ()
         self._watchers: tuple[OrderWatcher, ...] = ()
+        self.still_moves: Signal[[Order]] = Signal()
         self.chat_sender = chat_sender
         self.wall_ns = clock.wall_ns
         self._organiser = organiser
@@ -279,10 +285,13 @@ class OrderExecutor:
             except PolicyMoved:
                 continue
 
-    def watch_orders(self, watcher: OrderWatcher) -> None:
-        """Let somebody hear when a robot begins an order and when it has ended, each time once."""
-        if watcher not in self._watchers:
-            self._watchers = (*self._watchers, watcher)
+    def watch_orders(self, watcher: OrderWatcher, *, wanted: bool = True) -> None:
+        """Let somebody hear when a robot begins an order and when it has ended, each time once.
+
+        Not wanted: no more.
+        """
+        others = tuple(other for other in self._watchers if other is not watcher)
+        self._watchers = (*others, watcher) if wanted else others
 
     def hear_ends(self, hear: Callable[[RobotId], None], *, wanted: bool) -> None:
         """Call somebody with the robot whenever an order has ended; not wanted: no more."""
@@ -297,6 +306,8 @@ class OrderExecutor:
         if running.begun:
             for watcher in self._watchers:
                 watcher.ended(running.order, outcome)
+            if outcome.code == StillMoves.code:
+                self.still_moves.emit(running.order)
         if outcome.ending is OrderEnding.CANCELLED:
             who = self._organiser.why_stopped.by_another(running.order)
             note = joined("; ", filter(None, (outcome.note, who)))

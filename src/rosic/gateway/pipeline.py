@@ -24,7 +24,7 @@ from rosic.gateway.end_buttons import EndButtons
 from rosic.gateway.limit_clamping import LimitClamping
 from rosic.gateway.order_execution import OrderExecutor
 from rosic.gateway.order_status import OrderMessage, stop_button
-from rosic.gateway.replies import Replies, reply_id
+from rosic.gateway.replies import Replies
 from rosic.gateway.reply_context import GroupConversations, RobotFollowers
 from rosic.gateway.requests import RequestFactory, line_id
 from rosic.gateway.unfollowed_messages import UnfollowedMessages
@@ -223,9 +223,16 @@ class Pipeline:
         inbound, caller = message.inbound, message.caller
         if message.proven and any(map(self._rooms.organiser.wants_proof, requests)):
             self.hooks.proof_used(caller.principal, inbound.chat)
-        self._busy.check(requests, caller.principal, line.text)
+        for request in requests:
+            if self._rooms.linker.mailboxes[request.robot].current is not None:
+                self._busy.check(request, caller.principal, line.text)
         title = f"{line.group or self._shown[line.robots[0]]}: {line.text}"
-        return ReplyTo(message.messenger.name, inbound.chat, reply_id(inbound), title)
+        return ReplyTo(
+            message.messenger.name,
+            inbound.chat,
+            "" if inbound.nonce is not None else inbound.message,
+            title,
+        )
 
     def _begin(
         self,

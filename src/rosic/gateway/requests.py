@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 # ---- what is too old to act on (I2) ----
 
+FILE: Final = -1
+"""In place of the number of a line: the file that came with the message."""
 COMMAND_LIFETIME_NS: Final = 30 * SECOND_NS
 MISSED: Final = said("You sent this while I could not listen. Nothing was done.")
 NETWORK_AWAY: Final = said("You sent this while the network was away. Nothing was done.")
@@ -180,33 +182,31 @@ class RequestFactory:
 
 
 def line_id(inbound: Inbound, number: int) -> CommandId:
-    """Return the identity of one line of a message, or of what a tap says.
+    """Return the identity of one line of a message, or of what a tap says, for ever.
 
-    A button that is nobody's may be tapped again, so what counts is the tap.
+    A button that is nobody's may be tapped again, so what counts is the tap. Two bots of one
+    gateway count the messages of the same person alike, so the number of one of these says nothing
+    without the bot. Where all who are in a chat share its numbers, or something else of the
+    message, a message that both bots hear is one.
+
+    Args:
+        inbound: The message.
+        number: Of the line, from 0; or `FILE`, for the file that came with it.
     """
     nonce = inbound.nonce
     if nonce is not None and not nonce.startswith(OPEN):  # in a group, several may tap the same one
         sender = inbound.sender
         return command_id("tap", nonce, sender.platform, sender.account, str(number))
-    if inbound.written:  # a line has the same place to a bot that another line is addressed to
+    if inbound.written and number != FILE:
+        # A line has the same place to a bot that another line is addressed to.
         places = places_of(inbound.text, inbound.written)
         number = places[number] if number < len(places) else number
-    return command_id(*message_parts(inbound), str(number))
-
-
-def message_parts(inbound: Inbound) -> tuple[str, ...]:
-    """Return what a message is known by, for ever: the same message gives the same parts.
-
-    Two bots of one gateway count the messages of the same person alike, so the number of one of
-    these says nothing without the bot. Where all who are in a chat share its numbers, or something
-    else of the message, a message that both bots hear is one.
-    """
-    sender, chat = inbound.sender, inbound.chat
+    sender, chat, part = inbound.sender, inbound.chat, "file" if number == FILE else str(number)
     if inbound.shared:
-        return (sender.platform, "in", chat.id, sender.account, inbound.shared)
+        return command_id(sender.platform, "in", chat.id, sender.account, inbound.shared, part)
     if inbound.account:
-        return (sender.platform, "to", inbound.account, chat.id, inbound.message)
-    return (sender.platform, sender.account, chat.id, inbound.message)
+        return command_id(sender.platform, "to", inbound.account, chat.id, inbound.message, part)
+    return command_id(sender.platform, sender.account, chat.id, inbound.message, part)
 
 
 def is_said_to_us(inbound: Inbound) -> bool:

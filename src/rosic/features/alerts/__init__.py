@@ -77,8 +77,8 @@ def setup(kernel: Kernel) -> AlertFeature:
     reacting = AlertReactions(alerting, rooms.authoriser.directory, reach)
     for messenger in kernel.messengers:
         watch_reactions(messenger, partial(reacting.reacted, messenger))
-    absences = OfflineNotices(rooms, reach, clock)
-    kernel.pipeline.executor.watch_orders(absences)
+    absences = OfflineNotices(rooms, kernel.pipeline.executor, reach, clock)
+    kernel.pipeline.executor.still_moves.connect(absences.still_moves)
     AlertCommands(alerting, rooms, changes).register(kernel.commands)
     broken_stops = StopViolations(rooms, orders.reach, clock, circles)
     return AlertFeature(alerting, reacting, absences, broken_stops, rooms.vocabularies)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from rosic.core import messages
 from rosic.core.i18n import said
 from rosic.core.time_units import MINUTE_NS, SECOND_NS
-from rosic.errors import StillMoves
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import Presence, RobotId
     from rosic.gateway.components import Components
     from rosic.gateway.delivery.notifier import Notifier
+    from rosic.gateway.order_execution import OrderExecutor
 
 EVERY_S: Final = 0.5
 AT_ONCE: Final = 500
@@ -49,8 +49,11 @@ class OfflineNotices:
     that it still moves after `LOOKED_AFTER_NS`. A new order, or a stop, has an answer of its own.
     """
 
-    def __init__(self, rooms: Components, reach: Notifier, clock: Clock) -> None:
+    def __init__(
+        self, rooms: Components, executor: OrderExecutor, reach: Notifier, clock: Clock
+    ) -> None:
         self._rooms = rooms
+        self._executor = executor
         self._reach = reach
         self._clock = clock
         self._worked: dict[RobotId, _Worked] = {}
@@ -64,14 +67,19 @@ class OfflineNotices:
             await self._clock.sleep(EVERY_S)
 
     def began(self, order: Order) -> None:
-        """A robot moves anew, as it was told to."""
-        if order.skill.actuates:
-            self._moving.pop(order.robot, None)
+        """A robot moves anew, as it was told to; heard only while one is followed."""
+        if order.skill.actuates and self._moving.pop(order.robot, None) is not None:
+            self._listen()
 
     def ended(self, order: Order, outcome: Outcome) -> None:
+        """An order is over; see `still_moves`."""
+
+    def still_moves(self, order: Order) -> None:
         """Follow a robot that its order's end says to move."""
-        if outcome.code == StillMoves.code:
-            self._said_to_move(order.robot, order.permit.principal)
+        self._said_to_move(order.robot, order.permit.principal)
+
+    def _listen(self) -> None:
+        self._executor.watch_orders(self, wanted=bool(self._moving))
 
     async def look(self) -> None:
         """Look once."""
@@ -105,17 +113,20 @@ class OfflineNotices:
 
     def _said_to_move(self, robot: RobotId, who: PrincipalId) -> None:
         self._moving[robot] = _Moving(who, self._clock.monotonic_ns() + LOOKED_AFTER_NS)
+        self._listen()
 
     def _see_rest(self, robot: RobotId, presence: Presence) -> None:
+        over = self._clock.monotonic_ns() >= self._moving[robot].until_ns
+        if not (presence.at_rest or over):
+            return
+        who = self._moving.pop(robot).principal
+        self._listen()
         if presence.at_rest:
-            who = self._moving.pop(robot).principal
             if not self._rooms.board[robot].latched:
                 self._reach.tell((who,), messages.at_rest_now(self._shown(robot)))
-        elif self._clock.monotonic_ns() >= self._moving[robot].until_ns:
-            who = self._moving.pop(robot).principal
-            if presence.moves:
-                text = said("{shown} still moves. Please look.", shown=self._shown(robot))
-                self._reach.tell((who,), text, urgent=True)
+        elif presence.moves:
+            text = said("{shown} still moves. Please look.", shown=self._shown(robot))
+            self._reach.tell((who,), text, urgent=True)
 
     def _note(self, robot: RobotId, works: _Worked | None) -> None:
         known = self._worked.get(robot)

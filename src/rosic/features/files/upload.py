@@ -18,7 +18,6 @@ from msgspec.structs import replace
 from rosic.container import file_messages as words
 from rosic.container.file_types import SORTS, Sniffer, file_name
 from rosic.container.files import PART_BYTES
-from rosic.core.identity import command_id
 from rosic.core.message import Button, Outbound
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import (
@@ -32,7 +31,7 @@ from rosic.errors import (
 )
 from rosic.gateway.button_rows import rows
 from rosic.gateway.commands import Reply
-from rosic.gateway.requests import message_parts
+from rosic.gateway.requests import FILE, line_id
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -262,4 +261,4 @@ class _Arrival:
 
 def _file_id(inbound: Inbound) -> str:
     """Return the id of a message's file: the same message, the same file."""
-    return command_id(*message_parts(inbound), "file").hex()[:32]
+    return line_id(inbound, FILE).hex()[:32]

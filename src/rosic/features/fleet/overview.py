@@ -228,8 +228,9 @@ class FleetUsage:
         """Hear that it is over."""
         robot = self._robots.get(order.robot)
         if robot is not None and robot.ordered:
-            robot.ordered = False
-            robot.count(self._now_ns())
+            robot.ordered, now_ns = False, self._now_ns()
+            robot.worked_ns += now_ns - robot.since_ns
+            robot.since_ns = now_ns
 
     def _known(self, name: RobotId) -> _Robot:
         robot = self._robots.get(name)
