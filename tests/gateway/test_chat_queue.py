@@ -212,7 +212,7 @@ async def test_who_has_too_many_answers_waiting_reads_how_many_were_left_out() -
 
 async def test_whom_a_busy_group_has_answered_is_remembered_within_bounds() -> None:
     async with paced() as (place, chat):
-        queue = ChatQueue(None, lambda _: None)
+        queue = ChatQueue(None, lambda _: None, shared=True)
         for number in range(2 * ASKERS_REMEMBERED):
             for asker in (f"p{number}", f"p{number}"):
                 asked = Outbound(chat=Chat("memory", GROUP), text=asker)

@@ -92,10 +92,12 @@ class ChatQueue:
     Args:
         turn: As above.
         left_out: Is told of each of these: it counts as told.
+        shared: More than one person may be in the chat.
     """
 
     __slots__ = (
         "_count_as_told",
+        "_shared",
         "_turns",
         "answered",
         "asking",
@@ -108,8 +110,11 @@ class ChatQueue:
         "weight",
     )
 
-    def __init__(self, turn: Turn | None, left_out: Callable[[OutgoingMessage], None]) -> None:
+    def __init__(
+        self, turn: Turn | None, left_out: Callable[[OutgoingMessage], None], *, shared: bool
+    ) -> None:
         self.turn = turn
+        self._shared = shared
         self.items: deque[Item] = deque()
         self.task: asyncio.Task[None] | None = None
         self.wake: asyncio.Future[None] | None = None
@@ -178,6 +183,22 @@ class ChatQueue:
         if len(items) == 1:
             self.answered.clear()
             return items.popleft()
+        return self._take_fairly() if self._shared else self._take_weightiest()
+
+    def _take_weightiest(self) -> Item:
+        """Take out the first of the most important things; nobody else waits here."""
+        items = self.items
+        number, most = 0, weight_of(items[0])
+        for at in range(1, len(items)):
+            weight = weight_of(items[at])
+            if weight < most:
+                number, most = at, weight
+        item = items[number]
+        del items[number]
+        return item
+
+    def _take_fairly(self) -> Item:
+        items = self.items
         number = min(range(len(items)), key=lambda at: self._place(items[at]))
         item = items[number]
         del items[number]

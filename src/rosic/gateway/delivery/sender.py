@@ -17,7 +17,7 @@ from rosic.contracts.messenger import turn_of
 from rosic.core import messages
 from rosic.core.i18n import in_language, joined
 from rosic.core.identity import Address
-from rosic.core.message import Outbound
+from rosic.core.message import ChatKind, Outbound
 from rosic.core.signal import Signal
 from rosic.errors import ChatGone, MessageGone, MessengerFault
 from rosic.gateway.delivery.chat_queue import (
@@ -133,8 +133,11 @@ class ChatSender:
         queue = self._queues.get(where)
         if queue is None:
             self._retire()
+            messenger, chat = place_of(item)
             queue = self._queues[where] = ChatQueue(
-                self._turn_of(place_of(item)[0]), self._count_as_told
+                self._turn_of(messenger),
+                self._count_as_told,
+                shared=chat.kind is not ChatKind.PRIVATE,
             )
         items = queue.items
         if items:
