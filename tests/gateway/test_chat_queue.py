@@ -6,7 +6,7 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.core.message import Chat, Outbound, SendPriority
+from rosic.core.message import Chat, ChatKind, Outbound, SendPriority
 from rosic.errors import MessengerFault
 from rosic.gateway.delivery.chat_queue import (
     ANSWERS_AT_MOST,
@@ -174,12 +174,12 @@ GROUP = "-100"
 async def test_whoever_asks_for_much_in_a_group_keeps_nobody_elses_answer_waiting() -> None:
     async with paced() as (place, chat):
         for _ in range(ANSWERS_AT_MOST + 40):
-            await place.say("status", chat=GROUP)
-        await place.say("help", chat=GROUP, account=BO)
+            await place.say("status", chat=GROUP, kind=ChatKind.GROUP)
+        await place.say("help", chat=GROUP, kind=ChatKind.GROUP, account=BO)
         said = [await one(place, chat) for _ in range(2)]
         assert sum("at rest" in text for text in said) == 1, said
         place.robot("omni").work_s = 300.0
-        await place.say("omni wave", chat=GROUP, account=BO)
+        await place.say("omni wave", chat=GROUP, kind=ChatKind.GROUP, account=BO)
         said = [await one(place, chat) for _ in range(2)]
         assert sum("wave" in text for text in said) == 1, said
         place.robot("omni").finish()
@@ -190,8 +190,8 @@ async def test_whoever_asks_for_much_in_a_group_keeps_nobody_elses_answer_waitin
 async def test_refusals_of_one_person_keep_nobody_elses_answer_waiting() -> None:
     async with paced() as (place, chat):
         for _ in range(20):
-            await place.say("omni fly", chat=GROUP)
-        await place.say("status omni", chat=GROUP, account=BO)
+            await place.say("omni fly", chat=GROUP, kind=ChatKind.GROUP)
+        await place.say("status omni", chat=GROUP, kind=ChatKind.GROUP, account=BO)
         said = [await one(place, chat) for _ in range(3)]
         assert sum("at rest" in text for text in said) == 1, said
 
@@ -200,7 +200,7 @@ async def test_who_has_too_many_answers_waiting_reads_how_many_were_left_out() -
     store = MemoryStore()
     async with paced(store) as (place, chat):
         for _ in range(ANSWERS_AT_MOST + 3):
-            await place.say("omni fly", chat=GROUP)
+            await place.say("omni fly", chat=GROUP, kind=ChatKind.GROUP)
         queue = place.gateway.pipeline._chat_sender._queues[chat.name, GROUP]
         assert len(queue.items) == ANSWERS_AT_MOST
         assert "(3 earlier answers to you were left out" in await one(place, chat)
