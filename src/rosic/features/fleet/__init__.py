@@ -84,7 +84,7 @@ class FleetFeature(Feature):
         )
         self._planning: asyncio.Task[None] | None = None
         self._take_over()
-        tasks = TaskCommands(rooms, self.dispatching, self.telling)
+        tasks = TaskCommands(rooms, self.dispatching, self.telling, orders.chat_sender.languages)
         tasks.register(kernel.commands)
         zone = zone_named(kernel.site.zone)
         self._timetable = MissionSchedule(kernel.changes, kernel.reach, clock, zone)

@@ -26,7 +26,7 @@ from rosic.features.fleet.alternatives import StepReader, TaskAlternatives, refu
 from rosic.features.fleet.attempt import AwaitedOrder
 from rosic.features.fleet.messages import wants_a_person
 from rosic.features.fleet.readiness import why_not_ready
-from rosic.features.fleet.task_parser import step_for
+from rosic.features.fleet.task_parser import check_units, step_for
 from rosic.gateway.commands import Reply
 from rosic.gateway.message_context import MessageContext
 from rosic.gateway.order_execution import SHUT_DOWN
@@ -108,7 +108,8 @@ class ResolvedRobots(NamedTuple):
 
     def typed(self, lines: Sequence[str]) -> str:
         """Return the whole command with another line."""
-        return " ".join(("/together", self.name, *lines))
+        verb, _, _ = self.again.partition(" ")
+        return " ".join((verb, self.name, *lines))
 
 
 class MultiRobotCommands:
@@ -145,6 +146,7 @@ class MultiRobotCommands:
         """
         meant = self._meant(asked, "together")
         steps = [await self._step(meant, robot) for robot in meant.robots]
+        self._check_units(asked, meant, meant.robots[0])
         states = {robot: self.why_not_ready(asked, robot) for robot in meant.robots}
         if any(states.values()):
             return self._none(meant, states)
@@ -178,6 +180,29 @@ class MultiRobotCommands:
         for line in lines:
             step_for(self._rooms, robot, line)
 
+    def _ask_units(self, asked: CommandContext, meant: ResolvedRobots) -> None:
+        """Ask once for all; what one of them cannot do is said beside what the others do.
+
+        Raises:
+            NotUnderstood: A number may be in feet or in metres; both readings are offered.
+        """
+        try:
+            self._check(meant.robots[0], (meant.line,))
+        except Refusal:
+            return
+        self._check_units(asked, meant, meant.robots[0])
+
+    def _check_units(self, asked: CommandContext, meant: ResolvedRobots, robot: RobotId) -> None:
+        """Refuse a number without a unit, typed by somebody who reads feet.
+
+        Raises:
+            NotUnderstood: There is one; both readings are offered.
+        """
+        if asked.inbound.nonce is None:
+            languages = self._hands.chat_sender.languages
+            words_of = languages.of(asked.caller.principal)
+            check_units(self._rooms, words_of, robot, (meant.line,), meant.typed)
+
     def _none(self, meant: ResolvedRobots, states: Mapping[RobotId, str]) -> Reply:
         """Say who is not ready, and offer to begin with the others."""
         lines = [words.state(self._shown(robot), why) for robot, why in states.items()]
@@ -198,9 +223,10 @@ class MultiRobotCommands:
         """Ask every robot of a group for itself; say at once who is not asked, and why.
 
         Raises:
-            NotUnderstood: No such group.
+            NotUnderstood: No such group, or a number that may be in feet or in metres.
         """
         meant, said = self._meant(asked, "broadcast"), self._said(asked)
+        self._ask_units(asked, meant)
         orders: list[Order] = []
         left_out: dict[str, list[RobotId]] = {}
         busy: list[RobotId] = []
@@ -232,7 +258,9 @@ class MultiRobotCommands:
     ) -> tuple[Order, ...]:
         [robot] = meant.robots
         self._rooms.linker.check_free(robot)
-        requests = self._requests(said, asked, meant, [step_for(self._rooms, robot, meant.line)])
+        step = step_for(self._rooms, robot, meant.line)
+        self._check_units(asked, meant, robot)
+        requests = self._requests(said, asked, meant, [step])
         permits = self._admitted(asked, said, requests)
         return await self._prepare(asked, meant, permits, requests)
 

@@ -21,6 +21,7 @@ from rosic.features.fleet.task_parser import (
     ANYBODY,
     PermittedSteps,
     able,
+    check_units,
     read_wish,
     readings,
 )
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from rosic.features.fleet.task_parser import CapableRobots, TaskWish
     from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
+    from rosic.gateway.delivery.translation import ChatLanguages
 
 OPEN_AT_MOST: Final = 2_000
 OF_ONE_AT_MOST: Final = 500
@@ -59,11 +61,16 @@ class TaskCommands:
     """
 
     def __init__(
-        self, rooms: Components, dispatching: TaskDispatcher, telling: TaskNotifications
+        self,
+        rooms: Components,
+        dispatching: TaskDispatcher,
+        telling: TaskNotifications,
+        languages: ChatLanguages,
     ) -> None:
         self._rooms = rooms
         self.dispatching = dispatching
         self._telling = telling
+        self._languages = languages
         self._acts = {
             "pause": self._pause,
             "cancel": self._cancel,
@@ -149,6 +156,9 @@ class TaskCommands:
         found = await able(steps, self._rooms, self.dispatching.fleet, robots, lines)
         if not found.robots:
             raise self._nobody(wanted, found.lacking, partial(wish.typed, used))
+        if asked.inbound.nonce is None:
+            typed = partial(wish.typed, used)
+            check_units(self._rooms, self._languages.of(who), found.robots[0], lines, typed)
         [(task, said)] = await self.dispatching.give(
             asked.cid, lambda: self._made(asked, wish, wanted, lines, found)
         )

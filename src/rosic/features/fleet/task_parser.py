@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import msgspec
 
 from rosic.core.fleet.task import PRIORITIES, STEPS_AT_MOST, FleetMembership
+from rosic.core.i18n import ImperialCatalogue
 from rosic.core.language import bind, clean
+from rosic.core.language.arguments import unit_needed
 from rosic.core.language.time_parser import RequestedTime, read_when
 from rosic.core.language.time_tokens import length_said
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
 
     from rosic.core.fleet.state import FleetState
     from rosic.core.fleet.task import Task
+    from rosic.core.i18n import Catalogue
     from rosic.core.identity import PrincipalId
     from rosic.core.language import Do
     from rosic.core.robot.profile import Profile, RobotId
@@ -241,6 +244,42 @@ def step_for(rooms: Components, robot: RobotId, line: str) -> Do:
     step = StepReader(rooms).read(robot, line)
     bind(rooms.vocabulary, robot, step.skills[0], step.spoken)
     return step
+
+
+def check_units(
+    rooms: Components,
+    words_of: Catalogue | None,
+    robot: RobotId,
+    lines: Iterable[str],
+    typed: Callable[[Sequence[str]], str],
+) -> None:
+    """Refuse numbers without a unit, typed by somebody who reads feet, with both readings.
+
+    The same is asked of a line that is followed at once, see `ChatHandler.check_units`.
+
+    Args:
+        rooms: With the vocabulary.
+        words_of: What its author reads.
+        robot: Whose lines; they were understood.
+        lines: What it is to do.
+        typed: Says the whole command anew, with other lines.
+
+    Raises:
+        NotUnderstood: There is one.
+    """
+    if not isinstance(words_of, ImperialCatalogue):
+        return
+    reader, question = StepReader(rooms), None
+    in_feet: list[str] = []
+    in_metres: list[str] = []
+    for line in lines:
+        asked = unit_needed(rooms.vocabulary, reader.read(robot, line))
+        feet, metres = (line, line) if asked is None else asked.offers
+        in_feet.append(feet.removeprefix(f"{robot} "))
+        in_metres.append(metres.removeprefix(f"{robot} "))
+        question = question or asked
+    if question is not None:
+        raise NotUnderstood(question.sentence, offers=(typed(in_feet), typed(in_metres)))
 
 
 class ReadStep(NamedTuple):
