@@ -14,6 +14,7 @@ import pytest
 import rosic.app.features
 from rosic import features
 from rosic.app.features import Features, in_order, setups
+from rosic.errors import RecordUnavailable
 from rosic.features.fleet import FleetFeature
 from rosic.gateway.feature import ErasureParticipants, Feature, Provided, SharedParts
 from rosic.testing.clock import settle
@@ -139,3 +140,47 @@ async def test_a_feature_that_fails_or_hangs_keeps_no_other_from_running_and_lea
         await settle()
         leaving.cancel()
         assert steady.said == ["cancelled", "left"]
+
+
+class Hindered(Feature):
+    """Can do nothing of what is due, and does not end well."""
+
+    async def each_minute(self) -> None:
+        raise ValueError("broken")
+
+    async def each_day(self) -> None:
+        raise RecordUnavailable("the disk")
+
+    async def close(self) -> None:
+        raise ValueError("broken")
+
+
+class Due(Steady):
+    """Notes what it has done."""
+
+    async def each_minute(self) -> None:
+        self.said.append("minute")
+
+    async def each_day(self) -> None:
+        self.said.append("day")
+
+    async def close(self) -> None:
+        await settle()
+        self.said.append("closed")
+
+
+async def test_what_one_feature_cannot_do_every_other_does_when_it_is_due(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    due = Due()
+    async with Place().open() as place:
+        two = (lambda _: Hindered(), lambda _: due)
+        monkeypatch.setattr(rosic.app.features, "setups", lambda: two)
+        made = Features(place.gateway.kernel)
+        await made.each_minute()
+        with pytest.raises(RecordUnavailable, match="the disk"):
+            await made.each_day()
+        await made.close()
+        assert due.said == ["minute", "day", "closed"]
+        assert "Hindered has not done what was due" in caplog.text
+        assert "Hindered did not end well" in caplog.text

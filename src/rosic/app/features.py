@@ -10,10 +10,11 @@ from pkgutil import iter_modules
 from typing import TYPE_CHECKING, TypeVar
 
 from rosic import features
+from rosic.errors import RosicError
 from rosic.gateway.feature import Feature
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Awaitable, Callable, Mapping
     from types import ModuleType
 
     from rosic.gateway.feature import Kernel
@@ -95,8 +96,7 @@ class Features(Feature):
         Raises:
             RecordUnavailable: Not all could be written; the rest is tried the next time.
         """
-        for each in self._all:
-            await each.each_minute()
+        await self._in_turn(lambda each: each.each_minute())
 
     async def each_day(self) -> None:
         """Forget what was kept as long as was said.
@@ -104,16 +104,36 @@ class Features(Feature):
         Raises:
             RecordUnavailable, StoreFault: Not all was forgotten; the rest is tried again soon.
         """
+        await self._in_turn(lambda each: each.each_day())
+
+    async def _in_turn(self, do: Callable[[Feature], Awaitable[None]]) -> None:
+        """Have each do something; one that cannot keeps no other from it."""
+        unwritten: RosicError | None = None
         for each in self._all:
-            await each.each_day()
+            try:
+                await do(each)
+            except RosicError as fault:
+                unwritten = unwritten or fault
+            except Exception:
+                log.exception("%s has not done what was due", type(each).__name__)
+        if unwritten is not None:
+            raise unwritten
 
     async def close(self) -> None:
         """Follow nothing any more; wait for robots that come to rest, briefly."""
-        await asyncio.gather(*(each.close() for each in reversed(self._all)))
+        await self._side_by_side(lambda each: each.close())
 
     async def leave(self) -> None:
         """Break off what is under way and keep what was counted; none waits for another."""
-        await asyncio.gather(*(each.leave() for each in reversed(self._all)))
+        await self._side_by_side(lambda each: each.leave())
+
+    async def _side_by_side(self, do: Callable[[Feature], Awaitable[None]]) -> None:
+        found = list(reversed(self._all))
+        for each, fault in zip(
+            found, await asyncio.gather(*map(do, found), return_exceptions=True), strict=True
+        ):
+            if isinstance(fault, BaseException):
+                log.error("%s did not end well", type(each).__name__, exc_info=fault)
 
     def robot_added(self, newcomer: AddedRobot) -> None:
         """Tell each of one more robot."""

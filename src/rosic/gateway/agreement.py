@@ -232,7 +232,8 @@ class Agreements:
             whom = f"{group} ({listed})" if group else listed
             return joined(": ", (whom, parts[0].words))
         each = [joined(": ", (name, part.words)) for name, part in zip(names, parts, strict=True)]
-        return joined("; ", each[:NAMED_AT_MOST])
+        left_out = ["..."] if len(each) > NAMED_AT_MOST else []
+        return joined("; ", [*each[:NAMED_AT_MOST], *left_out])
 
 
 def _is_for(line: Line, name: str) -> bool:

@@ -238,6 +238,7 @@ class OrderExecutor:
             worker.relaying = False
             if worker.rested is not None:
                 worker.rested.set()
+                worker.rested = None
             self.ended(running, outcome)
             if outcome.ending is REFUSED:
                 await asyncio.sleep(0)  # a row of refusals, after a stop, holds nobody else up
@@ -380,9 +381,10 @@ class OrderExecutor:
         self._linker.withdraw(robot, cid, not_done(reason))
         current = self._linker.current(robot)
         if current is not None and current.cid == cid:
-            await self._cut_off(robot, reason)
+            await self._cut_off(robot, reason, cid)
 
-    async def _cut_off(self, robot: RobotId, reason: str) -> None:
+    async def _cut_off(self, robot: RobotId, reason: str, cid: CommandId = b"") -> None:
+        """Cut off what a robot does now: whatever it is, or nothing but one order."""
         worker = self._workers.get(robot)
         if worker is None or worker.task is None:
             return
@@ -390,6 +392,9 @@ class OrderExecutor:
             await asyncio.sleep(0)  # its turn has come: it is relayed in a moment
         if not worker.relaying:
             return
+        current = self._linker.current(robot)
+        if cid and (current is None or current.cid != cid):
+            return  # it ended meanwhile, and what runs now is another
         if worker.rested is not None:  # somebody cuts it off already: once is enough
             await worker.rested.wait()
             return
@@ -397,7 +402,6 @@ class OrderExecutor:
         worker.rested = rested = asyncio.Event()
         worker.task.cancel()
         await rested.wait()
-        worker.rested = None
 
     def busy(self, principal: PrincipalId) -> bool:
         """Whether an order of theirs has not ended yet, or its end is not written down."""
