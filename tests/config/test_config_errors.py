@@ -326,14 +326,14 @@ CASES = [
         "no scope",
         '"rover:move"',
         '"rover"',
-        "'rover' is not a scope: write robot:skill, for example omni:move.",
+        "'rover' is no right: write robot, colon and skill, for example omni:move.",
     ),
-    Case("half a scope", '"rover:move"', '"rover:"', "'rover:' is not a scope: "),
+    Case("half a scope", '"rover:move"', '"rover:"', "'rover:' is no right: "),
     Case(
         "a regular expression",
         '"rover:move"',
         '"rover:(move|drive)"',
-        "'rover:(move|drive)' is not a scope: ",
+        "'rover:(move|drive)' is no right: ",
     ),
     Case(
         "a robot that is not there",

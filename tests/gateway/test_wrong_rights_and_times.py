@@ -187,17 +187,17 @@ ROLES = [
     (
         "a wildcard without a skill",
         {"a": Role(scopes=("*",))},
-        "'*' is not a scope: write robot:skill, for example omni:move.",
+        "'*' is no right: write robot, colon and skill, for example omni:move.",
     ),
     (
         "a regular expression",
         {"a": Role(scopes=("(cf1|cf2):wave",))},
-        "'(cf1|cf2):wave' is not a scope: write robot:skill, for example omni:move.",
+        "'(cf1|cf2):wave' is no right: write robot, colon and skill, for example omni:move.",
     ),
     (
         "capital letters",
         {"a": Role(scopes=("CF1:wave",))},
-        "'CF1:wave' is not a scope: write robot:skill, for example omni:move.",
+        "'CF1:wave' is no right: write robot, colon and skill, for example omni:move.",
     ),
 ]
 

@@ -55,7 +55,7 @@ def test_the_default_roles_and_a_good_junior_are_without_mistake() -> None:
         (
             Role(scopes=("kuka1",)),
             "scopes.0",
-            "'kuka1' is not a scope: write robot:skill, for example omni:move.",
+            "'kuka1' is no right: write robot, colon and skill, for example omni:move.",
         ),
         (
             Role(includes=("operater",)),

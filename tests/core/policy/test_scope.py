@@ -11,5 +11,5 @@ from rosic.core.policy.scope import Scope
     "text", ["", "omni", "omni:", ":move", "a:b:c", "Omni:move", "omni move:x"]
 )
 def test_what_is_no_scope_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match="is not a scope"):
+    with pytest.raises(ValueError, match="is no right"):
         Scope.parse(text)

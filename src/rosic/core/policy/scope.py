@@ -51,7 +51,10 @@ class Scope(msgspec.Struct, frozen=True):
         """
         if not SCOPE.match(text):
             raise ValueError(
-                said("{text!r} is not a scope: write robot:skill, for example omni:move", text=text)
+                said(
+                    "{text!r} is no right: write robot, colon and skill, for example omni:move",
+                    text=text,
+                )
             )
         robot, _, skill = text.partition(":")
         return cls(robot, skill)
