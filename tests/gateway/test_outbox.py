@@ -12,8 +12,7 @@ from rosic.testing.clock import ManualClock
 from tests.gateway.place import ADA, BO, BrokenStore, Place
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
+    from rosic.contracts.messenger import Alarm
     from rosic.core.message import Outbound
 
 AGAIN = "(Said again: ROSIC was restarted.)"
@@ -23,13 +22,14 @@ DAY_S = 86_400.0
 class Watched(MemoryMessenger):
     """Somebody else may receive in its name."""
 
-    on_alarm: Callable[[MessengerFault], None]
+    alarm: Alarm
+
+    def alarm_with(self, alarm: Alarm) -> None:
+        self.alarm = alarm
 
 
 def watched(clock: ManualClock) -> Watched:
-    chat = Watched("memory", clock=clock)
-    chat.on_alarm = lambda _fault: None
-    return chat
+    return Watched("memory", clock=clock)
 
 
 async def owed(store: MemoryStore) -> int:
@@ -129,7 +129,7 @@ async def test_the_answer_to_a_stop_is_said_when_the_messenger_is_back() -> None
 async def test_admins_hear_it_when_somebody_else_receives_for_a_bot() -> None:
     async with Place(chat=watched).open() as place:
         assert isinstance(place.chat, Watched)
-        place.chat.on_alarm(MessengerFault("Another program receives the messages of the bot."))
+        place.chat.alarm(MessengerFault("Another program receives the messages of the bot."))
         await place.quiet()
         assert heard(place, ADA) == ["Another program receives the messages of the bot."]
         assert heard(place, BO) == []

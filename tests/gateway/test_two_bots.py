@@ -58,11 +58,31 @@ class NoRoom(MemoryStore):
         await super().write(*records)
 
 
+class Dated(TelegramMessenger):
+    """Notes since when what was sent names its account."""
+
+    since_ns = 0
+
+    def account_since(self, since_ns: int, *, several: bool) -> None:
+        self.since_ns = since_ns
+        super().account_since(since_ns, several=several)
+
+
+class Undated(TelegramMessenger):
+    """Names its account in nothing, as the earlier version had it."""
+
+    def account_since(self, since_ns: int, *, several: bool) -> None:  # noqa: ARG002
+        super().account_since(2**62, several=several)
+
+
 class Bots:
     """A gateway with two bots, and what comes in by each."""
 
-    def __init__(self, gateway: Gateway, bots: list[Receiving]) -> None:
+    def __init__(
+        self, gateway: Gateway, bots: list[Receiving], messengers: list[TelegramMessenger]
+    ) -> None:
         self.gateway = gateway
+        self.messengers = messengers
         self.first, self.second = bots[0], bots[-1]
 
     async def settled(self) -> None:
@@ -74,11 +94,13 @@ class Bots:
 
 
 @asynccontextmanager
-async def bots(store: MemoryStore, *tokens: str) -> AsyncIterator[Bots]:
+async def bots(
+    store: MemoryStore, *tokens: str, made: type[TelegramMessenger] = TelegramMessenger
+) -> AsyncIterator[Bots]:
     """Let a gateway run that keeps its record in a store."""
     lines = [Batches(token) for token in tokens or (FIRST, SECOND)]
     messengers = [
-        TelegramMessenger(f"bot{n}", read_settings("lab", {"token": token}), CLOCK, line=line)
+        made(f"bot{n}", read_settings("lab", {"token": token}), CLOCK, line=line)
         for n, (line, token) in enumerate(zip(lines, tokens or (FIRST, SECOND), strict=True))
     ]
     people = (
@@ -99,7 +121,7 @@ async def bots(store: MemoryStore, *tokens: str) -> AsyncIterator[Bots]:
         found = [
             Receiving(gateway, line, m._listener) for line, m in zip(lines, messengers, strict=True)
         ]
-        yield Bots(gateway, found)
+        yield Bots(gateway, found, messengers)
     finally:
         running.cancel()
         await asyncio.wait([running])
@@ -234,16 +256,15 @@ async def test_what_an_earlier_version_did_is_not_done_again_after_the_upgrade()
     """Its record knows messages without the bot, and Telegram may bring one of them once more."""
     Counted.told.clear()
     store = MemoryStore()
-    async with bots(store) as place:
-        for bot in (place.first, place.second):
-            bot.listener.account_since_ns = 2**62  # as the earlier version had it
+    async with bots(store, made=Undated) as place:
         message = place.first.message(ADA, "omni look")
         place.first.give(message)
         await place.settled()
     del store._facts[KIND, "account"]
     for _ in range(2):
-        async with bots(store) as place:
-            assert place.first.listener.account_since_ns > CLOCKS_APART_NS
+        async with bots(store, made=Dated) as place:
+            assert isinstance(place.messengers[0], Dated)
+            assert place.messengers[0].since_ns > CLOCKS_APART_NS
             place.first.give(message)
             await place.settled()
     assert Counted.told == ["look"]

@@ -16,6 +16,7 @@ from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram.bot_client import ApiBot, BotClient
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.polling import Poller
+from rosic.messengers.telegram.reading import ReceiveHooks, moved
 from rosic.messengers.telegram.settings import API_BASE, TelegramSettings
 from rosic.testing.clock import ManualClock, settle
 from rosic.testing.messenger_harness import settled
@@ -114,16 +115,26 @@ class HarnessInbox:
         account = SimpleNamespace(username="lab_bot", can_read_all_group_messages=True)
         self.bot = ScriptedBot(self.clock, list(answers), who or [account])
         self.line = ScriptedLine(self.bot, api_base)
-        self.chats = Chats()
+        self.chats = Chats(self.moved)
         self.alarms: list[MessengerFault] = []
         self.passed: list[ChatEvent] = []
         self.reacted: list[Reaction] = []
         self.heard: list[Inbound] = []
         self.held_up: dict[str, asyncio.Event] = {}
         self.listener = Poller("lab", self.line, self.chats, self.clock, POLL_S, self.alarms.append)
-        self.listener.settle = settled
-        self.listener.reading.passed = self.passed.append
-        self.listener.reading.reacted = self.reacted.append
+        self.hooks = ReceiveHooks(
+            settle=settled,
+            known=lambda _address: True,
+            serves=lambda _chat: True,
+            passed=self.passed.append,
+            reacted=self.reacted.append,
+            account_since_ns=0,
+            one_of_several=False,
+        )
+
+    def moved(self, old: str, new: str) -> None:
+        """Pass on what a messenger passes on."""
+        self.hooks.passed(moved(old, new))
 
     async def receive(self, inbound: Inbound) -> None:
         """Note what is handed over; wait with what a test holds up."""
@@ -134,7 +145,7 @@ class HarnessInbox:
     @asynccontextmanager
     async def listening(self, seconds: float = 0.0) -> AsyncIterator[asyncio.Task[None]]:
         """Listen, and let so much time pass."""
-        task = asyncio.ensure_future(self.listener.run(self.receive))
+        task = asyncio.ensure_future(self.listener.run(self.receive, self.hooks))
         try:
             for _ in range(20):
                 await settle()

@@ -9,7 +9,7 @@ import pytest
 from rosic.container.archive import NOBODY, Archive
 from rosic.contracts import console
 from rosic.contracts import messenger as contract
-from rosic.contracts.messenger import Messenger, RaisesAlarms
+from rosic.contracts.messenger import Messenger
 from rosic.contracts.messenger_proxy import ABILITIES, MessengerProxy, members_of
 from rosic.core.language.command import NO_COMMANDS
 from rosic.core.secret import Secret
@@ -17,6 +17,7 @@ from rosic.errors import MessengerFault
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
 from rosic.messengers.memory import MemoryMessenger
 from rosic.messengers.telegram import telegram_messenger
+from rosic.messengers.telegram.messenger import TelegramMessenger
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
 
@@ -157,6 +158,6 @@ def test_telegrams_links_and_advice_are_telegrams() -> None:
 def test_an_alarm_passes_through_the_keeping_of_chats() -> None:
     raw, told = telegram(), list[MessengerFault]()
     contract.alarm_to(kept(raw), told.append)
-    assert isinstance(raw, RaisesAlarms)
-    raw.on_alarm(fault := MessengerFault("Another program receives."))
+    assert isinstance(raw, TelegramMessenger)
+    raw._raise_alarm(fault := MessengerFault("Another program receives."))
     assert told == [fault]

@@ -17,12 +17,12 @@ from rosic.messengers.telegram import update_window
 from rosic.messengers.telegram.batch import ANSWER_BYTES, BATCH
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.errors import ErrorKind, FloodControl, TelegramError
+from rosic.messengers.telegram.messenger import TelegramMessenger
 from rosic.messengers.telegram.polling import FULL_S, PEEK_S, Poller
 from rosic.messengers.telegram.polling_gap import GRACE_NS
-from rosic.messengers.telegram.settings import API_BASE
+from rosic.messengers.telegram.settings import API_BASE, read_settings
 from rosic.messengers.telegram.update_window import OVERDUE_AT_MOST
 from rosic.testing.clock import settle
-from rosic.testing.messenger_harness import settled
 from tests.messengers.inbox import (
     ADA,
     EVE,
@@ -129,7 +129,7 @@ async def test_whoever_listens_again_begins_with_a_backlog() -> None:
     inbox = HarnessInbox([])
     async with inbox.listening():
         assert not inbox.listener.catching_up
-    again = asyncio.ensure_future(inbox.listener.run(inbox.receive))
+    again = asyncio.ensure_future(inbox.listener.run(inbox.receive, inbox.hooks))
     inbox.bot._who.append(SimpleNamespace(username="lab_bot", can_read_all_group_messages=True))
     await settle()
     assert inbox.listener.catching_up
@@ -182,7 +182,7 @@ async def test_what_is_not_settled_is_not_confirmed_and_asked_for_again_at_once(
     inbox = HarnessInbox(
         [], [text(1, "one")], [text(1, "one")], [text(1, "one"), text(2, "stop")], []
     )
-    inbox.listener.settle = settle_first
+    inbox.hooks = inbox.hooks._replace(settle=settle_first)
     async with inbox.listening():
         assert [(a.offset, a.timeout_s) for a in inbox.bot.asked] == [
             (None, 0),
@@ -198,12 +198,31 @@ async def test_what_is_not_settled_is_not_confirmed_and_asked_for_again_at_once(
 
 async def test_nothing_is_received_until_somebody_says_what_may_be_confirmed() -> None:
     inbox = HarnessInbox([text(1, "omni move 1 m")], [])
-    inbox.listener.settle = None
-    async with inbox.listening() as listening:
-        with pytest.raises(MessengerFault, match="lab was not told what is on disk, so it rec"):
-            listening.result()
+    settings = read_settings("lab", {"token": "42:token"})
+    messenger = TelegramMessenger("lab", settings, inbox.clock, line=inbox.line)
+    with pytest.raises(MessengerFault, match="lab was not told what is on disk, so it rec"):
+        await messenger.run(inbox.receive)
     assert inbox.bot.asked == []
     assert inbox.heard == []
+
+
+async def test_that_a_group_moved_is_told_before_anything_is_received_too() -> None:
+    """Speaking to it finds that out, and whoever watches may fail at it."""
+    inbox = HarnessInbox()
+    settings = read_settings("lab", {"token": "42:token"})
+    messenger = TelegramMessenger("lab", settings, inbox.clock, line=inbox.line)
+    messenger.watch_chats(inbox.passed.append)
+    messenger._speaker._chats.moved("-5", "-1005")
+    assert [(each.what, each.chat.id, each.new_id) for each in inbox.passed] == [
+        (ChatEventKind.MOVED, "-5", "-1005")
+    ]
+
+    def breaks(_what: object) -> None:
+        raise RuntimeError("somebody's mistake")
+
+    messenger.watch_chats(breaks)
+    messenger._speaker._chats.moved("-6", "-1006")
+    assert messenger._speaker._chats.where("-6") == "-1006"
 
 
 async def test_while_something_is_received_it_looks_for_stops_behind_it() -> None:
@@ -241,7 +260,7 @@ async def test_a_stop_goes_first_then_those_who_are_known_and_strangers_last() -
             text(6, "where"),
         ]
     )
-    inbox.listener.reading.known = lambda address: address.account == str(ADA)
+    inbox.hooks = inbox.hooks._replace(known=lambda address: address.account == str(ADA))
     async with inbox.listening():
         assert inbox.texts[0] == "stop"
         assert inbox.heard[0].sender.account == str(ADA)
@@ -269,10 +288,12 @@ async def test_everybody_is_read_before_strangers_are() -> None:
             super().back(chat)
 
     inbox = HarnessInbox()
-    inbox.chats = Watched()
+    inbox.chats = Watched(inbox.moved)
     inbox.bot.answers = [[text(1, "x", EVE), text(2, "y", EVE), text(3, "stop"), text(4, "z", EVE)]]
-    listener = Poller("lab", inbox.line, inbox.chats, inbox.clock, POLL_S, inbox.alarms.append)
-    listener.reading.known, listener.settle, inbox.listener = known, settled, listener
+    inbox.listener = Poller(
+        "lab", inbox.line, inbox.chats, inbox.clock, POLL_S, inbox.alarms.append
+    )
+    inbox.hooks = inbox.hooks._replace(known=known)
     async with inbox.listening():
         assert offered == [str(who) for who in (ADA, EVE, EVE, EVE)]
         assert asked == [str(who) for who in (EVE, EVE, ADA, EVE)]
@@ -296,7 +317,7 @@ async def test_a_hundred_long_messages_are_many_steps_of_the_loop() -> None:
 
     inbox = HarnessInbox([text(number, "x" * 4_096) for number in range(BATCH)])
     other = asyncio.ensure_future(others())
-    listening = asyncio.ensure_future(inbox.listener.run(receive))
+    listening = asyncio.ensure_future(inbox.listener.run(receive, inbox.hooks))
     await heard.wait()
     listening.cancel()
     other.cancel()
@@ -326,7 +347,7 @@ async def test_what_is_malformed_is_counted_once_and_hides_nothing() -> None:
 
     batch = [raw(1, message={"message_id": "x"}), text(2, "one"), text(3, "two", EVE)]
     inbox = HarnessInbox(batch, batch, [])
-    inbox.listener.settle = settle_later
+    inbox.hooks = inbox.hooks._replace(settle=settle_later)
     async with inbox.listening(PEEK_S):
         assert sorted(inbox.texts) == ["one", "two"]
         assert inbox.listener.counts == {"malformed": 1, "passed-over": 1, "received": 2}
@@ -361,7 +382,7 @@ async def test_what_happens_to_chats_is_passed_on_and_followed() -> None:
         inbox.passed.append(what)
         gone.append(inbox.chats.gone(str(LAB)))
 
-    inbox.listener.reading.passed = passed
+    inbox.hooks = inbox.hooks._replace(passed=passed)
     async with inbox.listening():
         assert [each.what for each in inbox.passed] == [
             ChatEventKind.HEARING,
@@ -386,7 +407,7 @@ async def test_whatever_goes_wrong_with_what_is_passed_on_nobody_is_kept_waiting
         raise RuntimeError("somebody's mistake")
 
     inbox = HarnessInbox([member(1, "left", "member"), text(2, "stop")], [])
-    inbox.listener.reading.passed = breaks
+    inbox.hooks = inbox.hooks._replace(passed=breaks)
     async with inbox.listening():
         assert inbox.texts == ["stop"]
         assert not inbox.listener.catching_up
@@ -424,7 +445,7 @@ async def test_messages_from_before_the_accounts_time_go_without_its_number() ->
     inbox = HarnessInbox()
     now_s = inbox.clock.wall_ns() // SECOND_NS
     inbox.bot.answers = [[text(1, "then", date=now_s - 1), text(2, "now", date=now_s)]]
-    inbox.listener.account_since_ns = now_s * SECOND_NS
+    inbox.hooks = inbox.hooks._replace(account_since_ns=now_s * SECOND_NS)
     async with inbox.listening():
         assert {each.text: each.account for each in inbox.heard} == {"then": "", "now": "42"}
 
@@ -453,8 +474,7 @@ async def test_what_several_bots_hear_in_a_small_group_is_known_to_each_by_the_s
                 )
             ]
         ]
-        if several:
-            inbox.listener.reading.one_of_several = True
+        inbox.hooks = inbox.hooks._replace(one_of_several=several)
         async with inbox.listening():
             known += [each.shared for each in inbox.heard]
     assert len(known) == 2

@@ -76,7 +76,7 @@ class KeepingEar(HarnessInbox):
         super().__init__()
         self.keeping = KeepingBot(self.clock, list(updates), lost or set())
         self.line.bot = self.keeping
-        self.listener.reading.known = lambda address: address.account == str(ADA)
+        self.hooks = self.hooks._replace(known=lambda address: address.account == str(ADA))
         self.held_up_for_long = False
 
     async def receive(self, inbound: Inbound) -> None:
@@ -91,7 +91,7 @@ class KeepingEar(HarnessInbox):
 
     def serves_lab_alone(self) -> None:
         """Nobody known here was met anywhere else."""
-        self.listener.reading.serves = lambda chat: chat.id == str(LAB)
+        self.hooks = self.hooks._replace(serves=lambda chat: chat.id == str(LAB))
 
     def note_what_is_read(self, read: list[int]) -> None:
         """Note each update that is looked into."""
@@ -124,7 +124,7 @@ async def test_nothing_is_lost_whenever_a_run_is_cut_off(lost: set[int]) -> None
     turns, was_behind, is_over = 0, False, False
     while not is_over:
         inbox = KeepingEar(*updates, lost=lost)
-        run = asyncio.ensure_future(inbox.listener.run(inbox.receive))
+        run = asyncio.ensure_future(inbox.listener.run(inbox.receive, inbox.hooks))
         for _ in range(turns):
             await asyncio.sleep(0)
         is_over = len(inbox.heard) == len(updates)
@@ -161,7 +161,7 @@ async def test_those_known_here_wait_for_what_nobody_sent_as_a_stop_may_be_in_it
 async def test_what_comes_while_strangers_are_read_is_searched_before_it_is_followed() -> None:
     """However often what is read beside it lets what was found be followed."""
     inbox = KeepingEar(*(text(number, LONG, EVE) for number in range(1, 61)))
-    run = asyncio.ensure_future(inbox.listener.run(inbox.receive))
+    run = asyncio.ensure_future(inbox.listener.run(inbox.receive, inbox.hooks))
     while not inbox.listener.reading.behind:  # noqa: ASYNC110 - nobody is told when they have come
         await asyncio.sleep(0)
     for number, said in enumerate(["status", *[f"{LONG}{n}" for n in range(4)], "stop"], 61):
@@ -247,7 +247,7 @@ async def test_what_people_sent_hides_no_stop_while_nothing_is_on_disk() -> None
         await inbox.clock.sleep(within_s)
         return False
 
-    inbox.listener.settle = hangs
+    inbox.hooks = inbox.hooks._replace(settle=hangs)
     async with inbox.listening(3 * FULL_S):
         assert "stop" in inbox.texts
         assert 0 < max(asked_within_s[:3]) <= FULL_S
@@ -331,8 +331,9 @@ async def test_an_order_does_not_wait_for_what_nobody_sent_after_it() -> None:
     """Somebody may go on sending in a chat that this bot serves, and every bit of it is read."""
     inbox, posted = KeepingEar(), "x" * UNNAMED_SIGNS
     reading, received = inbox.listener.reading, incoming.ReceivedAt(0, 0)
+    reading.begin(inbox.hooks, own_name="lab_bot", hears_groups=True)
     async with asyncio.TaskGroup() as group:
-        window = UpdateWindow(group, inbox.receive, inbox.clock, Counter())
+        window = UpdateWindow(group, inbox.receive, inbox.clock, Counter(), reading.go_on)
         first = [*mix(5, (0,), said=posted), text(6, "status")]
         await reading.take_in(group, window, first, received)
         await reading.take_in(group, window, mix(60, (0,), 6, said=posted), received)
@@ -394,7 +395,7 @@ async def test_many_short_messages_of_strangers_are_read_in_few_turns() -> None:
 
 
 async def turns_until_heard(inbox: HarnessInbox, number: int) -> int:
-    run, turns = asyncio.ensure_future(inbox.listener.run(inbox.receive)), 0
+    run, turns = asyncio.ensure_future(inbox.listener.run(inbox.receive, inbox.hooks)), 0
     while len(inbox.heard) < number:
         await asyncio.sleep(0)
         turns += 1

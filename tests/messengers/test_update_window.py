@@ -50,8 +50,11 @@ def take(window: UpdateWindow, poll: list[AdmittedUpdate]) -> int:
 class Table:
     """Receives only what it is told to receive."""
 
-    def __init__(self, window: UpdateWindow, clock: ManualClock, heard: list[str]) -> None:
+    def __init__(
+        self, window: UpdateWindow, clock: ManualClock, heard: list[str], roomy: list[int]
+    ) -> None:
         self.window = window
+        self.roomy = roomy
         self.clock = clock
         self.heard = heard
         self.held: dict[str, asyncio.Event] = {}
@@ -89,7 +92,10 @@ async def laid() -> AsyncIterator[Table]:
         async def receive(inbound: Inbound) -> None:
             await laid_out.receive(inbound)
 
-        laid_out = Table(UpdateWindow(group, receive, clock, counts), clock, [])
+        def room() -> None:
+            laid_out.roomy.append(laid_out.window._waiting)
+
+        laid_out = Table(UpdateWindow(group, receive, clock, counts, room), clock, [], [])
         yield laid_out
         for event in laid_out.held.values():
             event.set()
@@ -385,8 +391,6 @@ async def test_what_cannot_be_followed_at_all_is_told_of_in_its_own_way(table: T
 
 
 async def test_while_too_much_waits_there_is_no_room_and_then_it_is_told(table: Table) -> None:
-    noticed: list[int] = []
-    table.window.on_room = lambda: noticed.append(table.window._waiting)
     table.hold(0)
     take(table.window, [news(n) for n in range(WAITING_AT_MOST + 1)])
     await settled()
@@ -394,5 +398,5 @@ async def test_while_too_much_waits_there_is_no_room_and_then_it_is_told(table: 
     table.held["0"].set()
     await settled()
     assert table.window.has_room
-    assert noticed[0] == WAITING_AT_MOST - 1
-    assert noticed[-1] == 0
+    assert table.roomy[0] == WAITING_AT_MOST - 1
+    assert table.roomy[-1] == 0

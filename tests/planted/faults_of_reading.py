@@ -29,8 +29,8 @@ OF_READING = (
     ),
     Fault(
         name="what an earlier run left unread keeps the next from reading",
-        file="messengers/telegram/polling.py",
-        guard="            self.reading.begin()\n",
+        file="messengers/telegram/reading.py",
+        guard="        self._unread, self._later, self.hurried = [], None, False\n",
         without="",
         caught_by=(f"{READING}::test_nothing_is_lost_whenever_a_run_is_cut_off",),
     ),

@@ -60,7 +60,7 @@ class Messenger(Protocol):
     pins: bool
 
     async def run(self, receive: Receive) -> None:
-        """Listen until cancelled; leave nothing running behind.
+        """Listen until cancelled; leave nothing running. Whom to ask and tell is named before.
 
         Every message is handed to ``receive`` at least once. It is confirmed to the platform
         only after ``receive`` has returned: by then it is settled or on disk. Messages of one
@@ -143,7 +143,8 @@ class TakesTurns(Protocol):
 class RaisesAlarms(Protocol):
     """It can be taken over; see `alarm_to`."""
 
-    on_alarm: Alarm
+    def alarm_with(self, alarm: Alarm) -> None:
+        """Tell this from now on."""
 
 
 @runtime_checkable
@@ -312,11 +313,10 @@ def turn_of(messenger: Messenger) -> Turn | None:
 def alarm_to(messenger: Messenger, alarm: Alarm) -> None:
     """Have a messenger that can be taken over say so: somebody else acts in its name.
 
-    Called once per occurrence, on the event loop, after motion from this messenger was frozen, and
-    once when that has ended.
+    Called once per occurrence, on the event loop, after its motion was frozen, and when that ends.
     """
     if isinstance(messenger, RaisesAlarms):
-        messenger.on_alarm = alarm
+        messenger.alarm_with(alarm)
 
 
 def settle_with(messenger: Messenger, settle: Settle) -> bool:

@@ -103,7 +103,4 @@ def _passed_on(name: str) -> property:
     def read(self: MessengerProxy) -> object:
         return behind(self._messenger)
 
-    def write(self: MessengerProxy, value: object) -> None:
-        setattr(self._messenger, name, value)
-
-    return property(read, write)
+    return property(read)

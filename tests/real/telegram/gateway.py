@@ -50,7 +50,7 @@ class Gateway:
         self.heard: list[Inbound] = []
         self.alarms: list[MessengerFault] = []
         self.messenger.settle_with(settled)
-        self.messenger.on_alarm = self.alarms.append
+        self.messenger.alarm_with(self.alarms.append)
         self.passings: list[ChatEvent] = []
         self.messenger.watch_chats(self.passings.append)
 

@@ -17,7 +17,9 @@ from rosic.messengers.memory import MemoryMessenger
 from rosic.messengers.telegram import incoming, updates
 from rosic.messengers.telegram.messenger import TelegramMessenger, telegram_messenger
 from rosic.messengers.telegram.polling_gap import PollMoment
+from rosic.messengers.telegram.reading import ReceiveHooks
 from rosic.testing.clock import settle
+from rosic.testing.messenger_harness import settled
 from tests.gateway.place import Place
 from tests.real.telegram.generated import ADA, BO, OWN, VI, Generator, May
 
@@ -32,6 +34,15 @@ PEOPLE = (
     ConfiguredPerson("Vi", (Address("telegram", str(VI)),), ("viewer",)),
 )
 ROBOTS = ("omni", "kuka1", "cf1", "cf2")
+HOOKS = ReceiveHooks(
+    settle=settled,
+    known=lambda _address: True,
+    serves=lambda _chat: True,
+    passed=lambda _event: None,
+    reacted=lambda _reaction: None,
+    account_since_ns=0,
+    one_of_several=False,
+)
 SEED = int(os.environ.get("ROSIC_SEED", "1"))
 
 
@@ -49,7 +60,7 @@ class TelegramPlace(Place):
 
 def _adapter(clock: Clock) -> TelegramMessenger:
     adapter = telegram_messenger("lab", {"token": TOKEN}, clock)
-    adapter._listener.reading.own_name = OWN
+    adapter._listener.reading.begin(HOOKS, own_name=OWN, hears_groups=False)
     return adapter
 
 

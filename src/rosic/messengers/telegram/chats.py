@@ -26,12 +26,12 @@ class Chats:
     of a chat that we were put out of Telegram says so once more; what was said since a group moved
     is taken for lost with the old group, and said again.
 
-    Attributes:
+    Args:
         on_moved: Hears the old and the new id of a group, before anything is said to be lost.
     """
 
-    def __init__(self) -> None:
-        self.on_moved: Callable[[str, str], None] = _nobody_follows
+    def __init__(self, on_moved: Callable[[str, str], None]) -> None:
+        self._on_moved = on_moved
         self._moved: OrderedDict[str, str] = OrderedDict()
         self._since: OrderedDict[tuple[str, str], None] = OrderedDict()
         self._parts: OrderedDict[tuple[str, str], tuple[str, ...]] = OrderedDict()
@@ -42,7 +42,7 @@ class Chats:
         """Remember where a group is now."""
         if old != new and self._moved.get(old) != new:
             _remember(self._moved, old, new)
-            self.on_moved(old, new)
+            self._on_moved(old, new)
 
     def where(self, chat: str) -> str:
         """Return the id under which a chat is reached now."""
@@ -102,10 +102,6 @@ class Chats:
     def stops(self, nonce: str) -> bool:
         """Whether the button with this nonce says stop."""
         return nonce in self._stops
-
-
-def _nobody_follows(_old: str, _new: str) -> None:
-    """Nobody goes where a group goes."""
 
 
 def _remember(table: OrderedDict[K, V], key: K, value: V) -> None:

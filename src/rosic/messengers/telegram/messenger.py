@@ -19,14 +19,24 @@ from rosic.messengers.telegram.log_redaction import hide
 from rosic.messengers.telegram.outgoing import Outgoing
 from rosic.messengers.telegram.polling import Poller
 from rosic.messengers.telegram.rate_limiter import PUBLISHED, BotRates, RateLimiter
+from rosic.messengers.telegram.reading import ReceiveHooks, follow, moved
 from rosic.messengers.telegram.settings import TelegramSettings, read_settings
 
 if TYPE_CHECKING:
     from collections import Counter
-    from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+    from collections.abc import AsyncIterator, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Keep, Knows, Passed, Reacted, Receive, Serves, Settle
+    from rosic.contracts.messenger import (
+        Alarm,
+        Keep,
+        Knows,
+        Passed,
+        Reacted,
+        Receive,
+        Serves,
+        Settle,
+    )
     from rosic.core.message import Chat, Inbound, IncomingFile, Menu, Outbound, SendPriority
     from rosic.core.secret import Secret
 
@@ -125,11 +135,6 @@ class TelegramMessenger:
         line: Another way to the Bot API, for measuring.
         rates: Other limits than Telegram's published ones.
         spoke_before: An earlier run may have spoken until just now.
-
-    Attributes:
-        on_alarm: Called, once per occurrence, when somebody else receives for this bot and motion
-            is frozen, and when that has ended. For telling the admins elsewhere; the log has it in
-            any case.
     """
 
     platform = "telegram"
@@ -151,14 +156,20 @@ class TelegramMessenger:
         if settings.proxy is not None:
             hide(settings.proxy)
         self.name = name
-        self.on_alarm: Callable[[MessengerFault], None] = lambda _fault: None
-        self._line, chats = line or BotClient(settings), Chats()
+        self._alarm: Alarm = _nobody_is_told
+        self._settle: Settle | None = None
+        self._known: Knows = _anybody
+        self._serves: Serves = _anywhere
+        self._passed: Passed = _nobody_is_told
+        self._reacted: Reacted = _nobody_is_told
+        self._account_since_ns = 0
+        self._one_of_several = False
+        self._line, chats = line or BotClient(settings), Chats(self._group_moved)
         poll_timeout_s = settings.poll_timeout_s
         self._listener = Poller(name, self._line, chats, clock, poll_timeout_s, self._raise_alarm)
         self.file_bytes = LOCAL_BYTES if settings.local_mode else FILE_BYTES
         self._limiter = limiter = RateLimiter(clock, rates, spoke_before=spoke_before)
-        self._speaker = Outgoing(self._line, limiter, chats, clock)
-        self._speaker.file_bytes = self.file_bytes
+        self._speaker = Outgoing(self._line, limiter, chats, clock, self.file_bytes)
         self._gestures = Reactions(self._line, chats, limiter)
         self._menus = TelegramMenus(name, self._line, clock)
         self._fetcher = FileFetcher(self._line, settings)
@@ -209,8 +220,7 @@ class TelegramMessenger:
 
     def account_since(self, since_ns: int, *, several: bool) -> None:
         """Name the account in what was sent since; see ``contracts.messenger``."""
-        self._listener.account_since_ns = since_ns
-        self._listener.reading.one_of_several = several
+        self._account_since_ns, self._one_of_several = since_ns, several
 
     def keep_pace(self, kept: Mapping[str, bytes], keep: Keep) -> None:
         """Go on with what an earlier run said in groups; see ``contracts.messenger``."""
@@ -229,8 +239,19 @@ class TelegramMessenger:
         """What became of updates; see `Poller`."""
         return self._listener.counts
 
+    def alarm_with(self, alarm: Alarm) -> None:
+        """Have somebody told when another receives for this bot; see ``contracts.messenger``.
+
+        For telling the admins elsewhere; the log has it in any case.
+        """
+        self._alarm = alarm
+
     def _raise_alarm(self, fault: MessengerFault) -> None:
-        self.on_alarm(fault)
+        self._alarm(fault)
+
+    def _group_moved(self, old: str, new: str) -> None:
+        """Tell whoever watches chats, also while nothing is received: speaking may find it."""
+        follow(self.name, self._passed, moved(old, new))
 
     async def check(self, *, within_s: float = CHECK_S) -> str:
         """Ask Telegram once, without listening, and return whose account this is.
@@ -245,17 +266,31 @@ class TelegramMessenger:
         return f"@{account.user_name} answers"
 
     async def run(self, receive: Receive) -> None:
-        """Listen until cancelled.
+        """Listen until cancelled. Whom it asks and tells is who was named before it began.
 
         Raises:
             ConfigurationError: Telegram does not accept the token. Nothing was received.
-            MessengerFault: It runs already, or Telegram no longer accepts the token.
+            MessengerFault: It runs already, or Telegram no longer accepts the token; or nobody
+                said what may be confirmed, and nothing was received.
         """
         if self._running:
             raise MessengerFault(f"The messenger {self.name} is listening already.")
+        if self._settle is None:
+            raise MessengerFault(
+                f"The messenger {self.name} was not told what is on disk, so it receives nothing."
+            )
+        hooks = ReceiveHooks(
+            settle=self._settle,
+            known=self._known,
+            serves=self._serves,
+            passed=self._passed,
+            reacted=self._reacted,
+            account_since_ns=self._account_since_ns,
+            one_of_several=self._one_of_several,
+        )
         self._running = True
         try:
-            await self._listener.run(receive)
+            await self._listener.run(receive, hooks)
         finally:
             self._running = False
 
@@ -269,15 +304,15 @@ class TelegramMessenger:
 
     def settle_with(self, settle: Settle) -> None:
         """Ask before anything is confirmed; see ``contracts.messenger``."""
-        self._listener.settle = settle
+        self._settle = settle
 
     def know_with(self, known: Knows) -> None:
         """Read first what people known here sent; see ``contracts.messenger``."""
-        self._listener.reading.known = known
+        self._known = known
 
     def serve_with(self, serves: Serves) -> None:
         """Wait for what carries nobody's name in chats of ours; see ``contracts.messenger``."""
-        self._listener.reading.serves = serves
+        self._serves = serves
 
     def catching_up(self) -> bool:
         """Return whether backlog may still come; see ``contracts.messenger``."""
@@ -285,11 +320,11 @@ class TelegramMessenger:
 
     def watch_chats(self, passed: Passed) -> None:
         """Have somebody told what happens to chats; see ``contracts.messenger``."""
-        self._listener.reading.passed = passed
+        self._passed = passed
 
     def watch_reactions(self, reacted: Reacted) -> None:
         """Have somebody told what people put beside messages; see ``contracts.messenger``."""
-        self._listener.reading.reacted = reacted
+        self._reacted = reacted
 
     @staticmethod
     def is_account(account: str) -> bool:
@@ -362,6 +397,20 @@ class TelegramMessenger:
             MessengerFault: As the contract says.
         """
         return self._fetcher.fetch(enclosure)
+
+
+def _anybody(_address: Address) -> bool:
+    """Nobody has said who is known: everything is read in the order in which it was sent."""
+    return True
+
+
+def _anywhere(_chat: Chat) -> bool:
+    """Nobody has said where they were met: what is unnamed is waited for wherever it is."""
+    return True
+
+
+def _nobody_is_told(_what: object) -> None:
+    """Nobody wants to know."""
 
 
 def telegram_messenger(name: str, settings: Mapping[str, Any], clock: Clock) -> TelegramMessenger:

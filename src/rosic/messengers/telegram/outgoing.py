@@ -13,7 +13,7 @@ from rosic.errors import ChatGone, ChatNotBegun, MessageGone, MessengerFault
 from rosic.messengers.telegram import formatting as texts
 from rosic.messengers.telegram.bot_client import CALL_S
 from rosic.messengers.telegram.errors import ErrorKind, TelegramError
-from rosic.messengers.telegram.files import FILE_BYTES, FILE_S, picture_of, prepared
+from rosic.messengers.telegram.files import FILE_S, picture_of, prepared
 from rosic.messengers.telegram.formatting import inert, keyboard_of
 
 if TYPE_CHECKING:
@@ -67,10 +67,20 @@ class BotCall(NamedTuple):
 
 
 class Outgoing:
-    """Speaks for one bot."""
+    """Speaks for one bot.
 
-    def __init__(self, line: BotClient, limiter: RateLimiter, chats: Chats, clock: Clock) -> None:
-        self.file_bytes = FILE_BYTES
+    Args:
+        line: To Telegram.
+        limiter: Says when.
+        chats: Where chats are now, and where nothing can be said.
+        clock: Waits.
+        file_bytes: How large a file may be.
+    """
+
+    def __init__(
+        self, line: BotClient, limiter: RateLimiter, chats: Chats, clock: Clock, file_bytes: int
+    ) -> None:
+        self._file_bytes = file_bytes
         self._line = line
         self._limiter = limiter
         self._chats = chats
@@ -102,7 +112,7 @@ class Outgoing:
         parts = texts.split(outbound.text)
         sent: list[str] = []
         if outbound.attachment is not None:
-            file = prepared(outbound.attachment, self.file_bytes)
+            file = prepared(outbound.attachment, self._file_bytes)
             if len(parts) == 1 and texts.units(parts[0]) <= texts.CAPTION_UNITS:
                 return await self._send_file(call, file, parts[0], reply, keyboard)
             await self._send_file(call, file, "", reply, None)

@@ -8,7 +8,6 @@ from collections import Counter
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.i18n import said
-from rosic.core.message import Chat, ChatEvent, ChatEventKind
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram import incoming, updates
@@ -23,9 +22,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Receive, Settle
+    from rosic.contracts.messenger import Receive
     from rosic.messengers.telegram.bot_client import BotClient
     from rosic.messengers.telegram.chats import Chats
+    from rosic.messengers.telegram.reading import ReceiveHooks
 
 PEEK_S = 0.1
 """While something is being received, we look for stops behind it this often."""
@@ -64,10 +64,7 @@ class Poller:
             and that the token is denied, before it ends.
 
     Attributes:
-        reading: Reads what is received; told, at the beginning, whether the account hears
-            everything in groups.
-        settle: Asked before anything is confirmed. Until somebody has set it, nothing is received.
-        account_since_ns: What was sent earlier, by Telegram's clock, goes without the bot's id.
+        reading: Reads what is received, from when Telegram has said who we are.
         counts: ``received``, ``passed-over``, ``given-up`` and ``malformed`` updates;
             ``clock-behind``: messages that came from the future.
     """
@@ -81,8 +78,6 @@ class Poller:
         poll_timeout_s: int,
         alarm: Callable[[MessengerFault], None],
     ) -> None:
-        self.settle: Settle | None = None
-        self.account_since_ns = 0
         self.counts: Counter[str] = Counter()
         self.reading = UpdateReader(name, chats, self.counts)
         self._name = name
@@ -102,33 +97,29 @@ class Poller:
         """Whether what was sent while nobody listened may still come."""
         return self._listening.frozen
 
-    async def run(self, receive: Receive) -> None:
+    async def run(self, receive: Receive, hooks: ReceiveHooks) -> None:
         """Listen until cancelled.
+
+        Args:
+            receive: Takes each message.
+            hooks: What else is asked and told meanwhile.
 
         Raises:
             ConfigurationError: Telegram does not accept the token. Nothing was received.
             MessengerFault: It no longer accepts the token. What was not received to the end is
-                given out again once it does. Or nobody said what may be confirmed.
+                given out again once it does.
         """
-        settle = self.settle
-        if settle is None:
-            raise MessengerFault(
-                f"The messenger {self._name} was not told what is on disk, so it receives nothing."
-            )
         self._listening, self._outage, self._full_ns = PollingGap(), Outage(), None
         async with self._line.held():
             account = await self._meet()
-            self.reading.begin()
-            self.reading.own_name = account.user_name
-            self.reading.hears_groups = account.reads_groups
-            what = ChatEventKind.HEARING if account.reads_groups else ChatEventKind.DEAF
-            self.reading.passes(ChatEvent(chat=Chat(incoming.PLATFORM, ""), what=what))
+            self.reading.begin(hooks, own_name=account.user_name, hears_groups=account.reads_groups)
             try:
                 async with TaskGroup() as group:
-                    window = UpdateWindow(group, receive, self._clock, self.counts)
-                    window.on_room = self.reading.go_on
+                    window = UpdateWindow(
+                        group, receive, self._clock, self.counts, self.reading.go_on
+                    )
                     while True:
-                        await self._poll(group, window, settle)
+                        await self._poll(group, window, hooks)
             except ExceptionGroup as several:
                 raise several.exceptions[0] from None
 
@@ -182,9 +173,9 @@ class Poller:
 
     # ---- the loop ----
 
-    async def _poll(self, group: TaskGroup, window: UpdateWindow, settle: Settle) -> None:
+    async def _poll(self, group: TaskGroup, window: UpdateWindow, hooks: ReceiveHooks) -> None:
         listening, offset = self._listening, window.offset
-        settled = offset is None or await settle(self._settles_within_s())
+        settled = offset is None or await hooks.settle(self._settles_within_s())
         if not settled and self._full_ns is None:
             offset = None  # it is given out once more; a stop among the same hundred is still seen
         asked = self._now()
@@ -206,7 +197,8 @@ class Poller:
         window.confirmed(offset)
         full = len(raws) >= self._limit
         self._limit = limit_after(raws, self._limit)
-        fresh = await self.reading.take_in(group, window, raws, self._received(now))
+        received = self._received(now, hooks.account_since_ns)
+        fresh = await self.reading.take_in(group, window, raws, received)
         self._full_ns = self._clock.monotonic_ns() if full else None
         self.reading.hurry(on=full and fresh > 0)
         if raws and not fresh and not window.busy and window.offset is None:
@@ -240,10 +232,10 @@ class Poller:
             self._contested = False
             self._alarm(MessengerFault(_acquittal(self._name)))
 
-    def _received(self, now: PollMoment) -> incoming.ReceivedAt:
+    def _received(self, now: PollMoment, account_since_ns: int) -> incoming.ReceivedAt:
         since_ns, account = self._listening.stamp(now.wall_ns), self._line.account
         return incoming.ReceivedAt(
-            now.wall_ns, since_ns, account, self.account_since_ns, self._outage.covers
+            now.wall_ns, since_ns, account, account_since_ns, self._outage.covers
         )
 
     # ---- trouble ----

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from collections import Counter
     from collections.abc import Callable, Sequence
 
-    from rosic.core.identity import Address
-    from rosic.core.message import Inbound, Reaction
+    from rosic.contracts.messenger import Knows, Passed, Reacted, Serves, Settle
+    from rosic.core.message import Inbound
     from rosic.messengers.telegram.chats import Chats
     from rosic.messengers.telegram.update_window import UpdateWindow
 
@@ -66,34 +66,46 @@ class UnreadUpdate(NamedTuple):
     received: incoming.ReceivedAt
 
 
+class ReceiveHooks(NamedTuple):
+    """What is asked and told while updates are received. It stays for as long as a run lasts.
+
+    Attributes:
+        settle: Asked before anything is confirmed.
+        known: Whether somebody at an address may be known here: what they sent is read first.
+        serves: Whether somebody known here was met in a chat.
+        passed: Told what happens to chats.
+        reacted: Told what people put beside messages.
+        account_since_ns: What was sent earlier, by Telegram's clock, goes without the bot's id.
+        one_of_several: This gateway has other bots: what both hear in a small group is one message.
+    """
+
+    settle: Settle
+    known: Knows
+    serves: Serves
+    passed: Passed
+    reacted: Reacted
+    account_since_ns: int
+    one_of_several: bool
+
+
 class UpdateReader:
-    """Reads updates for one bot.
+    """Reads updates for one bot, once it was told by `begin` for whom.
 
     Args:
         name: Of the messenger, for the log.
 
     Attributes:
-        passed: Told what happens to chats.
-        reacted: Told what people put beside messages.
-        known: Whether somebody at an address may be known here: what they sent is read first.
-        serves: Whether somebody known here was met in a chat.
-        own_name: The bot's, without the @.
+        own_name: The bot's, without the @; empty until it is known.
         hurried: More is to be fetched before anything of strangers is read.
-        hears_groups: The bot hears everything in groups.
-        one_of_several: This gateway has other bots: what both hear in a small group is one message.
     """
 
+    _hooks: ReceiveHooks  # by `begin`: until then there is nothing that could be asked instead
+    _hears_groups: bool
+
     def __init__(self, name: str, chats: Chats, counts: Counter[str]) -> None:
-        self.passed: Callable[[ChatEvent], None] = _nobody_watches
-        self.reacted: Callable[[Reaction], None] = _nobody_watches
-        self.known: Callable[[Address], bool] = _anybody
-        self.serves: Callable[[Chat], bool] = _anywhere
         self.own_name = ""
-        self.hears_groups = False
-        self.one_of_several = False
         self._name = name
         self._chats = chats
-        chats.on_moved = self._moved
         self._counts = counts
         self._alike = AlikeLines()
         self._unread: list[UnreadUpdate] = []
@@ -102,9 +114,18 @@ class UpdateReader:
         self.hurried = False
         self._wake = asyncio.Event()
 
-    def begin(self) -> None:
-        """Forget what an earlier run did not come to."""
+    def begin(self, hooks: ReceiveHooks, *, own_name: str, hears_groups: bool) -> None:
+        """Begin a run: forget what an earlier one did not come to, and say what is heard.
+
+        Args:
+            hooks: Asked and told until the next run begins.
+            own_name: The bot's, without the @.
+            hears_groups: The bot hears everything in groups.
+        """
+        self._hooks, self.own_name, self._hears_groups = hooks, own_name, hears_groups
         self._unread, self._later, self.hurried = [], None, False
+        what = ChatEventKind.HEARING if hears_groups else ChatEventKind.DEAF
+        self._passes(ChatEvent(chat=Chat(incoming.PLATFORM, ""), what=what))
 
     @property
     def behind(self) -> bool:
@@ -207,10 +228,10 @@ class UpdateReader:
             if message is None:
                 return KNOWN
             text = message.text or message.caption or ""
-            if self.serves(Chat(incoming.PLATFORM, str(message.chat.id))):
+            if self._hooks.serves(Chat(incoming.PLATFORM, str(message.chat.id))):
                 return UNNAMED if len(text) <= UNNAMED_SIGNS else UNMET
             return UNMET_STOP if len(text) <= SHORT and self._says_stop(text) else UNMET
-        return KNOWN if self.known(who) else STRANGER
+        return KNOWN if self._hooks.known(who) else STRANGER
 
     def news(
         self,
@@ -225,15 +246,15 @@ class UpdateReader:
             return AdmittedUpdate(number, None)
         if (move := incoming.moved(update)) is not None:
             self._chats.moved(*move)
-        passing = incoming.passing(update, hears_groups=self.hears_groups)
+        passing = incoming.passing(update, hears_groups=self._hears_groups)
         if passing is not None:
-            self.passes(passing)
+            self._passes(passing)
         if (reaction := incoming.reaction(update)) is not None:
-            self._follow(self.reacted, reaction)
+            follow(self._name, self._hooks.reacted, reaction)
         inbound = incoming.read(update, self.own_name, received, may_stop=not of_stranger)
         if inbound is None:
             return AdmittedUpdate(number, None)
-        if self.one_of_several and (message := updates.written(update)) is not None:
+        if self._hooks.one_of_several and (message := updates.written(update)) is not None:
             text = message.text or message.caption or ""
             inbound = self._alike.named(inbound, message.date, text)
         self._chats.back(inbound.chat.id)
@@ -241,24 +262,13 @@ class UpdateReader:
         # Whom nobody knows stops nothing, whatever they say.
         return AdmittedUpdate(number, inbound, not of_stranger and self._is_stop(inbound))
 
-    def _moved(self, old: str, new: str) -> None:
-        """A group has moved: seen, or found by speaking, before it could be seen."""
-        group = Chat(incoming.PLATFORM, old, ChatKind.GROUP)
-        self.passes(ChatEvent(chat=group, what=ChatEventKind.MOVED, new_id=new))
-
-    def passes(self, passing: ChatEvent) -> None:
+    def _passes(self, passing: ChatEvent) -> None:
         """Take in what happened to a chat, and pass it on; nothing that comes of it stops us."""
         if passing.what is ChatEventKind.REMOVED:
             self._chats.left(passing.chat.id)
         elif passing.what is ChatEventKind.ADDED:
             self._chats.back(passing.chat.id)
-        self._follow(self.passed, passing)
-
-    def _follow(self, watcher: Callable[[T], None], what: T) -> None:
-        try:
-            watcher(what)
-        except Exception:
-            log.exception("%s: what happened in a chat was not followed", self._name)
+        follow(self._name, self._hooks.passed, passing)
 
     def _is_stop(self, inbound: Inbound) -> bool:
         return self._says_stop(inbound.text if inbound.nonce is None else inbound.nonce)
@@ -282,15 +292,21 @@ class UpdateReader:
             )
 
 
-def _anybody(_address: Address) -> bool:
-    """Nobody has said who is known: everything is read in the order in which it was sent."""
-    return True
+def moved(old: str, new: str) -> ChatEvent:
+    """Return that a group has moved: seen, or found by speaking, before it could be seen."""
+    group = Chat(incoming.PLATFORM, old, ChatKind.GROUP)
+    return ChatEvent(chat=group, what=ChatEventKind.MOVED, new_id=new)
 
 
-def _anywhere(_chat: Chat) -> bool:
-    """Nobody has said where they were met: what is unnamed is waited for wherever it is."""
-    return True
+def follow(name: str, watcher: Callable[[T], None], what: T) -> None:
+    """Tell a watcher what happened in a chat; what goes wrong there holds up nothing here.
 
-
-def _nobody_watches(_what: object) -> None:
-    """Nobody wants to know what happens in chats."""
+    Args:
+        name: Of the messenger, for the log.
+        watcher: Who is told.
+        what: What happened.
+    """
+    try:
+        watcher(what)
+    except Exception:
+        log.exception("%s: what happened in a chat was not followed", name)

@@ -76,13 +76,16 @@ class UpdateWindow:
         receive: Takes what is handed over.
         clock: Waits.
         counts: Where ``received``, ``passed-over`` and ``given-up`` are counted.
-
-    Attributes:
         on_room: Called while no more wait to be handed over than may.
     """
 
     def __init__(
-        self, group: asyncio.TaskGroup, receive: Receive, clock: Clock, counts: Counter[str]
+        self,
+        group: asyncio.TaskGroup,
+        receive: Receive,
+        clock: Clock,
+        counts: Counter[str],
+        on_room: Callable[[], None],
     ) -> None:
         self._group = group
         self._receive = receive
@@ -97,7 +100,7 @@ class UpdateWindow:
         self._idle = asyncio.Event()
         self._idle.set()
         self._waiting = 0
-        self.on_room: Callable[[], None] = _nobody_waits
+        self._on_room = on_room
         self._counts = counts
 
     @property
@@ -227,7 +230,7 @@ class UpdateWindow:
     def _leaves_lane(self) -> None:
         self._waiting -= 1
         if self.has_room:
-            self.on_room()
+            self._on_room()
 
     async def _hand_over(self, update_id: int, inbound: Inbound) -> None:
         """Hand over once; again if that broke, but not for ever: a stop may wait behind it."""
@@ -310,10 +313,6 @@ class UpdateWindow:
         self._done.add(update_id)
         if not self._open:
             self._idle.set()
-
-
-def _nobody_waits() -> None:
-    """Nobody waits for room."""
 
 
 class AlikeLines:
