@@ -265,8 +265,8 @@ OF_TASKS = (
     Fault(
         name="a drone that follows does not keep up with whom it follows",
         file="rosic_sim/robots/machines/following.py",
-        guard="                flight.goal_velocity = self._velocity()\n",
-        without="",
+        guard="flight.chase(place, self._velocity())",
+        without="flight.chase(place)",
         caught_by=(f"{FOLLOW}::test_it_keeps_its_distance_and_bearing_while_the_leader_moves",),
     ),
     Fault(

@@ -17,6 +17,21 @@ if TYPE_CHECKING:
 SMALL_LINES = 60
 # Makes the parts of a gateway: what it sets into one that is made is a collaborator come too late.
 COMPOSITION = "rosic.app"
+# Objects of types that are not ours, by the module and the name that they have there.
+FOREIGN = frozenset(
+    f"{module} {name}"
+    for module, names in {
+        "rosic.container.export": "sheet",
+        "rosic.robots.ros2.client.topics": "message",
+        "rosic.robots.ros2.messages.encode": "message",
+        "rosic_sim.ros2.machine_node": "response place speed goal",
+        "rosic_sim.ros2.reports": "message place speed pose twist",
+        "rosic_sim.ros2.views": "message",
+        "rosic_sim.ros2_others.arm_robot": "message",
+        "rosic_sim.ros2_others.nav2_robot": "message pose battery",
+    }.items()
+    for name in names.split()
+)
 
 
 class Figures(NamedTuple):
@@ -111,32 +126,88 @@ def small(sizes: Mapping[str, int], graph: Mapping[str, set[str]]) -> list[str]:
 def set_from_outside(name: str, tree: ast.Module) -> list[str]:
     """Return where an attribute is set into an object that is not the one whose method it is.
 
-    What a function has made itself by a call it may still finish; what it was given, what it holds
-    in an attribute, and what stands at the top of the module it may not.
+    Not counted is what has no owner that could do it better:
+
+    - what a function has made itself by a call, and may still finish;
+    - fields of a record (nothing but fields) that the same module defines: it is that module's own
+      way to keep things together, and no other module is surprised;
+    - messages of ROS and sheets of a workbook, whose types are others' and have no methods for it.
+
+    Args:
+        name: The module's, dotted.
+        tree: What is in it.
     """
     found: list[str] = []
+    fields = _fields_of_records(tree)
     for function in ast.walk(tree):
         if not isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
             continue
-        made = {
-            target.id
-            for node in ast.walk(function)
-            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
-            for target in node.targets
-            if isinstance(target, ast.Name)
-        }
-        for node in ast.walk(function):
-            targets: Iterable[ast.expr] = ()
-            if isinstance(node, ast.Assign):
-                targets = node.targets
-            elif isinstance(node, ast.AugAssign | ast.AnnAssign):
-                targets = (node.target,)
-            found.extend(
-                f"{name}:{target.lineno} {ast.unparse(target)}"
-                for target in targets
-                if isinstance(target, ast.Attribute) and not _own(target.value, made)
-            )
+        made = _made(function)
+        found.extend(
+            f"{name}:{target.lineno} {ast.unparse(target)}"
+            for target in _set(function)
+            if not _own(target.value, made)
+            and not (isinstance(target.value, ast.Name) and target.attr in fields)
+            and f"{name} {_root(target)}" not in FOREIGN
+        )
     return sorted(set(found))
+
+
+def _set(function: ast.AST) -> Iterable[ast.Attribute]:
+    """Yield what a function sets, several at once and by name (`setattr`) as well."""
+    for node in ast.walk(function):
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            yield node
+        elif (
+            isinstance(node, ast.Call)
+            and isinstance(node.func, ast.Name)
+            and node.func.id == "setattr"
+        ):
+            yield ast.copy_location(ast.Attribute(node.args[0], "setattr", ast.Store()), node)
+
+
+def _made(function: ast.AST) -> set[str]:
+    return {
+        target.id
+        for node in ast.walk(function)
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call)
+        for target in node.targets
+        if isinstance(target, ast.Name)
+    }
+
+
+def _fields_of_records(tree: ast.Module) -> set[str]:
+    """Return the fields of a module's records that no class of it with methods has as well."""
+    classes = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    fields: dict[bool, set[str]] = {True: set(), False: set()}
+    for one in classes:
+        fields[_is_record(one)] |= {
+            node.target.id
+            for node in one.body
+            if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
+        } | {
+            node.attr
+            for node in ast.walk(one)
+            if isinstance(node, ast.Attribute)
+            and isinstance(node.ctx, ast.Store)
+            and isinstance(node.value, ast.Name)
+            and node.value.id == "self"
+        }
+    return fields[True] - fields[False]
+
+
+def _is_record(one: ast.ClassDef) -> bool:
+    return all(
+        node.name.startswith("__")
+        for node in one.body
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    )
+
+
+def _root(target: ast.expr) -> str:
+    while isinstance(target, ast.Attribute | ast.Subscript | ast.Call):
+        target = target.func if isinstance(target, ast.Call) else target.value
+    return ast.unparse(target)
 
 
 def wired_late(outside: Iterable[str]) -> list[str]:

@@ -147,8 +147,7 @@ class Crazyflie(SteppedMachine):
             raise ActivityRefused(self.id, said("busy with {skill}", skill=self.activity.skill))
         self._must_fly()
         self._setpoint_s = now_s
-        self.flight.goal = (x_m, y_m)
-        self.flight.height.target = z_m
+        self.flight.fly_to((x_m, y_m), z_m)
 
     # --------------------------------------------------------------------------------------- plans
 
@@ -225,8 +224,7 @@ class Crazyflie(SteppedMachine):
         self._stage(said("taking off"))
         self._started_s = self._time_s
         self.airborne = True
-        flight.goal = (flight.x_m, flight.y_m)
-        flight.height.target = height_m
+        flight.fly_to((flight.x_m, flight.y_m), height_m)
         while not flight.height.arrived:
             self._advance(flight.height.position / height_m)
             yield
@@ -249,15 +247,13 @@ class Crazyflie(SteppedMachine):
         flight = self.flight
         self._stage(said("flying"))
         self._started_s = self._time_s
-        flight.goal = (x_m, y_m)
-        flight.height.target = z_m
+        flight.fly_to((x_m, y_m), z_m)
         whole = max(flight.left_m() + abs(z_m - flight.height.position), NEAR_M)
         about_s = flight_time_s(flight.left_m(), z_m - flight.height.position)
         until_s = self._time_s + about_s + PATIENCE_S
         while not (flight.left_m() < NEAR_M and flight.steady and flight.height.arrived):
             if self._time_s > until_s:
-                flight.goal = None
-                flight.height.target = flight.height.position
+                flight.hover()
                 raise ActivityFailed(
                     said(
                         "{nearest} is in the way, hovering",
@@ -292,10 +288,10 @@ class Crazyflie(SteppedMachine):
     def _land(self) -> None:
         """From now on: brake, hold the place, descend, switch the motors off."""
         self._setpoint_s = None
-        self.flight.goal = None
+        self.flight.hold_place()
         if self.airborne:
             self._landing = True
-            self.flight.height.target = 0.0
+            self.flight.height.aim(0.0)
 
     def _brake(self) -> None:
         self._land()
@@ -321,8 +317,7 @@ class Crazyflie(SteppedMachine):
             self._land()
             self._end(ActivityState.FAILED, self.note)
         elif self._setpoint_s is not None and self._time_s - self._setpoint_s >= LEVEL_AFTER_S:
-            self.flight.goal = None
-            self.flight.height.target = self.flight.height.position
+            self.flight.hover()
 
     def _reason_to_land(self) -> str:
         if self._cell.fraction < LOWEST_FLIGHT:
@@ -355,7 +350,7 @@ class Crazyflie(SteppedMachine):
     def _touch_down(self) -> None:
         self.airborne = False
         self._landing = False
-        self.flight.vx_m_s = self.flight.vy_m_s = 0.0
+        self.flight.touch_down()
 
     def _report(self, now_s: float) -> None:
         self._reported_s = now_s
@@ -409,7 +404,7 @@ class Crazyflie(SteppedMachine):
         self._started_s = None
         if self._setpoint_s is not None:  # the on-board commander takes over, in a hover
             self._setpoint_s = None
-            self.flight.goal = None
+            self.flight.hold_place()
         self._report(self._time_s)
 
     def _measured(self) -> dict[str, float]:

@@ -33,8 +33,6 @@ class Flight:
         vx_m_s, vy_m_s: Measured.
         height: Vertical axis; 0 is the ground.
         goal: None means: come to rest here.
-        goal_velocity: Of a goal that moves; the flight keeps up with it.
-        fastest_m_s: It flies to its goal no faster than this.
     """
 
     def __init__(self, x_m: float, y_m: float) -> None:
@@ -44,8 +42,8 @@ class Flight:
         self.vy_m_s = 0.0
         self.height = Axis(0.0, CLIMB_M_S, CLIMB_M_S2)
         self.goal: Planar | None = None
-        self.goal_velocity: Planar = (0.0, 0.0)
-        self.fastest_m_s = SPEED_M_S
+        self._goal_velocity: Planar = (0.0, 0.0)
+        self._fastest_m_s = SPEED_M_S
         self._side = RIGHT
         self._stuck_s = 0.0
 
@@ -69,6 +67,28 @@ class Flight:
         """Return where braking from here ends."""
         way = self.speed_m_s / (2.0 * ACCELERATION_M_S2)
         return (self.x_m + self.vx_m_s * way, self.y_m + self.vy_m_s * way)
+
+    def fly_to(self, goal: Planar, height_m: float) -> None:
+        """Fly to a place and a height from now on."""
+        self.goal = goal
+        self.height.aim(height_m)
+
+    def chase(self, goal: Planar, velocity: Planar = (0.0, 0.0)) -> None:
+        """Keep up with a goal that moves, as fast as can be: it may fly as fast as this one."""
+        self.goal, self._goal_velocity, self._fastest_m_s = goal, velocity, SPEED_LIMIT_M_S
+
+    def hold_place(self) -> None:
+        """Come to rest here; the height is kept to."""
+        self.goal, self._goal_velocity, self._fastest_m_s = None, (0.0, 0.0), SPEED_M_S
+
+    def hover(self) -> None:
+        """Come to rest here, at the height of now."""
+        self.hold_place()
+        self.height.aim(self.height.position)
+
+    def touch_down(self) -> None:
+        """Stand on the ground."""
+        self.vx_m_s = self.vy_m_s = 0.0
 
     def step(self, dt_s: float, bounds: list[SeparationBound]) -> None:
         """Advance by one step, within what the peers allow."""
@@ -96,16 +116,16 @@ class Flight:
             return (0.0, 0.0)
         x, y = self.goal[0] - self.x_m, self.goal[1] - self.y_m
         left = hypot(x, y)
-        with_x, with_y = self.goal_velocity
+        with_x, with_y = self._goal_velocity
         if left == 0.0:
             return (with_x, with_y)
         x, y = x / left, y / left
         towards = (self.vx_m_s - with_x) * x + (self.vy_m_s - with_y) * y
         # Half of the acceleration is for coming to rest, the rest for corrections.
         speed = braking_speed(left, towards, 0.5 * ACCELERATION_M_S2, dt_s)
-        speed = min(self.fastest_m_s, speed)
+        speed = min(self._fastest_m_s, speed)
         wanted = (with_x + x * speed, with_y + y * speed)
-        over = hypot(*wanted) / self.fastest_m_s
+        over = hypot(*wanted) / self._fastest_m_s
         return wanted if over <= 1.0 else (wanted[0] / over, wanted[1] / over)
 
     def _follow(self, wanted: Planar, dt_s: float) -> None:

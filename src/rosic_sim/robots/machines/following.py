@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import said
 from rosic.core.units import measured
 from rosic_sim.robots.machines.activity import ActivityFailed
-from rosic_sim.robots.machines.flight import NEAR_M, SPEED_LIMIT_M_S, SPEED_M_S
+from rosic_sim.robots.machines.flight import NEAR_M
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -87,7 +87,6 @@ class FollowTarget:
             Failed: There is nothing to follow any more. It hovers.
         """
         begun_s = now_s()
-        flight.fastest_m_s = SPEED_LIMIT_M_S  # to catch up with one that flies as fast as it does
         try:
             while True:
                 why = self.why_over(robot, now_s() - begun_s)
@@ -95,17 +94,16 @@ class FollowTarget:
                     raise ActivityFailed(why)
                 if self.ended(begun_s):
                     break
-                place = flight.goal = self.place(now_s())
-                flight.goal_velocity = self._velocity()
+                place = self.place(now_s())
+                flight.chase(place, self._velocity())
                 yield place
-            flight.goal_velocity = (0.0, 0.0)
             until_s = now_s() + SETTLES_S
             while now_s() < until_s and not (flight.left_m() < NEAR_M and flight.steady):
-                place = flight.goal = self.place(now_s())
+                place = self.place(now_s())
+                flight.chase(place)
                 yield place
         finally:  # also when it is stopped
-            flight.fastest_m_s, flight.goal = SPEED_M_S, None
-            flight.goal_velocity = (0.0, 0.0)
+            flight.hold_place()
 
     def done(self, here: Place, now_s: float) -> str:
         """Return how it ended, as a sentence."""

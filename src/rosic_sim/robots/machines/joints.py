@@ -99,7 +99,7 @@ class JointGroup:
         speed = share * min(limit.speed_rad_s / way for way, limit in ways)
         acceleration = min(limit.acceleration_rad_s2 / way for way, limit in ways)
         self._phase = Axis(0.0, speed, acceleration)
-        self._phase.target = 1.0
+        self._phase.aim(1.0)
         self._braking = min(limit.braking_rad_s2 / way for way, limit in ways)
         self._still = False
 

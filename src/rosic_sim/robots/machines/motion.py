@@ -56,6 +56,19 @@ class Axis:
         """True when at the target and at rest."""
         return self.velocity == 0.0 and self.position == self.target
 
+    def aim(self, target: float) -> None:
+        """Move to a target from now on."""
+        self.target = target
+
+    def place(self, position: float) -> None:
+        """Be somewhere from the start: for building a world, not a motion."""
+        self.position = self.target = position
+
+    def freeze(self) -> None:
+        """Be at rest here, at once."""
+        self.velocity = 0.0
+        self.target = self.position
+
     def step(self, dt_s: float) -> None:
         """Advance by one step."""
         error = self.target - self.position

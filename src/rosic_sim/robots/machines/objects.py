@@ -118,7 +118,7 @@ class Gripper:
 
     def take(self, thing: SimulatedObject, force_n: float) -> None:
         """Hold a thing from the start: for building a world, not a motion."""
-        self._axis.position = self._axis.target = thing.width_m
+        self._axis.place(thing.width_m)
         self.force_n = force_n
         thing.holders.add(self.name)
 
@@ -126,7 +126,7 @@ class Gripper:
         """Close with a force on what is between the fingers, or until they meet."""
         self._closing_on = between
         self._closing_n = force_n
-        self._axis.target = between.width_m if between is not None else 0.0
+        self._axis.aim(between.width_m if between is not None else 0.0)
 
     def open(self) -> None:
         """Let go of everything, at once, and open."""
@@ -135,7 +135,7 @@ class Gripper:
             held.holders.discard(self.name)
         self._closing_on = None
         self.force_n = 0.0
-        self._axis.target = self.opening_m
+        self._axis.aim(self.opening_m)
 
     def lose(self) -> None:
         """Let what is held slip away; the fingers go on closing and meet."""
@@ -144,15 +144,14 @@ class Gripper:
             held.holders.discard(self.name)
         self._closing_on = None
         self.force_n = 0.0
-        self._axis.target = 0.0
+        self._axis.aim(0.0)
 
     def stop(self) -> None:
         """Stay as it is: fingers in motion stop, what is held stays held."""
         if self.still:
             return
         self._closing_on = None
-        self._axis.velocity = 0.0
-        self._axis.target = self._axis.position
+        self._axis.freeze()
 
     def step(self, dt_s: float) -> None:
         """Advance by one step; contact makes it a holder."""
