@@ -242,7 +242,7 @@ OF_READING = (
     Fault(
         name="I1 a line has another place to the bot that another line names",
         file="gateway/requests.py",
-        guard="    if inbound.written:",
+        guard="    if inbound.written and number != FILE:",
         without="    if False:",
         caught_by=(f"{TWO_BOTS}::test_in_a_group_a_line_is_the_same_whichever_bot_is_named",),
     ),
