@@ -16,7 +16,7 @@ from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram.bot_client import ApiBot, BotClient
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.polling import Poller
-from rosic.messengers.telegram.reading import ReceiveHooks, moved
+from rosic.messengers.telegram.reading import UpdateHooks, moved
 from rosic.messengers.telegram.settings import API_BASE, TelegramSettings
 from rosic.testing.clock import ManualClock, settle
 from rosic.testing.messenger_harness import settled
@@ -122,7 +122,7 @@ class HarnessInbox:
         self.heard: list[Inbound] = []
         self.held_up: dict[str, asyncio.Event] = {}
         self.listener = Poller("lab", self.line, self.chats, self.clock, POLL_S, self.alarms.append)
-        self.hooks = ReceiveHooks(
+        self.hooks = UpdateHooks(
             settle=settled,
             known=lambda _address: True,
             serves=lambda _chat: True,

@@ -17,7 +17,7 @@ from rosic.messengers.memory import MemoryMessenger
 from rosic.messengers.telegram import incoming, updates
 from rosic.messengers.telegram.messenger import TelegramMessenger, telegram_messenger
 from rosic.messengers.telegram.polling_gap import PollMoment
-from rosic.messengers.telegram.reading import ReceiveHooks
+from rosic.messengers.telegram.reading import UpdateHooks
 from rosic.testing.clock import settle
 from rosic.testing.messenger_harness import settled
 from tests.gateway.place import Place
@@ -34,7 +34,7 @@ PEOPLE = (
     ConfiguredPerson("Vi", (Address("telegram", str(VI)),), ("viewer",)),
 )
 ROBOTS = ("omni", "kuka1", "cf1", "cf2")
-HOOKS = ReceiveHooks(
+HOOKS = UpdateHooks(
     settle=settled,
     known=lambda _address: True,
     serves=lambda _chat: True,

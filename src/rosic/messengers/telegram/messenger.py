@@ -19,7 +19,7 @@ from rosic.messengers.telegram.log_redaction import hide
 from rosic.messengers.telegram.outgoing import Outgoing
 from rosic.messengers.telegram.polling import Poller
 from rosic.messengers.telegram.rate_limiter import PUBLISHED, BotRates, RateLimiter
-from rosic.messengers.telegram.reading import ReceiveHooks, follow, moved
+from rosic.messengers.telegram.reading import UpdateHooks, follow, moved
 from rosic.messengers.telegram.settings import TelegramSettings, read_settings
 
 if TYPE_CHECKING:
@@ -279,7 +279,7 @@ class TelegramMessenger:
             raise MessengerFault(
                 f"The messenger {self.name} was not told what is on disk, so it receives nothing."
             )
-        hooks = ReceiveHooks(
+        hooks = UpdateHooks(
             settle=self._settle,
             known=self._known,
             serves=self._serves,

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Receive
     from rosic.messengers.telegram.bot_client import BotClient
     from rosic.messengers.telegram.chats import Chats
-    from rosic.messengers.telegram.reading import ReceiveHooks
+    from rosic.messengers.telegram.reading import UpdateHooks
 
 PEEK_S = 0.1
 """While something is being received, we look for stops behind it this often."""
@@ -97,7 +97,7 @@ class Poller:
         """Whether what was sent while nobody listened may still come."""
         return self._listening.frozen
 
-    async def run(self, receive: Receive, hooks: ReceiveHooks) -> None:
+    async def run(self, receive: Receive, hooks: UpdateHooks) -> None:
         """Listen until cancelled.
 
         Args:
@@ -173,7 +173,7 @@ class Poller:
 
     # ---- the loop ----
 
-    async def _poll(self, group: TaskGroup, window: UpdateWindow, hooks: ReceiveHooks) -> None:
+    async def _poll(self, group: TaskGroup, window: UpdateWindow, hooks: UpdateHooks) -> None:
         listening, offset = self._listening, window.offset
         settled = offset is None or await hooks.settle(self._settles_within_s())
         if not settled and self._full_ns is None:

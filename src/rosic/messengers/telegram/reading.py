@@ -66,7 +66,7 @@ class UnreadUpdate(NamedTuple):
     received: incoming.ReceivedAt
 
 
-class ReceiveHooks(NamedTuple):
+class UpdateHooks(NamedTuple):
     """What is asked and told while updates are received. It stays for as long as a run lasts.
 
     Attributes:
@@ -99,7 +99,7 @@ class UpdateReader:
         hurried: More is to be fetched before anything of strangers is read.
     """
 
-    _hooks: ReceiveHooks  # by `begin`: until then there is nothing that could be asked instead
+    _hooks: UpdateHooks  # by `begin`: until then there is nothing that could be asked instead
     _hears_groups: bool
 
     def __init__(self, name: str, chats: Chats, counts: Counter[str]) -> None:
@@ -114,7 +114,7 @@ class UpdateReader:
         self.hurried = False
         self._wake = asyncio.Event()
 
-    def begin(self, hooks: ReceiveHooks, *, own_name: str, hears_groups: bool) -> None:
+    def begin(self, hooks: UpdateHooks, *, own_name: str, hears_groups: bool) -> None:
         """Begin a run: forget what an earlier one did not come to, and say what is heard.
 
         Args:
