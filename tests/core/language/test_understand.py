@@ -329,3 +329,23 @@ def test_numbers_are_not_joined_by_their_typography(means: Means) -> None:
     # Under NFKC alone these would be 102 and 112.
     assert done(means("omni move 10² cm"))[2][0] == S("", None, "10²")
     assert done(means("omni move 1½ m"))[2][0] == S("", None, "1½")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "omni battery",
+        "omni where",
+        "where is omni",
+        "Where is omni?",
+        "battery omni",
+        "wo ist omni",
+    ],
+)
+def test_where_a_robot_is_and_how_charged_is_said_by_its_status(means: Means, text: str) -> None:
+    assert means(text) == Status(("omni",))
+
+
+@pytest.mark.parametrize("text", ["where is my coffee", "where", "battery", "omni where to"])
+def test_what_names_no_robot_or_says_more_asks_for_no_status(means: Means, text: str) -> None:
+    assert not isinstance(means(text, "omni"), Status)

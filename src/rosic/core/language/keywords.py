@@ -26,6 +26,10 @@ HINTS: dict[str, str] = {
     "unstop": "resume",
 }
 
+# What is asked of a robot that its status says, where no skill is called so. None is reserved.
+STATUS_WORDS = frozenset({"battery", "where"} | {"akku", "batterie", "wo"})
+IS_WORDS = frozenset({"are", "is"} | {"ist", "sind"})
+
 # Words that carry no meaning here. A phrase may contain them ("go to"), a name may not be one.
 FILLERS = frozenset({"a", "an", "and", "at", "by", "for", "of", "please", "the", "to", "with", "&"})
 

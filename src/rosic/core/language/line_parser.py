@@ -25,9 +25,11 @@ from rosic.core.language.keywords import (
     EVERYTHING,
     EVERYTHING_ELSEWHERE,
     HELP_PAGES,
+    IS_WORDS,
     NOTHING,
     PAGE_ALIASES,
     POLITE,
+    STATUS_WORDS,
 )
 from rosic.core.language.line_words import past_excepting, past_fillers
 from rosic.core.language.skill_values import fits
@@ -147,7 +149,8 @@ class LineReader:
         if word in commands.words and ours:
             alone = self._asks_how(at + 1) and commands.explains(word)
             return CommandLine(word, "" if alone else self._rest(at + 1))
-        return self._unaddressed(at, slash=slash)
+        status = self._status_asked(at) if ours else None
+        return status or self._unaddressed(at, slash=slash)
 
     def _everybody_resumes(self, at: int) -> bool:
         """Whether it says ``all resume``: in German that is the order of words of the button."""
@@ -155,6 +158,14 @@ class LineReader:
         if len(rest) != 1 or not (word in EVERYTHING or word in EVERYTHING_ELSEWHERE):
             return False
         return self._vocabulary.commands.aliases.get(rest[0], rest[0]) == "resume"
+
+    def _status_asked(self, at: int) -> Status | None:
+        """Return what ``where is omni`` and ``battery omni`` ask; None where no robot is named."""
+        if self._low[at] not in STATUS_WORDS:
+            return None
+        begin = at + 1 + any(word in IS_WORDS for word in self._low[at + 1 : at + 2])
+        line = self.status(None, begin) if begin < len(self._low) else None
+        return line if isinstance(line, Status) and line.robots else None
 
     # ---- whom ----
 
@@ -211,7 +222,8 @@ class LineReader:
         if found is not None:
             return self._do(callee, *found, named=True)
         word = self._vocabulary.commands.aliases.get(self._low[at], self._low[at])
-        verb = _VERBS.get(word)
+        asked = word in STATUS_WORDS and at + 1 == len(self._low)
+        verb = LineReader.status if asked else _VERBS.get(word)
         if verb is not None:
             return verb(self, callee, at + 1)
         if word == CONTINUE:
