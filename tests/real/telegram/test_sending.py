@@ -104,6 +104,16 @@ async def test_a_message_that_was_deleted_is_gone(
         await gateway.messenger.edit(sent, to(ada, "omni: done"))
 
 
+async def test_a_long_text_whose_parts_are_too_old_to_be_taken_away_is_gone(
+    server: FakeTelegram, gateway: Gateway, ada: int
+) -> None:
+    server.say(ada, ada, "hello")
+    last = await gateway.messenger.send(to(ada, LONG))
+    server.advance(49 * 3600)
+    with pytest.raises(MessageGone):
+        await gateway.messenger.edit(last, to(ada, "nothing"))
+
+
 async def test_a_long_text_goes_in_parts_and_is_edited_in_parts(
     server: FakeTelegram, gateway: Gateway, ada: int
 ) -> None:

@@ -36,6 +36,8 @@ WAITS_S = (0.5, 1.0, 2.0, 4.0)
 TAP_S = 5.0
 GONE = ("message to edit not found", "message can't be edited", "message_id_invalid")
 """Telegram's words for a message that was deleted, or is too old to be changed."""
+TOO_OLD = "message can't be deleted"
+"""Telegram's words for a part of a long text that it lets nobody take away any more."""
 HAS_A_FILE = "no text in the message to edit"
 """Telegram's words for a message whose text is the caption of a file."""
 NO_TOPIC = ("message thread not found", "topic_closed", "topic_deleted")
@@ -127,6 +129,7 @@ class Outgoing:
         """Edit in place.
 
         Raises:
+            MessageGone: It was deleted, or it or a part of it is too old to be changed.
             MessengerFault: Not changed, or it cannot be known; or the text now needs more
                 messages than it took when it was sent.
         """
@@ -297,6 +300,8 @@ class Outgoing:
         try:
             await self._call(call, act)
         except TelegramError as trouble:
+            if trouble.kind is ErrorKind.REFUSED and TOO_OLD in trouble.reason.lower():
+                raise MessageGone(str(trouble)) from None  # what it says now is said anew
             if trouble.kind is not ErrorKind.REFUSED or "not found" not in trouble.reason:
                 raise
 
