@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 
 if TYPE_CHECKING:
     from rosic.core.language.command import Command

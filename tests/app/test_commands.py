@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from rosic.core.language.command import (
     GRAMMAR,
     VERBS,

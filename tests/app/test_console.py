@@ -6,8 +6,8 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.app.console import AGAIN, mind_console
-from rosic.config.translations import catalogue
+from rosic.app.closing import AGAIN, mind_console
+from rosic.config.plugins import catalogue
 from rosic.core.i18n import in_language
 from rosic.core.identity import Address
 from rosic.core.order import RestReport

@@ -12,7 +12,7 @@ import pytest
 
 from rosic.app.setup.check import check_all
 from rosic.cli.main import main
-from rosic.config.file_permissions import open_to_others
+from rosic.config.secrets import open_to_others
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock
 from tests.cli.running import CONFIG, rosic, write_config
@@ -22,7 +22,7 @@ LINUX = pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps cor
 DIES = """
 import ctypes, os, resource
 resource.setrlimit(resource.RLIMIT_CORE, (resource.getrlimit(resource.RLIMIT_CORE)[1],) * 2)
-from rosic.app.private_memory import keep_memory_private
+from rosic.app.logging import keep_memory_private
 print(keep_memory_private(), resource.getrlimit(resource.RLIMIT_CORE), flush=True)
 print(ctypes.CDLL(None).prctl(3, 0, 0, 0, 0), flush=True)
 os.abort()

@@ -9,8 +9,7 @@ import pytest
 
 import rosic.authoriser
 from rosic.authoriser.counters import Counters
-from rosic.authoriser.security_report import percentile
-from rosic.authoriser.security_report_messages import KINDS
+from rosic.authoriser.security_report import KINDS, percentile
 from rosic.core.message import Chat, Inbound
 from rosic.core.records import Fact
 from rosic.errors import Unrecognised

@@ -7,7 +7,7 @@ from urllib.parse import parse_qs, unquote, urlsplit
 
 import pytest
 
-from rosic.authoriser.totp import (
+from rosic.authoriser.two_factor import (
     SECRET_BYTES,
     hotp,
     key_to_type,

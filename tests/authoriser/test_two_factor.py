@@ -8,7 +8,7 @@ from urllib.parse import parse_qs, urlsplit
 import pytest
 
 from rosic.authoriser import keys_messages as words
-from rosic.authoriser.totp import hotp, step_at
+from rosic.authoriser.two_factor import hotp, step_at
 from rosic.core.message import Chat, ChatKind
 from rosic.core.records import Decided, Fact
 from rosic.errors import (

@@ -25,7 +25,7 @@ from rosic.app.admin.control_socket import (
 )
 from rosic.errors import ConfigurationError, Fault, NotUnderstood
 from rosic.stores.data_dir import DataDir
-from rosic.stores.kept_files import KeptFiles
+from rosic.stores.record_files import KeptFiles
 from tests.pace import pace
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.commands import command_table
 from rosic.app.config import check_config
+from rosic.app.features import command_table
 from rosic.config.json_schema import robot_schema
 from rosic.config.profiles import check_profile, known_units, load_profile
 from rosic.config.yaml_source import read_yaml

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from rosic.cli.init import KINDS
 from rosic.config.profiles import (
     find_profile,

@@ -7,8 +7,8 @@ import pytest
 from rosic.authoriser.invitations import InvitedRights
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.profiles import known_units
-from rosic.core.deferred import Deferred
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
+from rosic.core.signal import Deferred
 from rosic.core.stop_registry import StopRegistry, not_known_yet
 from rosic.errors import RobotStopped
 from rosic.gateway.access_registry import AccessRegistry, PlaceNames, authoriser_of

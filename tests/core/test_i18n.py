@@ -6,7 +6,7 @@ import gettext
 
 import pytest
 
-from rosic.config.translations import catalogue
+from rosic.config.plugins import catalogue
 from rosic.core.i18n import ImperialCatalogue, Sentence, in_language, joined, said, said_n
 from rosic.core.units import measured
 

@@ -11,14 +11,13 @@ from unicodedata import combining
 
 import msgspec
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import ConfiguredPerson
 from rosic.bench.bot_api_process import TOKEN
-from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.receiving import ScriptedBotClient
-from rosic.bench.steps import LoopStep, MeteredLoop
-from rosic.bench.strangers import NAMED
+from rosic.bench.sites import CLOCK, parts_of
+from rosic.bench.strangers import NAMED, LoopStep, MeteredLoop
 from rosic.core.identity import Address
 from rosic.core.rate_limit import RateLimit
 from rosic.messengers.telegram.messenger import TelegramMessenger

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from rosic.config.profiles import known_units
 from rosic.core.language import Vocabulary
 from rosic.core.policy.roles import Grant, Role, SkillPrecondition

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.bench.parts import CLOCK
+from rosic.bench.sites import CLOCK
 from rosic.stores.database import DatabaseStore
 from tests.gateway.received import ADA, BO, receiving
 from tests.pace import pace

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from tests.gateway.place import BO, Place
 from tests.gateway.test_rights import who
 

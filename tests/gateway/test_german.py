@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
+from rosic.config.plugins import catalogue
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
-from rosic.config.translations import catalogue
 from rosic.core.i18n import ImperialCatalogue, in_language
 from rosic.core.language import (
     CommandLine,
@@ -30,7 +30,7 @@ from rosic.core.policy.roles import DEFAULT_ROLES
 from rosic.core.role_names import TYPED as TYPED_ROLES
 from rosic.core.role_names import role_shown, role_typed
 from rosic.core.units import in_units_of
-from rosic.features.booking.cancel import BOOKINGS
+from rosic.features.booking.book import BOOKINGS
 from rosic.gateway.order_label import label_of
 from tests.gateway.place import FLEET, VI, Place
 from tests.pace import patience

@@ -7,7 +7,7 @@ from time import thread_time
 
 import pytest
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from tests.features.access.access_gateway import ADA, VI, House, house
 from tests.pace import SAMPLE_S, sample_of_work_s
 

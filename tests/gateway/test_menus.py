@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rosic.app.commands import command_table
-from rosic.config.translations import catalogue
+from rosic.app.features import command_table
+from rosic.config.plugins import catalogue
 from rosic.core.language.command import MenuAudience
 from rosic.core.message import Menu, MenuScope
 from rosic.gateway.command_menus import CommandMenus

@@ -9,8 +9,8 @@ import pytest
 
 from rosic.app.admin.api import ALL
 from rosic.app.admin.dispatch import AdminDispatcher
-from rosic.core.deferred import Deferred
 from rosic.core.records import Decided, Resumed
+from rosic.core.signal import Deferred
 from rosic.errors import Refusal, RobotStopped, RobotUnreachable
 from rosic.robots.memory import MemoryRobot
 from tests.gateway.place import BrokenStore, Place, SlowStore

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.authoriser.totp import hotp, step_at
+from rosic.authoriser.two_factor import hotp, step_at
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules, SkillPrecondition
 from rosic.core.records import Fact, Letter
 from rosic.core.robot.profile import Slots

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from rosic.authoriser.invite_codes import ALPHABET
-from rosic.bench.steps import LoopStep, MeteredLoop, pace_of_machine, undisturbed
-from rosic.bench.strangers import NAMED
+from rosic.bench.strangers import NAMED, LoopStep, MeteredLoop, pace_of_machine, undisturbed
 from rosic.core.language import Cancel, Halt, LanguageReader
 from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Parameter, Skill

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.authoriser import totp
-from rosic.authoriser.security_report_messages import KINDS
+from rosic.authoriser import two_factor
+from rosic.authoriser.security_report import KINDS
 from rosic.core.message import ChatKind
 from tests.gateway.place import ADA, BO, STRANGER, VI, Place
 
@@ -159,7 +159,7 @@ async def phone(place: Place) -> Callable[[], str]:
     secret = b32decode(key + "=" * (-len(key) % 8))
 
     def shows() -> str:
-        return totp.hotp(secret, totp.step_at(place.gateway.access.time.wall_ns()))
+        return two_factor.hotp(secret, two_factor.step_at(place.gateway.access.time.wall_ns()))
 
     await place.say(f"/code {shows()}", account=BO, chat=BO)
     return shows

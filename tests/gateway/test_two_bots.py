@@ -14,7 +14,7 @@ import pytest
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.messenger_setup import CLOCKS_APART_NS, KIND
 from rosic.app.people import ConfiguredPerson
-from rosic.bench.parts import CLOCK, parts_of
+from rosic.bench.sites import CLOCK, parts_of
 from rosic.core.identity import Address
 from rosic.core.records import Fact
 from rosic.core.robot.profile import Busy

@@ -8,7 +8,7 @@ from difflib import unified_diff
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from rosic.config.translations import LANGUAGES, catalogue
+from rosic.config.plugins import LANGUAGES, catalogue
 from rosic.core.i18n import in_language
 from rosic.core.local_time import MONTHS, WEEKDAYS, LocalTime
 from rosic.organiser.calendar_messages import clock_and_day

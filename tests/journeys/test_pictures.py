@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.config.translations import LANGUAGES, catalogue
+from rosic.config.plugins import LANGUAGES, catalogue
 from rosic.core.i18n import in_language, joined
 from rosic.core.local_time import LocalTime
 from rosic.features.booking.messages import full_day

@@ -7,7 +7,7 @@ import re
 import time
 from typing import TYPE_CHECKING
 
-from rosic.authoriser import totp
+from rosic.authoriser import two_factor
 from tests.journeys.lab import Lab, lab
 from tests.pace import pace
 
@@ -103,7 +103,9 @@ async def test_the_key_of_an_authenticator_and_its_codes_go(
 
 def code_of(key: str) -> str:
     """Return what a phone with this key shows now."""
-    return totp.hotp(base64.b32decode(key + "=" * (-len(key) % 8)), totp.step_at(time.time_ns()))
+    return two_factor.hotp(
+        base64.b32decode(key + "=" * (-len(key) % 8)), two_factor.step_at(time.time_ns())
+    )
 
 
 async def test_a_code_in_a_group_is_burnt_and_taken_away_where_the_bot_may(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from rosic.authoriser.totp import hotp, step_at
+from rosic.authoriser.two_factor import hotp, step_at
 from tests.journeys.fleet import Person
 from tests.journeys.lab import Lab, lab
 

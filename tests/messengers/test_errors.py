@@ -19,9 +19,9 @@ from rosic.messengers.telegram.errors import (
     FloodControl,
     NetworkState,
     TelegramError,
+    hide,
     trouble,
 )
-from rosic.messengers.telegram.log_redaction import hide
 
 TOKEN = "777:another-token-that-opens-nothing"  # noqa: S105
 MEANING = {

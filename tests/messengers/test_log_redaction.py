@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.secret import Secret
-from rosic.messengers.telegram.log_redaction import hide, scrub
+from rosic.messengers.telegram.errors import hide, scrub
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

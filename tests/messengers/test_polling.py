@@ -14,12 +14,12 @@ from rosic.core.message import Button, Chat, ChatEvent, ChatEventKind, Outbound
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram import update_window
-from rosic.messengers.telegram.batch import ANSWER_BYTES, BATCH
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.errors import ErrorKind, FloodControl, TelegramError
 from rosic.messengers.telegram.messenger import TelegramMessenger
 from rosic.messengers.telegram.polling import FULL_S, PEEK_S, Poller
 from rosic.messengers.telegram.polling_gap import GRACE_NS
+from rosic.messengers.telegram.reading import ANSWER_BYTES, BATCH
 from rosic.messengers.telegram.settings import API_BASE, read_settings
 from rosic.messengers.telegram.update_window import OVERDUE_AT_MOST
 from rosic.testing.clock import settle

@@ -11,9 +11,14 @@ import pytest
 from telegram.error import NetworkError
 
 from rosic.messengers.telegram import incoming
-from rosic.messengers.telegram.batch import BATCH, STEP_BYTES
 from rosic.messengers.telegram.polling import AT_ONCE_S, FULL_S
-from rosic.messengers.telegram.reading import TURNS, UNNAMED_SIGNS, UNREAD_AT_MOST
+from rosic.messengers.telegram.reading import (
+    BATCH,
+    STEP_BYTES,
+    TURNS,
+    UNNAMED_SIGNS,
+    UNREAD_AT_MOST,
+)
 from rosic.messengers.telegram.update_window import UpdateWindow
 from rosic.testing.clock import settle
 from tests.messengers.inbox import (

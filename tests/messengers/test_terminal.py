@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Self
 
 import pytest
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from rosic.core.identity import Address
 from rosic.core.message import Button, Chat, Inbound, Outbound
 from rosic.core.robot.profile import Link, Profile

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rosic.config.translations import catalogue
+from rosic.config.plugins import catalogue
 from rosic.core.message import Attachment, Chat, Outbound
 from rosic.gateway.delivery.translation import translated
 from rosic.messengers.terminal import TerminalMessenger

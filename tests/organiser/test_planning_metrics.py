@@ -6,9 +6,8 @@ import msgspec
 import pytest
 
 from rosic.bench.schedule import as_table, compare, measure
-from rosic.organiser.planning.figures import figures_of, jain
+from rosic.organiser.planning.figures import figures_of, jain, plan_text
 from rosic.organiser.planning.greedy import first_come_first_served
-from rosic.organiser.planning.metrics import plan_text
 from rosic.organiser.planning.problem import StandingSlot
 from rosic.organiser.planning.solver import propose
 from tests.organiser.planning import a_problem, a_wish, at

@@ -12,9 +12,8 @@ import msgspec
 import pytest
 
 from rosic.bench.schedule import generated_week
-from rosic.organiser.planning.figures import figures_of
+from rosic.organiser.planning.figures import figures_of, plan_text
 from rosic.organiser.planning.greedy import first_come_first_served, grid_for
-from rosic.organiser.planning.metrics import plan_text
 from rosic.organiser.planning.problem import (
     Allocation,
     LeftOverReason,
@@ -237,7 +236,7 @@ def test_without_scipy_the_order_of_arrival_and_the_name_of_the_extra() -> None:
         "import sys; sys.modules['scipy'] = None\n"
         "from rosic.bench.schedule import generated_week\n"
         "from rosic.organiser.planning.solver import propose\n"
-        "from rosic.organiser.planning.metrics import plan_text\n"
+        "from rosic.organiser.planning.figures import plan_text\n"
         "print(plan_text(propose(generated_week(0, wishes=9))))"
     )
 

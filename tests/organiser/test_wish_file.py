@@ -7,8 +7,8 @@ import json
 import pytest
 
 from rosic.core.local_time import LocalTime
+from rosic.organiser.planning.figures import plan_text
 from rosic.organiser.planning.greedy import first_come_first_served
-from rosic.organiser.planning.metrics import plan_text
 from rosic.organiser.planning.problem import LeftOverReason, PlanningProblem
 from rosic.organiser.planning.solver import propose
 from rosic.organiser.planning.wish_file import (

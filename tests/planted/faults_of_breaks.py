@@ -99,7 +99,7 @@ OF_BREAKS = (
     ),
     Fault(
         name="I6 whose name came after the drive began is not known again",
-        file="robots/ros2/endpoint_identity.py",
+        file="robots/ros2/publishers.py",
         guard="self.first = named_since(self.first, now)",
         without="self.first = self.first",
         caught_by=(
@@ -108,7 +108,7 @@ OF_BREAKS = (
     ),
     Fault(
         name="I6 beside one without a name, whoever joins is driven on",
-        file="robots/ros2/endpoint_identity.py",
+        file="robots/ros2/publishers.py",
         guard="any(unknown or not name for name in joined)",
         without="any(not name for name in joined)",
         caught_by=(
@@ -117,7 +117,7 @@ OF_BREAKS = (
     ),
     Fault(
         name="I6 who has no name yet is driven on after a while",
-        file="robots/ros2/endpoint_identity.py",
+        file="robots/ros2/publishers.py",
         guard="return self.waits and now_ns - self._since_ns >= self._patience_ns",
         without="return False",
         caught_by=(

@@ -41,7 +41,7 @@ OF_CANCELLING = (
     ),
     Fault(
         name="a second Ctrl-C waits until rest is measured",
-        file="app/console.py",
+        file="app/closing.py",
         guard="                showing = await _bring_to_rest(console, gateway)\n",
         without="                showing = await _bring_to_rest(console, gateway)\n"
         "                await showing\n",

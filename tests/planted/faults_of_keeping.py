@@ -174,21 +174,21 @@ OF_KEEPING = (
     ),
     Fault(
         name="I9 an order is claimed in a file that was emptied in place",
-        file="stores/kept_files.py",
+        file="stores/record_files.py",
         guard=" or not kept.is_whole()",
         without="",
         caught_by=(f"{OVERWRITTEN}::test_nothing_is_claimed_in_what_was_changed_in_place",),
     ),
     Fault(
         name="I9 a file that cannot be looked at counts as there",
-        file="stores/kept_files.py",
+        file="stores/record_files.py",
         guard="nobody can say that it is there\n        return True",
         without="nobody can say that it is there\n        return False",
         caught_by=(f"{OVERWRITTEN}::test_what_cannot_be_looked_at_is_lost",),
     ),
     Fault(
         name="I9 what is lost beside the record hides that the record is",
-        file="stores/kept_files.py",
+        file="stores/record_files.py",
         guard=", key=lambda item: not item[1].comes_first)",
         without=", key=lambda item: item[1].comes_first)",
         caught_by=(

@@ -10,7 +10,7 @@ import pytest
 from msgspec.structs import replace
 from PIL import Image, ImageDraw, ImageFont
 
-from rosic.config.translations import catalogue
+from rosic.config.plugins import catalogue
 from rosic.core.i18n import Sentence, in_language
 from rosic.core.robot.view import (
     Ball,
@@ -30,7 +30,7 @@ from rosic.core.robot.view import (
     Tube,
 )
 from rosic.errors import NothingToSee
-from rosic.rendering.axes import ticks, written
+from rosic.rendering.charts import ticks, written
 from rosic.rendering.draw import draw
 from rosic.rendering.style import (
     ACCENT,

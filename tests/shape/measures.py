@@ -26,7 +26,6 @@ FOREIGN = frozenset(
         "rosic.robots.ros2.messages.encode": "message",
         "rosic_sim.ros2.machine_node": "response place speed goal",
         "rosic_sim.ros2.reports": "message place speed pose twist",
-        "rosic_sim.ros2.views": "message",
         "rosic_sim.ros2_others.arm_robot": "message",
         "rosic_sim.ros2_others.nav2_robot": "message pose battery",
     }.items()

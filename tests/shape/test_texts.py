@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.config.translations import LANGUAGES, catalogue
+from rosic.config.plugins import LANGUAGES, catalogue
 from tests.texts import NotLiteral, compiled, languages, po_of, read, templates, templates_in
 
 if TYPE_CHECKING:

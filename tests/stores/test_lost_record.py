@@ -12,7 +12,7 @@ import pytest
 from rosic.errors import ConfigurationError, StoreFault
 from rosic.stores.data_dir import LOCK
 from rosic.stores.database import DatabaseStore
-from rosic.stores.kept_files import KeptFiles
+from rosic.stores.record_files import KeptFiles
 from rosic.stores.record_guard import MARK_EVERY_NS
 from rosic.stores.record_mark import DATABASE, MARK, STOPS
 from rosic.stores.root_key import ROOT_KEY

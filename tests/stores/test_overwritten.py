@@ -13,7 +13,7 @@ import pytest
 from rosic.errors import ConfigurationError, StoreFault
 from rosic.stores.data_dir import LOCK
 from rosic.stores.database import DatabaseStore
-from rosic.stores.kept_files import KeptFiles
+from rosic.stores.record_files import KeptFiles
 from rosic.stores.record_mark import DATABASE, LOG, MARK, STOPS
 from rosic.stores.stop_latch import FileLatch
 from rosic.testing.clock import ManualClock

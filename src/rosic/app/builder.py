@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 from zoneinfo import ZoneInfo
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from rosic.app.runtime import face_of
 from rosic.app.settings import GatewayParts, GatewaySettings
 from rosic.config.plugins import demand_good, messenger_factory, robot_factory, shared_spaces

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from rosic.config.translations import LANGUAGES
+from rosic.config.plugins import LANGUAGES
 from rosic.container.archive import NOBODY, Archive, MessageAuthor
 from rosic.container.files import FileQuota, FileStore
 from rosic.container.preferences import KIND as PREFERENCE

@@ -8,15 +8,13 @@ import sys
 from typing import TYPE_CHECKING, Any
 
 from rosic.app.admin.dispatch import AdminDispatcher
-from rosic.app.closing import close_in_time, on_signals
-from rosic.app.commands import command_table
-from rosic.app.console import console_of, mind_console, read_at
+from rosic.app.closing import close_in_time, console_of, mind_console, on_signals, read_at
+from rosic.app.features import command_table
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.app.people import ConfiguredPerson
 from rosic.app.runtime import PIPED, face_of, until_done, until_quiet
-from rosic.config.plugins import robot_factory
+from rosic.config.plugins import of_locale, robot_factory
 from rosic.config.profiles import known_units, read_profile, shipped_profiles
-from rosic.config.translations import of_locale
 from rosic.core.i18n import filled, in_language, joined, said, titled
 from rosic.core.identity import Address
 from rosic.core.rate_limit import RateLimit

@@ -10,7 +10,9 @@ from pkgutil import iter_modules
 from typing import TYPE_CHECKING, TypeVar
 
 from rosic import features
+from rosic.core.language.command import Command, CommandTable
 from rosic.errors import RosicError
+from rosic.gateway import builtin_commands
 from rosic.gateway.feature import Feature
 
 if TYPE_CHECKING:
@@ -19,6 +21,28 @@ if TYPE_CHECKING:
 
     from rosic.gateway.feature import Kernel
     from rosic.gateway.robot_registry import AddedRobot
+
+
+# ---- commands ----
+
+# Every command there is: of the kernel, and of each feature that is installed with it.
+
+
+def command_table() -> CommandTable:
+    """Return the commands of the kernel and of every feature, by what their modules declare.
+
+    A feature declares its own in ``COMMANDS`` of its ``commands.py``; nothing else lists them.
+
+    Raises:
+        ValueError: Two of them share a word, or a place on a page or in a menu.
+    """
+    declared: list[Command] = [*builtin_commands.COMMANDS]
+    for feature in sorted(module.name for module in iter_modules(features.__path__)):
+        declared += import_module(f"{features.__name__}.{feature}.commands").COMMANDS
+    return CommandTable(declared)
+
+
+# ---- features ----
 
 F = TypeVar("F", bound=Feature)
 

@@ -9,31 +9,34 @@ from typing import TYPE_CHECKING
 
 from rosic.app.added_robots import KIND as ADDED
 from rosic.app.added_robots import settings_with_added
-from rosic.app.commands import command_table
 from rosic.app.containers import (
     preferences_of,
     recorded,
 )
-from rosic.app.features import Features
+from rosic.app.features import Features, command_table
 from rosic.app.gateway_parts import RunningGateway, kernel_of
-from rosic.app.maintenance import Maintenance, rates_of, save, save_now_and_then
+from rosic.app.maintenance import (
+    Maintenance,
+    RecordMonitor,
+    Retention,
+    rates_of,
+    save,
+    save_now_and_then,
+)
 from rosic.app.messenger_setup import take_in
 from rosic.app.people import remember, seed
-from rosic.app.record_monitor import RecordMonitor
-from rosic.app.retention import Retention
-from rosic.app.robot_opening import RobotStartup, warn_of_thieves
 from rosic.app.robot_provisioning import RobotProvisioning
-from rosic.app.robot_startup import board_of, robots_of
+from rosic.app.robot_startup import RobotStartup, board_of, robots_of, warn_of_thieves
 from rosic.app.settings import GatewayParts, GatewaySettings
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
-from rosic.config.translations import LANGUAGES, catalogue, whose
+from rosic.config.plugins import LANGUAGES, catalogue, whose
 from rosic.container.archive import Archive
 from rosic.container.container import Containers
 from rosic.contracts.console import SupportsCompletion
 from rosic.contracts.store import AuditStore
-from rosic.core.deferred import Deferred
 from rosic.core.language import Vocabulary, VocabularyHolder, inert_text
 from rosic.core.message import Outbound
+from rosic.core.signal import Deferred
 from rosic.errors import ConfigurationError
 from rosic.gateway import Pipeline
 from rosic.gateway.access_registry import (

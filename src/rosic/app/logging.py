@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
 import logging
 import sys
 import traceback
 from pathlib import PurePath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.secret import MASK, Secret
 
@@ -14,6 +15,41 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from rosic.core.order_status import Face
+
+
+# ---- private memory ----
+
+# Keeps tokens and keys out of core dumps, and out of reach of this user's other programs.
+
+try:
+    import resource
+except ImportError:  # no Unix
+    resource = None  # type: ignore[assignment]
+
+PR_GET_DUMPABLE: Final = 3
+PR_SET_DUMPABLE: Final = 4
+
+
+def keep_memory_private() -> bool:
+    """Have this process leave no core dump, and let no debugger of the same user in.
+
+    Returns:
+        Whether both hold now, as read back. Where the system offers neither, nothing is changed.
+    """
+    if sys.platform != "linux" or resource is None:
+        return False
+    try:
+        _, most = resource.getrlimit(resource.RLIMIT_CORE)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0 if most else most))
+        limited = resource.getrlimit(resource.RLIMIT_CORE)[0] == 0
+        libc = ctypes.CDLL(None, use_errno=True)
+        libc.prctl(PR_SET_DUMPABLE, 0, 0, 0, 0)
+        return limited and libc.prctl(PR_GET_DUMPABLE, 0, 0, 0, 0) == 0
+    except (OSError, ValueError, AttributeError):
+        return False
+
+
+# ---- logging ----
 
 SHORTEST_SECRET = 4
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
+from rosic.contracts.store import FileBackedRecord, RepairableStopFile
+from rosic.core.i18n import said
 from rosic.core.time_units import DAY_NS
 from rosic.errors import RosicError
 from rosic.gateway.scheduling import sleep_or_wake
@@ -17,12 +19,155 @@ if TYPE_CHECKING:
 
     from rosic.app.features import Features
     from rosic.app.settings import GatewaySettings
+    from rosic.config.gateway_file import Keep
     from rosic.contracts.clock import Clock
-    from rosic.contracts.store import Store
+    from rosic.contracts.store import AuditStore, Store
     from rosic.core.policy.permissions import Permissions
     from rosic.core.records import Fact
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.gateway.feature import Kernel
+    from rosic.gateway.transactions import Transactions
+    from rosic.organiser.calendar import Calendar
+
+
+# ---- record monitor ----
+
+# Says when a file of the data folder vanishes, or is written by somebody else, meanwhile.
+
+LOOK_EVERY_S: Final = 2.0
+TOGETHER: Final = "it, or rosic.db, rosic.db-wal and record.mark as they were last,"
+BACK: Final = said("The files of my record are all there again. Robots may move.")
+
+log = logging.getLogger("rosic.record")
+
+
+def lost(file: str) -> str:
+    """Return what follows from a file that is gone."""
+    return said(
+        "{file} of my record is gone or was replaced, emptied or overwritten. Nothing moves until "
+        "it is back; stop still works. The operator has to look at the data folder.",
+        file=file,
+    )
+
+
+class RecordMonitor:
+    """Looks every two seconds; each order is looked at besides, when it is written down.
+
+    Args:
+        store: The record.
+        latch: The stop file.
+        tell: Says a sentence to the admins.
+    """
+
+    def __init__(
+        self, store: object, latch: object, clock: Clock, tell: Callable[[str], object]
+    ) -> None:
+        self._store = store
+        self._latch = latch
+        self._clock = clock
+        self._tell = tell
+        self._said = ""
+
+    async def run(self) -> None:
+        """Look until cancelled."""
+        while isinstance(self._store, FileBackedRecord):
+            self.say(await asyncio.to_thread(self._store.lost_file))
+            if self._said:
+                await self._mend()
+            await self._clock.sleep(LOOK_EVERY_S)
+
+    async def _mend(self) -> None:
+        """Write again what is known here; the mark the record itself writes again."""
+        if isinstance(self._latch, RepairableStopFile):
+            try:
+                await self._latch.mend()
+            except (OSError, RosicError) as error:
+                log.warning("the stop file cannot be written again: %s", error)
+
+    def lost_file(self) -> str:
+        """Return the file that was not there when it was looked for last; empty: all were."""
+        return self._said
+
+    def say(self, file: str) -> None:
+        """Say what has changed.
+
+        Args:
+            file: That is not there now; empty: all are.
+        """
+        if file == self._said:
+            return
+        self._said = file
+        if file:
+            log.error(
+                "%s of the record is gone or was replaced, emptied or overwritten: nothing "
+                "moves until it is back; end me and put %s back, see rosic doctor",
+                file,
+                TOGETHER,
+            )
+        else:
+            log.warning("the files of the record are all there again")
+        self._tell(lost(file) if file else BACK)
+
+
+# ---- maintenance ----
+
+# ---- retention ----
+
+# Once a day: times that are long over, and old administrative acts, are forgotten as was set.
+
+log = logging.getLogger("rosic.gateway")
+
+
+class Retention:
+    """Forgets what is kept longer than was set.
+
+    Args:
+        keep: How long.
+        calendar: Whose slots.
+        changes: Through which slots are forgotten.
+        ledger: Whose acts; None: they cannot be forgotten.
+        wall_ns: What time it is; one that never goes back.
+    """
+
+    def __init__(
+        self,
+        keep: Keep,
+        calendar: Calendar,
+        changes: Transactions,
+        ledger: AuditStore | None,
+        wall_ns: Callable[[], int],
+    ) -> None:
+        self._keep = keep
+        self._calendar = calendar
+        self._changes = changes
+        self._ledger = ledger
+        self._wall_ns = wall_ns
+
+    async def forget(self) -> None:
+        """Forget, in small steps, so that other changes pass between them.
+
+        Raises:
+            RecordUnavailable, StoreFault: Not all was forgotten; the rest is tried again soon.
+        """
+        now_ns = self._wall_ns()
+        slots_ns = now_ns - int(self._keep.slots_days * DAY_NS)
+        slots = 0
+        while True:
+            async with self._changes.turn() as turn:
+                facts = self._calendar.outdated(slots_ns)
+                await turn.write(facts)
+            if not facts:
+                break
+            slots += len(facts)
+        acts = 0
+        if self._ledger is not None:
+            before_ns = now_ns - int(self._keep.decisions_days * DAY_NS)
+            acts = await self._ledger.forget_decisions(before_ns)
+        if slots or acts:
+            log.info("%d old times and %d old administrative acts were forgotten", slots, acts)
+
+
+# ---- maintenance ----
 
 EVERY_S = 60.0
 # A right that ends ends what moves under it within a second.

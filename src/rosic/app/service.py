@@ -11,8 +11,7 @@ from rosic.app.admin.api import books_of
 from rosic.app.admin.control_socket import ControlServer, socket_path
 from rosic.app.admin.dispatch import AdminApi, AdminDispatcher
 from rosic.app.builder import latch_of, parts_of, settings_of
-from rosic.app.closing import CLOSE_WITHIN_S, close_in_time, on_signals
-from rosic.app.console import console_of, mind_console
+from rosic.app.closing import CLOSE_WITHIN_S, close_in_time, console_of, mind_console, on_signals
 from rosic.app.gateway import Gateway, GatewayParts
 from rosic.contracts.console import AccountProbe, Console
 from rosic.contracts.store import ForgettingStore

@@ -7,21 +7,23 @@ half minute or an earlier one is ever good again.
 
 from __future__ import annotations
 
+import hmac
 import logging
+from base64 import b32encode
 from collections import OrderedDict, deque
 from typing import TYPE_CHECKING, Final
+from urllib.parse import quote, urlencode
 
 import msgspec
 
 from rosic.authoriser import keys_messages as words
-from rosic.authoriser import totp
-from rosic.authoriser.totp import TotpDevice, TotpProof, TotpSetup
 from rosic.contracts.clock import ClockReading, passed_ns, reading
-from rosic.core.identity import OPERATOR
+from rosic.core.identity import OPERATOR, PrincipalId
 from rosic.core.language.sanitise import fold_word
-from rosic.core.message import ChatKind
-from rosic.core.records import Decided, Fact, Letter
-from rosic.core.time_units import HOUR_NS, MINUTE_NS
+from rosic.core.message import Chat, ChatKind
+from rosic.core.records import Decided, Fact, Letter, Record
+from rosic.core.secret import Secret
+from rosic.core.time_units import HOUR_NS, MINUTE_NS, SECOND_NS
 from rosic.errors import Expired, NotPermitted, NotUnderstood, RecordUnavailable, TooManyRequests
 
 if TYPE_CHECKING:
@@ -30,9 +32,123 @@ if TYPE_CHECKING:
     from rosic.authoriser.counters import Counters
     from rosic.authoriser.monotonic_clock import MonotonicWallClock
     from rosic.contracts.clock import Entropy
-    from rosic.core.identity import PrincipalId
-    from rosic.core.message import Chat
-    from rosic.core.records import Record
+
+
+# ---- totp ----
+
+# Six digits from a shared secret and the time: HOTP (RFC 4226) and TOTP (RFC 6238).
+
+# ---- HOTP (RFC 4226) and TOTP (RFC 6238) ----
+
+STEP_S: Final = 30
+STEP_NS: Final = STEP_S * SECOND_NS
+DIGITS: Final = 6
+SKEW_STEPS: Final = 1  # phones are rarely more than half a minute off
+SECRET_BYTES: Final = 20  # RFC 4226 asks for the length of the hash
+
+
+def new_secret(entropy: Entropy) -> bytes:
+    """Return a secret for one person."""
+    return entropy.token(SECRET_BYTES)
+
+
+def hotp(secret: bytes, counter: int, *, digits: int = DIGITS) -> str:
+    """Return the code of a counter (RFC 4226, SHA-1, which is what authenticator apps know)."""
+    mac = hmac.digest(secret, counter.to_bytes(8, "big"), "sha1")
+    start = mac[-1] & 0x0F
+    number = int.from_bytes(mac[start : start + 4], "big") & 0x7FFF_FFFF
+    return str(number % 10**digits).zfill(digits)
+
+
+def step_at(wall_ns: int) -> int:
+    """Return the number of the half minute in which a wall time lies."""
+    return wall_ns // STEP_NS
+
+
+def matching_steps(secret: bytes, code: str, step: int) -> tuple[int, ...]:
+    """Return which steps around the present one have this code, oldest first.
+
+    Every candidate is computed and compared in constant time, whatever the code.
+    """
+    given = code.encode()
+    around = range(max(0, step - SKEW_STEPS), step + SKEW_STEPS + 1)
+    found = [(n, hmac.compare_digest(hotp(secret, n).encode(), given)) for n in around]
+    return tuple(n for n, same in found if same)
+
+
+def otpauth_uri(secret: bytes, *, place: str, account: str) -> Secret:
+    """Return what an authenticator app reads from a QR code.
+
+    Args:
+        secret: Never shown otherwise.
+        place: Name of this lab, as the app shows it.
+        account: Name of the person, as the app shows it.
+    """
+    # A colon would move the border between the two names.
+    issuer, person = (quote(text.replace(":", " "), safe="") for text in (place, account))
+    asked = {
+        "secret": b32encode(secret).decode().rstrip("="),
+        "issuer": place.replace(":", " "),
+        "algorithm": "SHA1",
+        "digits": str(DIGITS),
+        "period": str(STEP_S),
+    }
+    return Secret(f"otpauth://totp/{issuer}:{person}?{urlencode(asked, quote_via=quote)}")
+
+
+def key_to_type(secret: bytes) -> Secret:
+    """Return the secret in groups of four letters, for a phone that cannot see the picture."""
+    letters = b32encode(secret).decode().rstrip("=")
+    return Secret(" ".join(letters[at : at + 4] for at in range(0, len(letters), 4)))
+
+
+# ---- a person's phone ----
+
+
+class TotpDevice(msgspec.Struct, frozen=True):
+    """The body of the fact; its key is the principal, its letter the secret.
+
+    Attributes:
+        last_step: The newest half minute whose code was used.
+        since_ns: When it was set up; wall clock.
+    """
+
+    last_step: int
+    since_ns: int
+
+
+class TotpSetup(msgspec.Struct, frozen=True):
+    """What a phone needs, once, until the first code has come back.
+
+    Attributes:
+        uri: For a QR picture.
+        key: The same to be typed.
+    """
+
+    uri: Secret
+    key: Secret
+
+    @property
+    def sentence(self) -> str:
+        """Return what stands under the picture; it holds the secret."""
+        return words.scan(self.key.reveal())
+
+
+class TotpProof(msgspec.Struct, frozen=True):
+    """A right code. It counts as soon as the records are written and applied, by `admit`.
+
+    Attributes:
+        sentence: For the person, once it counts.
+    """
+
+    principal: PrincipalId
+    chat: Chat
+    step: int
+    records: tuple[Record, ...]
+    sentence: str
+
+
+# ---- two factor ----
 
 IDLE_NS: Final = HOUR_NS
 PROVEN_AT_MOST: Final = 20_000
@@ -116,13 +232,13 @@ class TwoFactor:
             raise NotPermitted(words.PHONE_BROKEN)
         if principal in self._phones and not self.fresh(principal, chat):
             raise NotPermitted(words.PROVE_FIRST)
-        secret = totp.new_secret(self._entropy)
+        secret = new_secret(self._entropy)
         self._setups[principal] = (secret, reading(self._time))
         self._setups.move_to_end(principal)
         if len(self._setups) > SETUPS_AT_MOST:
             self._setups.popitem(last=False)
-        uri = totp.otpauth_uri(secret, place=self._place, account=name)
-        return TotpSetup(uri, totp.key_to_type(secret))
+        uri = otpauth_uri(secret, place=self._place, account=name)
+        return TotpSetup(uri, key_to_type(secret))
 
     def finish(self, principal: PrincipalId, chat: Chat, code: str) -> TotpProof:
         """Return what sets a phone up, if it shows the right code.
@@ -196,14 +312,14 @@ class TwoFactor:
     def _checked(self, principal: PrincipalId, secret: bytes, code: str) -> int:
         """Return the step whose code this is; count what is not right."""
         digits = "".join(fold_word(word) for word in code[:32].split())
-        if not (len(digits) == totp.DIGITS and digits.isascii() and digits.isdigit()):
+        if not (len(digits) == DIGITS and digits.isascii() and digits.isdigit()):
             raise NotUnderstood(words.NOT_A_CODE)
         wait_s = self._pause_s(principal)
         if wait_s > 0:
             sentence = words.too_many_codes(wait_s)
             refusal = TooManyRequests(sentence, retry_after_s=wait_s)
             raise self._counters.refuse("totp-paused", refusal)
-        steps = totp.matching_steps(secret, digits, totp.step_at(self._time.wall_ns()))
+        steps = matching_steps(secret, digits, step_at(self._time.wall_ns()))
         unused = [step for step in steps if step > self._last_step(principal)]
         if unused:
             self._spent[principal] = unused[-1]

@@ -14,7 +14,7 @@ from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import ConfiguredPerson
 from rosic.bench.bot_api_process import TOKEN
-from rosic.bench.parts import CLOCK, parts_of
+from rosic.bench.sites import CLOCK, parts_of
 from rosic.core.identity import Address
 from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.profile import Busy, Link, Profile

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import ConfiguredPerson
-from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.senders import BenchMessenger
+from rosic.bench.sites import CLOCK, parts_of
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
 from rosic.core.rate_limit import RateLimit

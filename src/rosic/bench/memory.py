@@ -10,9 +10,8 @@ from time import perf_counter_ns
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app import runtime
-from rosic.bench.parts import CLOCK
 from rosic.bench.report import BenchCase, quantile
-from rosic.bench.sites import LARGE, SiteSize, fill, gateway_over
+from rosic.bench.sites import CLOCK, LARGE, SiteSize, fill, gateway_over
 from rosic.core.policy.roles import Grant
 from rosic.core.time_units import HOUR_NS
 from rosic.organiser.grants import fact_of

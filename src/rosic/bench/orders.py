@@ -20,8 +20,8 @@ from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import ConfiguredPerson
 from rosic.bench import sites
-from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.senders import BenchMessenger, OrderSending, RobotLane, lanes_of
+from rosic.bench.sites import CLOCK, parts_of
 from rosic.core.identity import Address
 from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.profile import Busy, Link, Profile

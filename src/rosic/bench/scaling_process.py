@@ -24,9 +24,9 @@ from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import ConfiguredPerson
 from rosic.bench.load_generator import SendFigures, robot_name
 from rosic.bench.paired_runs import COMMANDS, SETTLING_S, STOPS, take_turns
-from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.reporting_robots import FrameProtocol, ReportDelivery, ReportingRobot, read_wish
 from rosic.bench.senders import BenchMessenger
+from rosic.bench.sites import CLOCK, parts_of
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
 from rosic.core.rate_limit import RateLimit

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
-from rosic.app.gateway import Gateway, GatewaySettings
-from rosic.bench.parts import CLOCK, parts_of
+from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
+from rosic.app.runtime import face_of
+from rosic.config.units import compile_units
 from rosic.core.identity import OPERATOR, Address, AuthorisationKey
 from rosic.core.policy.roles import DEFAULT_ROLES, Grant, Role, RoleRules
 from rosic.core.records import Enrolled, KeyIssued, Letter, PersonRecord
@@ -19,12 +20,53 @@ from rosic.core.robot.skill import Parameter, Skill
 from rosic.core.slot import BookedSlot
 from rosic.core.time_units import HOUR_NS
 from rosic.organiser.grants import fact_of
+from rosic.robots.memory import MemoryRobot
+from rosic.stores.stop_latch import MemoryLatch
+from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from rosic.contracts.store import Store
+    from rosic.contracts.adapter import RobotFactory
+    from rosic.contracts.messenger import Messenger
+    from rosic.contracts.store import StopLatch, Store
     from rosic.core.records import Record
+
+
+# ---- parts ----
+
+# What every gateway under measurement is made of, whatever is measured.
+
+CLOCK = SystemClock()
+
+
+def parts_of(
+    store: Store,
+    *messengers: Messenger,
+    robot: RobotFactory = MemoryRobot,
+    latch: StopLatch | None = None,
+) -> GatewayParts:
+    """Return the parts of a gateway with real clocks, over a store.
+
+    Args:
+        store: Where it writes.
+        messengers: Through which it is spoken to.
+        robot: Makes each of its robots.
+        latch: Where stops outlive a crash; None: in memory.
+    """
+    return GatewayParts(
+        messengers=messengers,
+        robot_factory=lambda _kind: robot,
+        store=store,
+        latch=MemoryLatch() if latch is None else latch,
+        clock=CLOCK,
+        entropy=SystemEntropy(),
+        units=compile_units(),
+        face=face_of(),
+    )
+
+
+# ---- sites ----
 
 SHARED = 256  # records that are written together
 

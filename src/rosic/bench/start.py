@@ -32,7 +32,7 @@ from rosic.robots.ros2.robot import Ros2Robot
 from rosic.system import SystemClock
 from rosic.testing.factories import OrderBook
 from rosic.testing.ros2.graph import RosGraph
-from rosic_sim.ros2.realtime_priority import RealtimePriority
+from rosic_sim.ros2.waiting_clock import RealtimePriority
 
 if TYPE_CHECKING:
     from asyncio.subprocess import Process

@@ -53,12 +53,12 @@ COMMANDS: dict[str, Subcommand] = {
     "robot discover": Subcommand(
         "rosic.cli.robots:discover_robots", "draft a profile from the ROS 2 graph"
     ),
-    "status": Subcommand("rosic.cli.control:status", "how the robots of the running gateway are"),
+    "status": Subcommand("rosic.cli.gateway:status", "how the robots of the running gateway are"),
     "stop": Subcommand(
-        "rosic.cli.control:stop", "stop robots of the running gateway; all, if none is named"
+        "rosic.cli.gateway:stop", "stop robots of the running gateway; all, if none is named"
     ),
     "resume": Subcommand(
-        "rosic.cli.control:resume", "let stopped robots of the running gateway go on"
+        "rosic.cli.gateway:resume", "let stopped robots of the running gateway go on"
     ),
     "people": Subcommand("rosic.cli.people:people", "who is known, with which roles"),
     "invite": Subcommand("rosic.cli.people:invite", "a code that lets one person in, once"),
@@ -71,13 +71,14 @@ COMMANDS: dict[str, Subcommand] = {
     "key rotate": Subcommand("rosic.cli.keys:rotate", "a new key in place of somebody's old one"),
     "key revoke": Subcommand("rosic.cli.keys:revoke", "take one key back, or all of a person's"),
     "explain": Subcommand(
-        "rosic.cli.audit:explain", "what somebody may, and every rule that made it so"
+        "rosic.cli.diagnostics:explain", "what somebody may, and every rule that made it so"
     ),
     "history": Subcommand(
-        "rosic.cli.audit:history", "who asked for what, when, and what came of it"
+        "rosic.cli.diagnostics:history", "who asked for what, when, and what came of it"
     ),
     "security report": Subcommand(
-        "rosic.cli.audit:security_report", "who was turned away, who is locked, what ends soon"
+        "rosic.cli.diagnostics:security_report",
+        "who was turned away, who is locked, what ends soon",
     ),
     "container list": Subcommand(
         "rosic.cli.containers:list_containers", "every container of what is kept"
@@ -92,7 +93,7 @@ COMMANDS: dict[str, Subcommand] = {
     "container erase": Subcommand("rosic.cli.containers:erase", "erase a container, for good"),
     "schedule plan": Subcommand("rosic.cli.schedule:plan", "who could have which robot when"),
     "clock": Subcommand(
-        "rosic.cli.control:clock", "whether the clock was set back, and that it is right"
+        "rosic.cli.gateway:clock", "whether the clock was set back, and that it is right"
     ),
     "doctor": Subcommand(
         "rosic.cli.diagnostics:doctor", "measure this machine; with --try, a robot"

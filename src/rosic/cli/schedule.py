@@ -24,7 +24,7 @@ from rosic.app.admin.schedule import (
 )
 from rosic.cli.client import add_where, changed, looked_up
 from rosic.errors import ConfigurationError
-from rosic.organiser.planning.metrics import plan_text
+from rosic.organiser.planning.figures import plan_text
 from rosic.organiser.planning.solver import LIMIT_S, propose
 from rosic.organiser.timezones import zone_named
 from rosic.system import SystemClock

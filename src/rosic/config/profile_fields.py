@@ -9,8 +9,7 @@ from rosic.core.robot.alert_config import AlertConfig
 from rosic.core.robot.benchmark import Benchmark, ErrorBound
 from rosic.core.robot.geography import GeographicFrame
 from rosic.core.robot.profile import Files, Link, Profile, Telemetry
-from rosic.core.robot.skill import COST_MAX, Parameter, Skill
-from rosic.core.robot.strategy import Strategy
+from rosic.core.robot.skill import COST_MAX, Parameter, Skill, Strategy
 from rosic.core.time_units import HOUR_S
 
 _NAME = r"[a-z][a-z0-9_]{0,31}"

@@ -17,13 +17,13 @@ from msgspec.structs import replace
 
 from rosic.container import records
 from rosic.container.bounded_writes import BoundedWriter
-from rosic.core.deferred import Deferred
 from rosic.core.i18n import said
 from rosic.core.identity import DIGEST_BYTES
 from rosic.core.language import bind, show
 from rosic.core.order import NEVER_BEGUN, Order, OrderEnding, Outcome, Permit, Request, SpokenValue
 from rosic.core.records import Claimed, Concluded, Letter, Placed, Refused, Resumed, Selected, Told
 from rosic.core.robot.skill import Argument
+from rosic.core.signal import Deferred
 from rosic.errors import RecordUnavailable, Refusal, Repeated, StoreFault
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ start. Nothing here is ever opened, unpacked or shown: it is kept until somebody
 
 from __future__ import annotations
 
+import hashlib
 import logging
 from typing import TYPE_CHECKING, Final
 
@@ -15,13 +16,15 @@ import msgspec
 from rosic.container import file_messages as words
 from rosic.container.file_types import SORTS, FileType, numbered
 from rosic.core.identity import PrincipalId
+from rosic.core.message import Attachment, StreamedContent
 from rosic.core.records import Decided, Fact, Letter
-from rosic.errors import NotUnderstood, TooManyRequests
+from rosic.errors import NotUnderstood, RecordUnavailable, StoreFault, TooManyRequests
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import AsyncGenerator, Iterable
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.store import ContainerStore
     from rosic.core.records import Record
 
 KIND: Final = "file"
@@ -245,3 +248,61 @@ def part_key(file: str, number: int) -> str:
 def _fact(file: str, body: _Body, name: str) -> Fact:
     letter = Letter(body.owner, name.encode(errors="ignore"))
     return Fact(kind=KIND, key=file, body=_encode(body), letter=letter)
+
+
+# ---- file content ----
+
+# The content of a file, read from its parts and checked against its digest.
+
+AT_ONCE: Final = 4
+IN_PIECES_FROM: Final = 1_000_000
+"""What is larger is never in memory as a whole, and its way is shown."""
+
+
+async def pieces_of(container_store: ContainerStore, filed: StoredFile) -> AsyncGenerator[bytes]:
+    """Yield what is in a file; a few parts at a time, so that writes pass between.
+
+    Raises:
+        RecordUnavailable: It cannot be read now, or is not what was kept; before the last piece.
+    """
+    digest, count, after, held = hashlib.sha256(), 0, f"{filed.id}.", b""
+    while count < filed.size:
+        try:
+            page = await container_store.facts(PART, after, AT_ONCE)
+        except StoreFault as fault:
+            raise RecordUnavailable(words.DAMAGED) from fault
+        ours = [one for one in page if one.key.startswith(f"{filed.id}.") and one.letter]
+        if not ours:
+            break
+        for fact in ours:
+            assert fact.letter is not None  # noqa: S101 - for the type checker
+            if held:
+                yield held
+            held = fact.letter.content
+            digest.update(held)
+            count += len(held)
+        after = ours[-1].key
+    if digest.digest() != filed.digest:
+        raise RecordUnavailable(words.DAMAGED)
+    yield held
+
+
+async def content_of(container_store: ContainerStore, filed: StoredFile) -> bytes:
+    """Return what is in a small file.
+
+    Raises:
+        RecordUnavailable: It cannot be read now, or is not what was kept.
+    """
+    return b"".join([piece async for piece in pieces_of(container_store, filed)])
+
+
+async def attachment_of(container_store: ContainerStore, filed: StoredFile) -> Attachment:
+    """Return a file as it goes with a message: a large one is read only while it is sent.
+
+    Raises:
+        RecordUnavailable: A small one cannot be read now, or is not what was kept.
+    """
+    if filed.size <= IN_PIECES_FROM:
+        return Attachment(filed.name, filed.media_type, await content_of(container_store, filed))
+    pieces = StreamedContent(filed.size, lambda: pieces_of(container_store, filed))
+    return Attachment(filed.name, filed.media_type, pieces=pieces)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import msgspec
 
 from rosic.container import messages as words
-from rosic.core.language.option_words import decimals_typed
+from rosic.core.language.keywords import decimals_typed
 from rosic.core.policy.limits import parse_limit
 from rosic.core.records import Fact, Letter
 from rosic.errors import NotUnderstood, OutOfBounds

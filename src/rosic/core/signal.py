@@ -2,12 +2,49 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Generic, ParamSpec
+from typing import TYPE_CHECKING, Generic, ParamSpec, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+
+# ---- deferred ----
+
+# A decision that is made by a part which does not exist yet: refused until it does.
+
 P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class Deferred(Generic[P, R]):
+    """Breaks a circle of construction where something is decided (I18).
+
+    Whoever asks takes it as a constructor argument; whoever decides is bound to it once made.
+
+    Args:
+        until: Answers until then, and must refuse.
+    """
+
+    def __init__(self, until: Callable[P, R]) -> None:
+        self._decide = until
+        self._bound = False
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
+        """Decide."""
+        return self._decide(*args, **kwargs)
+
+    def bind(self, decide: Callable[P, R]) -> None:
+        """Say who decides from now on.
+
+        Raises:
+            RuntimeError: Somebody does already; nobody takes a decision from another.
+        """
+        if self._bound:
+            raise RuntimeError("somebody decides this already")
+        self._decide, self._bound = decide, True
+
+
+# ---- signal ----
 
 
 class Signal(Generic[P]):

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.deferred import Deferred
 from rosic.core.i18n import said
+from rosic.core.signal import Deferred
 from rosic.errors import RobotStopped
 
 if TYPE_CHECKING:

@@ -21,24 +21,23 @@ from rosic.authoriser.keys import KeyRing
 from rosic.authoriser.locks import AccountLocks
 from rosic.authoriser.security_report import SecurityReports
 from rosic.authoriser.two_factor import TwoFactor
-from rosic.core.deferred import Deferred
 from rosic.core.identity import Principal
 from rosic.core.policy.compiled import FOR_GOOD_NS
 from rosic.core.policy.scope import FLEET
 from rosic.core.policy.scope import GRANT as GIVES
 from rosic.core.records import Enrolled, KeyIssued, KeyRevoked, PersonRecord
 from rosic.core.robot.skill import SkillClass
+from rosic.core.signal import Deferred
 from rosic.core.slot import SERIES, SLOT
 from rosic.errors import NotPermitted, Refusal, TooManyRequests
 from rosic.gateway.policy_service import key_of
 from rosic.gateway.transactions import Transactions
 from rosic.organiser.access_requests import ACCESS_REQUEST, AccessRequests
 from rosic.organiser.calendar import Calendar, CalendarNames
-from rosic.organiser.grants import GRANT
+from rosic.organiser.grants import GRANT, ROLE
 from rosic.organiser.organiser import AccessState
 from rosic.organiser.planning.wishes import WISH, Wishes
 from rosic.organiser.rate_limits import KIND as RATE
-from rosic.organiser.roles import ROLE
 from rosic.organiser.wait_queue import WAITING, WaitingList
 
 if TYPE_CHECKING:

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
-from rosic.core.deferred import Deferred
-from rosic.core.signal import Signal
+from rosic.core.signal import Deferred, Signal
 from rosic.gateway.access_registry import admins_of
 
 if TYPE_CHECKING:

@@ -8,10 +8,9 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, TypeAlias
 
-from rosic.core.deferred import Deferred
 from rosic.core.identity import Caller, PrincipalId
 from rosic.core.message import Button, Chat
-from rosic.core.signal import Signal
+from rosic.core.signal import Deferred, Signal
 from rosic.errors import Refusal
 from rosic.gateway.commands import CommandRegistry
 

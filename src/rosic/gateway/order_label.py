@@ -10,7 +10,7 @@ from rosic.core.language import Do, LineContext, understand
 from rosic.core.language.common_names import shown_command, shown_name
 from rosic.core.language.compiled import fold
 from rosic.core.units import measured
-from rosic.gateway.command_words import offered
+from rosic.gateway.command_menus import offered
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -10,8 +10,7 @@ from rosic.core.policy.permissions import Permissions, PolicyInForce, fleet_of
 from rosic.core.policy.query import PolicyKey
 from rosic.core.policy.scope import Scope
 from rosic.core.signal import Signal
-from rosic.organiser.grants import GRANT, Grants
-from rosic.organiser.roles import ROLE, CustomRoles
+from rosic.organiser.grants import GRANT, ROLE, CustomRoles, Grants
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence

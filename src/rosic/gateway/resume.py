@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core import messages
-from rosic.core.deferred import Deferred
 from rosic.core.i18n import joined, said
 from rosic.core.identity import (
     OPERATOR,
@@ -18,6 +17,7 @@ from rosic.core.identity import (
 )
 from rosic.core.message import Button
 from rosic.core.policy.scope import RESUME
+from rosic.core.signal import Deferred
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import (
     Expired,

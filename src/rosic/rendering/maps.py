@@ -9,7 +9,7 @@ from PIL import Image
 
 from rosic.core.i18n import joined, said
 from rosic.errors import NothingToSee
-from rosic.rendering.axes import nice_step, written
+from rosic.rendering.charts import nice_step, written
 from rosic.rendering.paths import nose
 from rosic.rendering.style import ACCENT, ALERT, FAINT, INK, PAPER, Sheet
 

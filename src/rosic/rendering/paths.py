@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
 from rosic.errors import NothingToSee
-from rosic.rendering.axes import nice_step, ticks, widened, written
+from rosic.rendering.charts import nice_step, ticks, widened, written
 from rosic.rendering.style import ACCENT, FAINT, GOOD, INK, PAPER, RULE, SEVERAL, Sheet
 
 if TYPE_CHECKING:

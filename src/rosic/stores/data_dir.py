@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rosic.stores.encryption import RootKey
-    from rosic.stores.kept_files import KeptFiles
+    from rosic.stores.record_files import KeptFiles
 
 
 # ---- the folder and its lock ----

@@ -16,7 +16,7 @@ from rosic.errors import StoreFault
 from rosic.stores import decoding, history, sqlite, tables
 from rosic.stores.data_dir import DataDir, StoreSettings
 from rosic.stores.encoding import CARD, CLAIM, PLACED, WORDS
-from rosic.stores.kept_files import KeptFiles
+from rosic.stores.record_files import KeptFiles
 from rosic.stores.write_thread import WriteThread
 from rosic.stores.writer import OWN, Writer, fault
 

@@ -15,8 +15,7 @@ from rosic.core.i18n import said
 from rosic.core.records import Claimed, Decided, Enrolled, KeyIssued, KeyRevoked, Record, Seeded
 from rosic.core.time_units import MINUTE_NS
 from rosic.errors import StoreFault
-from rosic.stores.kept_files import by_its_number
-from rosic.stores.record_files import RecordFiles
+from rosic.stores.record_files import RecordFiles, by_its_number
 from rosic.stores.record_mark import DATABASE, LOG, RecordNumber, packed
 from rosic.stores.write_thread import WriteJob
 
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.stores.data_dir import DataDir
-    from rosic.stores.kept_files import KeptFiles
+    from rosic.stores.record_files import KeptFiles
 
 Calls: TypeAlias = list[WriteJob[tuple[Record, ...]]]
 

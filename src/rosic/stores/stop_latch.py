@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import said
 from rosic.errors import ConfigurationError, StoreFault
 from rosic.stores import slots
-from rosic.stores.kept_files import KeptFiles
+from rosic.stores.record_files import KeptFiles
 from rosic.stores.root_key import create
 from rosic.stores.slots import DamagedSlot, SlotState
 from rosic.stores.write_thread import WriteJob, WriteThread

@@ -13,13 +13,12 @@ from sqlalchemy import Dialect, bindparam, select
 from rosic.core.i18n import said
 from rosic.core.records import Claimed, Decided, Memory, Record, Refused, Resumed, Stopped
 from rosic.errors import ConfigurationError, Repeated, RosicError, StoreFault
-from rosic.stores import bulk_writes, decoding, migrate, sqlite, tables
-from rosic.stores.bulk_writes import BulkInsert
+from rosic.stores import decoding, migrate, sqlite, statements, tables
 from rosic.stores.encoding import RecordEncoder
 from rosic.stores.encryption import DecryptionError, RootKey
 from rosic.stores.record_guard import Calls, RecordGuard
 from rosic.stores.record_mark import RecordNumber
-from rosic.stores.statements import FindValue, in_words
+from rosic.stores.statements import BulkInsert, FindValue, in_words
 
 if TYPE_CHECKING:
     from sqlalchemy import Connection
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.stores.data_dir import DataDir, StoreSettings
-    from rosic.stores.kept_files import KeptFiles
+    from rosic.stores.record_files import KeptFiles
     from rosic.stores.write_thread import WriteJob
 
 
@@ -80,7 +79,7 @@ class Writer:
         self._clock = clock
         self._engine = sqlite.engine_for(folder.database, settings)
         self._insertion = BulkInsert(self._engine.dialect)
-        self._erasure = bulk_writes.Erasure(self._engine.dialect)
+        self._erasure = statements.Erasure(self._engine.dialect)
         commands, containers = tables.commands.c, tables.containers.c
         self._find_seq = FindValue(self._engine.dialect, commands.seq, commands.cid)
         self._find_key = FindValue(self._engine.dialect, containers.wrapped, containers.container)
@@ -338,7 +337,7 @@ class Writer:
         try:
             connection, _ = self._connected()
             with connection.begin():
-                before_ns = bulk_writes.horizon(connection, self._clock.wall_ns(), self._settings)
+                before_ns = statements.horizon(connection, self._clock.wall_ns(), self._settings)
                 return self._erasure.prune(connection, before_ns)
         except sqlite.FAILURES as error:
             raise fault(f"{sqlite.reason(error)}. Nothing was forgotten.", error) from error

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from math import inf
+from math import inf, isfinite
 from typing import TYPE_CHECKING
 
+import msgspec
 from msgspec.structs import replace
 
 from rosic.core.deadman import INTERRUPTED, STOOD_STILL, DeadMan
@@ -35,9 +36,9 @@ from rosic.robots.ros2.profile_rules import STAND_IN
 from rosic_sim.robots.goals import goal_of, machine_arguments, topic_of, velocity_of
 from rosic_sim.robots.machines.activity import Activity, ActivityRefused, ActivityState
 from rosic_sim.robots.machines.crazyflie import Crazyflie
+from rosic_sim.robots.machines.mecanum import SPEED_LIMIT_M_S
 from rosic_sim.robots.machines.omni import Omni
-from rosic_sim.robots.peer import answer
-from rosic_sim.robots.scenery.plan import plan_of, pose_of
+from rosic_sim.robots.scenery.places import plan_of, pose_of
 from rosic_sim.robots.scenery.scene import robot_scene
 from rosic_sim.robots.simulation_loop import simulation_of
 
@@ -49,7 +50,58 @@ if TYPE_CHECKING:
     from rosic.core.deadman import MotionBreak
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.view import Content
+    from rosic_sim.robots.machines.machine import Machine
     from rosic_sim.robots.machines.mecanum import Velocity
+
+
+# ---- peer ----
+
+# What a simulated robot's own node would say to ROSIC: it takes on strategies and says so.
+
+CAREFUL = "careful"
+SPEED = "speed"
+
+
+class _Heard(msgspec.Struct, frozen=True):
+    """What matters here of what a robot is told."""
+
+    kind: str
+    id: str = ""
+    name: str = ""
+    values: dict[str, float | str] = {}
+
+
+_read = msgspec.json.Decoder(_Heard).decode
+_write = msgspec.json.Encoder().encode
+
+
+def answer(machine: Machine, words: bytes) -> bytes | None:
+    """Do what a robot is told among robots; return what it answers, or None.
+
+    A mobile base takes on ``careful``: no faster than ``speed``, in m/s. An empty name undoes it.
+    """
+    try:
+        heard = _read(words)
+    except msgspec.MsgspecError:
+        return None
+    if heard.kind != "strategy":
+        return None
+    why = _take_on(machine, heard)
+    return _write({"kind": "ack", "id": heard.id, "ok": not why, "why": why})
+
+
+def _take_on(machine: Machine, heard: _Heard) -> str:
+    """Work so from now on; return why not, or nothing."""
+    if not isinstance(machine, Omni) or heard.name not in {"", CAREFUL}:
+        return "it knows no such strategy"
+    speed = heard.values.get(SPEED, SPEED_LIMIT_M_S)
+    if not isinstance(speed, float) or not isfinite(speed) or speed <= 0:
+        return "the speed is no speed"
+    machine.speed_cap_m_s = min(speed, SPEED_LIMIT_M_S) if heard.name else SPEED_LIMIT_M_S
+    return ""
+
+
+# ---- robot ----
 
 REST_EVERY_S = 0.02
 WAITING = "waiting"  # what a machine says until its first step; news only for a common start

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic_sim.robots.goals import machine_arguments
 from rosic_sim.robots.machines.activity import Activity, ActivityRefused, ActivityState
-from rosic_sim.ros2.interfaces import ACTIONS, INTERFACES, LEFT_TO_THE_ROBOT, START
+from rosic_sim.ros2.endpoints import ACTIONS, INTERFACES, LEFT_TO_THE_ROBOT, START
 
 if TYPE_CHECKING:
     from collections.abc import Callable

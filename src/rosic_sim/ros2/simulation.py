@@ -28,12 +28,9 @@ from rosic_sim.robots.machines.field_robots import FireWatcher, Rover
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.machines.swarm import Swarm
 from rosic_sim.robots.machines.world import SWARM_PLACES, SimulatedWorld, build_world
-from rosic_sim.ros2.actuations import ActuationLog
-from rosic_sim.ros2.interfaces import MODELS, model_of
-from rosic_sim.ros2.link_watchdog import LINK_LOST_S, LinkWatchdog
-from rosic_sim.ros2.machine_node import NODE_NAME, MachineNode
-from rosic_sim.ros2.realtime_priority import RealtimePriority
-from rosic_sim.ros2.waiting_clock import WaitingClock
+from rosic_sim.ros2.endpoints import MODELS, ActuationLog, model_of
+from rosic_sim.ros2.machine_node import LINK_LOST_S, NODE_NAME, LinkWatchdog, MachineNode
+from rosic_sim.ros2.waiting_clock import RealtimePriority, WaitingClock
 from rosic_sim.ros2_others.arm_robot import TYPES as ARM_TYPES
 from rosic_sim.ros2_others.arm_robot import ArmRobot
 from rosic_sim.ros2_others.nav2_robot import TYPES as NAV2_TYPES
@@ -44,7 +41,7 @@ if TYPE_CHECKING:
     from types import FrameType
 
     from rosic.robots.ros2.client.rclpy_import import RosObject
-    from rosic_sim.ros2.views import DrawJpeg
+    from rosic_sim.ros2.reports import DrawJpeg
 
 LONGEST_TURN_S = 0.1
 # So long before a common start nothing is told any more, as that may wait for other threads and

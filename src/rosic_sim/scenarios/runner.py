@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import msgspec
 
 from rosic.app.admin.dispatch import AdminDispatcher
-from rosic.app.closing import close_in_time, on_signals
-from rosic.app.console import read_at
+from rosic.app.closing import close_in_time, on_signals, read_at
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.app.people import ConfiguredPerson
 from rosic.app.runtime import PIPED, face_of, until_done, until_quiet
@@ -34,8 +33,8 @@ from rosic.stores.stop_latch import MemoryLatch
 from rosic_sim.robots.scenery.scene import robot_scene
 from rosic_sim.robots.simulation_loop import simulation_of
 from rosic_sim.scenarios.recording_store import RecordingStore
+from rosic_sim.scenarios.robots import SpeakingRobot
 from rosic_sim.scenarios.scenario import ScenarioChats, ScenarioMismatch, ScenarioRunner
-from rosic_sim.scenarios.speaking_robots import SpeakingRobot
 from rosic_sim.scenarios.terminal_view import TerminalView
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from rosic.features.fleet import FleetFeature
 from rosic.messengers.memory import MemoryMessenger
 from rosic_sim.robots.simulation_loop import simulation_of
 from rosic_sim.scenarios.recording_store import counted
-from rosic_sim.scenarios.speaking_robots import SpeakingRobot
+from rosic_sim.scenarios.robots import SpeakingRobot
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator

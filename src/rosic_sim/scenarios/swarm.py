@@ -14,8 +14,8 @@ from rosic_sim.scenarios.scenario import Person, Scenario
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from rosic_sim.scenarios.robots import SpeakingRobot
     from rosic_sim.scenarios.scenario import ScenarioRunner
-    from rosic_sim.scenarios.speaking_robots import SpeakingRobot
 
 LEADER: Final = "Search leader"
 DRONES: Final = ("cf1", "cf2", "cf3")

@@ -5,7 +5,7 @@ from typing import TypeAlias
 
 import pytest
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from rosic.config.units import compile_units
 from rosic.core.language import Do, Line, LineContext, UnitTable, Vocabulary, bind, understand
 from rosic.core.robot.skill import Argument

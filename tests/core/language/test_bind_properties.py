@@ -10,7 +10,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from rosic.config.units import compile_units
 from rosic.core.language import Do, LineContext, Misunderstood, Vocabulary, bind, show, understand
 from rosic.core.order import SpokenValue

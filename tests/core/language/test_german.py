@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
 from rosic.core.language import CommandLine, Do, LineContext, Vocabulary, hears_stop, understand
 from rosic.core.language.arguments import bind

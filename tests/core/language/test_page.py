@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
 from rosic.core.language import (
     Do,

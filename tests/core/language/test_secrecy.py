@@ -6,7 +6,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from rosic.config.units import compile_units
 from rosic.core.language import (
     CommandLine,

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from rosic.config.profiles import known_units
 from rosic.core.language import Vocabulary
 from rosic.core.language.formatting import beginning, stepped

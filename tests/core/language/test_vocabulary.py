@@ -5,7 +5,7 @@ import re
 import msgspec
 import pytest
 
-from rosic.app.commands import command_table
+from rosic.app.features import command_table
 from rosic.core.language import (
     SAY,
     LanguageReader,

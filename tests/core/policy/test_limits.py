@@ -6,7 +6,7 @@ from math import inf, nan
 
 import pytest
 
-from rosic.config.translations import catalogue
+from rosic.config.plugins import catalogue
 from rosic.core.i18n import in_language
 from rosic.core.policy.limits import (
     Limit,

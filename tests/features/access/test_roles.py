@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from rosic.core.message import ChatKind
 from rosic.core.policy.roles import Role
 from rosic.core.records import Decided, Fact
-from rosic.organiser.roles import ROLE
+from rosic.organiser.grants import ROLE
 from rosic.testing.clock import ManualClock
 from tests.features.access.access_gateway import ADA, BO, EVE, TIM, VI, House, house
 from tests.gateway.place import BrokenStore, WritingStore

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from base64 import b32decode
 
-from rosic.authoriser import keys_messages, totp
+from rosic.authoriser import keys_messages, two_factor
 from rosic.authoriser.invite_codes import qr_png
 from rosic.core.message import Chat, ChatKind
 from rosic.features.access import access_messages
@@ -21,7 +21,7 @@ def secret_in(said: str) -> bytes:
 
 
 def code_now(hall: Hall, secret: bytes) -> str:
-    return totp.hotp(secret, totp.step_at(hall.time.wall_ns()))
+    return two_factor.hotp(secret, two_factor.step_at(hall.time.wall_ns()))
 
 
 async def set_up(hall: Hall, account: str = CY) -> bytes:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.container.file_content import pieces_of
-from rosic.container.files import PART
+from rosic.container.files import PART, pieces_of
 from rosic.core.records import Fact, Letter
 from rosic.errors import ChatGone, MessengerFault
 from tests.features.files.test_transfer import asked, held, place, tapped

@@ -6,20 +6,20 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
-from rosic.app.commands import command_table
 from rosic.app.containers import folders_of
+from rosic.app.features import command_table
 from rosic.app.gateway import Gateway
 from rosic.config.profiles import known_units
 from rosic.container.archive import NOBODY, Archive, MessageAuthor
 from rosic.container.files import FileStore
 from rosic.container.preferences import PreferenceBook, SpeedLimits
 from rosic.container.shared_data import SharedData
-from rosic.core.deferred import Deferred
 from rosic.core.identity import Address, Caller, Principal
 from rosic.core.language import CommandLine, skills_of
 from rosic.core.message import Chat, ChatKind, Inbound
 from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.scope import FLEET
+from rosic.core.signal import Deferred
 from rosic.errors import Refusal
 from rosic.features.files.background import BackgroundTransfer
 from rosic.features.files.commands import FileCommands

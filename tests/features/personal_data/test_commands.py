@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from rosic.config.translations import catalogue
+from rosic.config.plugins import catalogue
 from rosic.core.i18n import in_language
 from rosic.core.message import ChatKind
 from rosic.features.personal_data.messages import HOW_TO_SET

@@ -14,7 +14,7 @@ import msgspec
 
 from rosic.app.logging import OneLine
 from rosic.app.runtime import face_of
-from rosic.authoriser import totp
+from rosic.authoriser import two_factor
 from rosic.container import export
 from rosic.container.files import PART
 from rosic.core.identity import Address, AuthorisationKey
@@ -102,7 +102,7 @@ async def a_phone(ward: Ward) -> bytes:
     """Let Bo set a phone up; return the secret in it."""
     said = await ward.said("authenticator", account=BO)
     secret = b32decode(pad(parse_qs(urlsplit(said.splitlines()[1]).query)["secret"][0]))
-    code = totp.hotp(secret, totp.step_at(ward.clock.wall_ns()))
+    code = two_factor.hotp(secret, two_factor.step_at(ward.clock.wall_ns()))
     ready = await ward.said("code", code, account=BO)
     assert ward.gateway.access.two_factor.is_set_up(ward.id_of(BO)), ready
     return secret

@@ -10,8 +10,7 @@ from msgspec.structs import replace
 from rosic.app.people import ConfiguredPerson
 from rosic.core.identity import Address
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
-from rosic.core.robot.skill import Parameter
-from rosic.core.robot.strategy import Strategy
+from rosic.core.robot.skill import Parameter, Strategy
 from rosic.features.robot_to_robot import RobotToRobotFeature
 from tests.gateway.place import FLEET, PEOPLE, Place
 

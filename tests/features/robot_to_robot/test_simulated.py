@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from rosic.config.profiles import load_profile, shipped_profiles
 from rosic_sim.robots.machines.omni import Omni
-from rosic_sim.robots.peer import answer
-from rosic_sim.robots.robot import SimulatedRobot
+from rosic_sim.robots.robot import SimulatedRobot, answer
 from rosic_sim.robots.simulation_loop import simulation_of
 from tests.gateway.place import BO, Place
 

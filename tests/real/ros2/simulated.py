@@ -13,11 +13,11 @@ from msgspec.structs import replace
 
 from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.order_gate import OrderGate
-from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS, request, service_of
+from rosic.robots.ros2.bindings.parameters import SET_PARAMETERS, request, service_of
 from rosic.robots.ros2.profile import Ros2Profile, ros2_profile
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.testing.factories import OrderBook
-from rosic_sim.ros2.link_watchdog import LINK_LOST_S
+from rosic_sim.ros2.machine_node import LINK_LOST_S
 from tests.pace import patience
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import pytest
 from rosic.app.config import load_config
 from rosic.app.setup.diagnostics_checks import DiagnosticFinding, FindingVerdict
 from rosic.app.setup.stop_test import try_robot
-from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS
+from rosic.robots.ros2.bindings.parameters import SET_PARAMETERS
 from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.system import SystemClock, SystemEntropy

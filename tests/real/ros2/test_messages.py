@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from rosic.robots.ros2.client.rclpy_import import load_ros
 from rosic.robots.ros2.errors import BadName, BadValue
+from rosic.robots.ros2.messages.coerce import clean_text
 from rosic.robots.ros2.messages.decode import compile_path, plain
 from rosic.robots.ros2.messages.encode import to_message
 from rosic.robots.ros2.messages.names import parse_type_name
-from rosic.robots.ros2.messages.text import clean_text
 from rosic.robots.ros2.messages.types import TypeRegistry
 from tests.real.ros2.conftest import TYPES
 

@@ -10,8 +10,8 @@ from rosic.robots.ros2 import stopping
 from rosic.robots.ros2.bindings import dialogue
 from rosic.robots.ros2.client import node
 from rosic_sim.robots.machines.omni import WATCHDOG_S
-from rosic_sim.ros2 import faults, link_watchdog, machine_node, reports, waiting_clock
-from rosic_sim.ros2.interfaces import MODELS
+from rosic_sim.ros2 import faults, machine_node, reports, waiting_clock
+from rosic_sim.ros2.endpoints import MODELS
 
 PAGES = Path(__file__).parents[3] / "docs" / "robots"
 
@@ -45,7 +45,7 @@ def test_the_page_on_simulated_robots_gives_the_right_figures() -> None:
     assert f"stops {WATCHDOG_S:g} s after the last velocity" in text
     assert reports.AT_REST_EVERY_S == 0.1
     assert reports.MOVING_EVERY_S == 0.02
-    assert link_watchdog.LINK_LOST_S == 1.0
+    assert machine_node.LINK_LOST_S == 1.0
     assert f"`{machine_node.TOPIC}`" in text
     assert f"for more than {waiting_clock.LONGEST_GAP_S:g} s" in text
     for name in (faults.LINK, faults.BATTERY, faults.OBJECT, *faults.ARMS):

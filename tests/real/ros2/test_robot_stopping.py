@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from rosic.core.order import OrderEnding, Outcome, Stop
 from rosic.errors import OrderVoid, RobotOffline, RobotUnreachable
-from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS
+from rosic.robots.ros2.bindings.parameters import SET_PARAMETERS
 from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.goal_watch import LOOK_EVERY_S
 from rosic.robots.ros2.messages.types import TypeRegistry

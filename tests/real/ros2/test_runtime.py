@@ -103,7 +103,7 @@ def test_nothing_of_ros_is_imported_before_it_is_opened() -> None:
         """
         import sys
         import rosic.robots.ros2.client.graph, rosic.robots.ros2.client.runtime
-        import rosic.robots.ros2.bindings.parameter_values
+        import rosic.robots.ros2.bindings.parameters
         import rosic.robots.ros2.interfaces.cache
         foreign = ("rclpy", "std_msgs", "rosidl")
         print(sorted(name for name in sys.modules if name.startswith(foreign)))

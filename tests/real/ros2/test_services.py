@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.robots.ros2.bindings import parameter_values
+from rosic.robots.ros2.bindings import parameters
 from rosic.robots.ros2.client.services import MAX_CALLS, wait_until
 from rosic.robots.ros2.errors import BadValue, NoAnswer, NotSent
 from tests.pace import pace
@@ -98,15 +98,13 @@ async def test_a_call_that_is_cancelled_leaves_nothing_behind(runtime: RosRuntim
 
 @pytest.mark.usefixtures("peer")
 async def test_parameters_are_set_or_refused_in_the_nodes_words(runtime: RosRuntime) -> None:
-    link = await runtime.service(
-        parameter_values.service_of("/omni/robot"), parameter_values.SET_PARAMETERS
-    )
-    good: parameter_values.Parameters = {"speed_m_s": 0.25}
-    answer = await link.call(parameter_values.request(good), timeout_s=30, found_within_s=30)
-    assert parameter_values.refusals(good, answer) == ()
-    bad: parameter_values.Parameters = {"speed_m_s": "fast", "colour": 1}
-    answer = await link.call(parameter_values.request(bad), timeout_s=30)
-    refused = parameter_values.refusals(bad, answer)
+    link = await runtime.service(parameters.service_of("/omni/robot"), parameters.SET_PARAMETERS)
+    good: parameters.Parameters = {"speed_m_s": 0.25}
+    answer = await link.call(parameters.request(good), timeout_s=30, found_within_s=30)
+    assert parameters.refusals(good, answer) == ()
+    bad: parameters.Parameters = {"speed_m_s": "fast", "colour": 1}
+    answer = await link.call(parameters.request(bad), timeout_s=30)
+    refused = parameters.refusals(bad, answer)
     assert len(refused) == 2
     assert refused[0].startswith("speed_m_s was not set: ")
     assert refused[1].startswith("colour was not set: ")
@@ -114,4 +112,4 @@ async def test_parameters_are_set_or_refused_in_the_nodes_words(runtime: RosRunt
 
 def test_a_parameter_of_no_known_type_is_refused() -> None:
     with pytest.raises(BadValue, match="gains cannot be a list"):
-        parameter_values.request({"gains": [1.0]})  # type: ignore[dict-item]
+        parameters.request({"gains": [1.0]})  # type: ignore[dict-item]

@@ -15,14 +15,14 @@ import pytest
 from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.order import OrderEnding
 from rosic.errors import ConfigurationError
-from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS, request, service_of
+from rosic.robots.ros2.bindings.parameters import SET_PARAMETERS, request, service_of
 from rosic.robots.ros2.client.graph import snapshot
 from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.robots.ros2.profile import Ros2Profile, ros2_profile
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
-from rosic_sim.ros2.interfaces import ACTIONS, MODELS
+from rosic_sim.ros2.endpoints import ACTIONS, MODELS
 from rosic_sim.ros2.simulation import main
 from tests.pace import pace, patience
 from tests.real.ros2.simulated import (

@@ -12,11 +12,11 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.order import OrderEnding, Outcome
-from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS
+from rosic.robots.ros2.bindings.parameters import SET_PARAMETERS
 from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.system import SystemClock
-from rosic_sim.robots.machines.separation import APART_M
+from rosic_sim.robots.machines.swarm import APART_M
 from tests.real.ros2.simulated import TriedRobot, opened, set_fault, shipped, simulated, until
 
 if TYPE_CHECKING:

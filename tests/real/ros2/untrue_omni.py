@@ -21,7 +21,7 @@ from pathlib import Path
 from rosic.robots.ros2.client.rclpy_import import find_own_interfaces, load_ros, make_executor
 from rosic_sim.robots.machines.activity import ActivityState
 from rosic_sim.robots.machines.world import build_world
-from rosic_sim.ros2.actuations import ActuationLog
+from rosic_sim.ros2.endpoints import ActuationLog
 from rosic_sim.ros2.machine_node import NODE_NAME, MachineNode
 from rosic_sim.ros2.waiting_clock import WaitingClock
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.robots.ros2.endpoint_identity import UnidentifiedEndpoints, born_anew
+from rosic.robots.ros2.publishers import UnidentifiedEndpoints, born_anew
 
 BASE = {b"1": "/base/base"}
 

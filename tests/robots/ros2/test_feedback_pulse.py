@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.robots.ros2.feedback_pulse import STEADY, FeedbackPulse
+from rosic.robots.ros2.goal_watch import STEADY, FeedbackPulse
 
 S = 1_000_000_000
 

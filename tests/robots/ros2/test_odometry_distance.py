@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, cast
 
 import pytest
 
-from rosic.robots.ros2.odometry_distance import OdometryDistance, told_m_s
+from rosic.robots.ros2.motion_endings import OdometryDistance, told_m_s
 from rosic.robots.ros2.telemetry import MeasuredPose
 
 if TYPE_CHECKING:

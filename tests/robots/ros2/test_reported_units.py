@@ -6,7 +6,7 @@ import logging
 
 import pytest
 
-from rosic.robots.ros2.reported_units import UnitScale
+from rosic.robots.ros2.telemetry import UnitScale
 
 
 def test_a_battery_that_speaks_in_per_cent_is_understood(caplog: pytest.LogCaptureFixture) -> None:

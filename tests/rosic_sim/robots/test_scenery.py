@@ -20,7 +20,7 @@ from rosic.testing.clock import ManualClock
 from rosic_sim.robots.machines.world import build_world
 from rosic_sim.robots.robot import SimulatedRobot
 from rosic_sim.robots.scenery.arms import CUBE, PART
-from rosic_sim.robots.scenery.plan import plan_of
+from rosic_sim.robots.scenery.places import plan_of
 from rosic_sim.robots.scenery.scene import robot_scene, room_scene
 
 if TYPE_CHECKING:

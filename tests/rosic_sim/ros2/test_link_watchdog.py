@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rosic_sim.ros2.link_watchdog import LINK_LOST_S, LinkWatchdog
+from rosic_sim.ros2.machine_node import LINK_LOST_S, LinkWatchdog
 
 
 @pytest.mark.parametrize("lost_s", [LINK_LOST_S, 9.0])

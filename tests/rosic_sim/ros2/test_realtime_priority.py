@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from concurrent.futures import ThreadPoolExecutor
 
-from rosic_sim.ros2.realtime_priority import RealtimePriority
+from rosic_sim.ros2.waiting_clock import RealtimePriority
 
 
 def policies(*, wanted: bool) -> tuple[RealtimePriority, list[int]]:

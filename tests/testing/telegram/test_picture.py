@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.testing.telegram.lettering import cut, width_of, wrapped
-from rosic.testing.telegram.picture import WIDTH, draw, in_picture
+from rosic.testing.telegram.picture import WIDTH, cut, draw, in_picture, width_of, wrapped
 from rosic.testing.telegram.transcript import App, Bubble, Key, Quote, Transcript
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from rosic.app.admin.explain import Explainer
 from rosic.app.admin.history import HistoryParameters, history_of
 from rosic.app.admin.naming import people_lines, people_listed
 from rosic.app.admin.schedule import BookParameters, ScheduleAdmin, ScheduleWindow
-from rosic.app.record_monitor import lost
+from rosic.app.maintenance import lost
 from rosic.config.profiles import known_units
 from rosic.core import messages
 from rosic.core.i18n import joined, plain, said

@@ -13,8 +13,8 @@ from rosic.app.added_robots import with_added
 from rosic.app.admin.api import AdminContext, zone_or_universal
 from rosic.app.admin.dispatch import AdminApi
 from rosic.app.admin.naming import CONFIGURED, people_lines, people_listed
-from rosic.app.commands import command_table
 from rosic.app.containers import DataContext, data_context_of, preferences_of
+from rosic.app.features import command_table
 from rosic.app.people import remember, seed
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.profiles import known_units

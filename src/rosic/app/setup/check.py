@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from rosic.app.admin.control_socket import socket_path
 from rosic.app.builder import messenger_of, nobodies
 from rosic.app.config import Config, read_config
-from rosic.config.file_permissions import open_to_others
 from rosic.config.plugins import check_robot, robot_factory, shared_spaces
 from rosic.config.profiles import known_units
+from rosic.config.secrets import open_to_others
 from rosic.core.identity import ROBOT
 from rosic.core.language import Vocabulary
 from rosic.core.language.command import NO_COMMANDS

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.app.admin.control_client import NotRunning, ask_gateway
-from rosic.app.private_memory import keep_memory_private
-from rosic.app.record_monitor import lost
+from rosic.app.logging import keep_memory_private
+from rosic.app.maintenance import lost
 from rosic.app.setup.diagnostics_checks import (
     DiagnosticFinding,
     FindingVerdict,
@@ -22,8 +22,8 @@ from rosic.app.setup.diagnostics_checks import (
     examine_ros,
 )
 from rosic.app.setup.stop_test import try_robot
-from rosic.config.file_permissions import open_to_others
 from rosic.config.plugins import shared_spaces
+from rosic.config.secrets import open_to_others
 from rosic.errors import RosicError
 from rosic.stores.record_mark import RecordMark, was_begun
 

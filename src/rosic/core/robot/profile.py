@@ -11,8 +11,7 @@ import msgspec
 
 from rosic.core.robot.alert_config import AlertConfig
 from rosic.core.robot.geography import GeographicFrame
-from rosic.core.robot.skill import MOTION, Skill
-from rosic.core.robot.strategy import Strategy
+from rosic.core.robot.skill import MOTION, Skill, Strategy
 from rosic.core.robot.view import Pose, ViewKind
 
 RobotId: TypeAlias = str

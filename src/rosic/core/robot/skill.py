@@ -258,3 +258,20 @@ def is_icon(text: str) -> bool:
         and all(unicodedata.category(sign[:1] or " ") == "So" for sign in signs)
         and all(unicodedata.category(rest) in {"Mn", "Sk"} for sign in signs for rest in sign[1:])
     )
+
+
+# ---- strategy ----
+
+# Strategies: named ways to do the same work, as a robot's profile declares them.
+
+
+class Strategy(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A named strategy.
+
+    Attributes:
+        parameters: What can be said of it: a speed cap, a spacing. What is left out takes its
+            default; one without a default must be said.
+    """
+
+    title: str = ""
+    parameters: dict[str, Parameter] = {}

@@ -14,7 +14,7 @@ from rosic.authoriser.invitations import CODE_TTL_S, InvitationRequest, InvitedR
 from rosic.authoriser.invite_codes import drawn, join_text, qr_code, qr_text
 from rosic.core.i18n import joined
 from rosic.core.language import clean, clean_name
-from rosic.core.language.option_words import decimals_typed, option_typed
+from rosic.core.language.keywords import decimals_typed, option_typed
 from rosic.core.language.sanitise import fold_word
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.time_tokens import length_said

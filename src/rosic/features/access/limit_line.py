@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final
 
-from rosic.core.language.option_words import decimals_typed, parameter_typed
+from rosic.core.language.keywords import decimals_typed, parameter_typed
 
 if TYPE_CHECKING:
     from rosic.core.policy.scope import Fleet

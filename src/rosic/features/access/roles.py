@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import joined
 from rosic.core.language import clean
-from rosic.core.language.option_words import OPTIONS, option_typed
+from rosic.core.language.keywords import OPTIONS, option_typed
 from rosic.core.language.sanitise import fold_word
 from rosic.core.message import Button
 from rosic.core.policy.compiled import FOR_GOOD_NS
@@ -20,7 +20,7 @@ from rosic.features.access.admin_policy import asked_again, sure
 from rosic.features.access.limit_line import limit_typed
 from rosic.gateway.commands import Reply, check_length, check_private
 from rosic.gateway.replies import LEAVE
-from rosic.organiser.roles import MOST_ROLES
+from rosic.organiser.grants import MOST_ROLES
 
 if TYPE_CHECKING:
     from collections.abc import Container
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rosic.features.access.admin_policy import AdminPolicy
     from rosic.features.access.context import AccessContext
     from rosic.gateway.commands import CommandContext
-    from rosic.organiser.roles import CustomRoles
+    from rosic.organiser.grants import CustomRoles
 
 
 # ---- what a role shall be ----

@@ -11,9 +11,8 @@ from rosic.features.alerts.actions import ActionQueries, AlertActions
 from rosic.features.alerts.active_alerts import ALARM, MUTE, RUN, TOLD
 from rosic.features.alerts.commands import AlertCommands, AlertReactions
 from rosic.features.alerts.evaluator import AlertEvaluator, read_rules
-from rosic.features.alerts.offline_notices import OfflineNotices
+from rosic.features.alerts.offline_notices import OfflineNotices, StopViolations
 from rosic.features.alerts.recipients import Recipients
-from rosic.features.alerts.stop_violations import StopViolations
 from rosic.gateway.feature import Feature
 
 if TYPE_CHECKING:

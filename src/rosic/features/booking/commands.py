@@ -13,12 +13,10 @@ from rosic.core.language.command import (
     MenuAudience,
     MenuEntry,
 )
-from rosic.features.booking.book import BookCommand
-from rosic.features.booking.cancel import CancelBookingCommand
-from rosic.features.booking.plan import PlanCommand
+from rosic.features.booking.book import BookCommand, CancelBookingCommand
+from rosic.features.booking.plan import PlanCommand, WishCommand
 from rosic.features.booking.queue import QueueCommands
 from rosic.features.booking.slots import SlotListing
-from rosic.features.booking.wish import WishCommand
 from rosic.gateway.cancel import BOOKING
 
 if TYPE_CHECKING:

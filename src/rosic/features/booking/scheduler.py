@@ -12,9 +12,8 @@ from rosic.core.time_units import MINUTE_NS, SECOND_NS
 from rosic.errors import Refusal
 from rosic.features.booking import messages as words
 from rosic.features.booking import scheduler_messages
-from rosic.features.booking.idle_release import IdleSlotRelease
 from rosic.features.booking.slots import Availability
-from rosic.features.booking.turn_offer import TurnOffers
+from rosic.features.booking.turn_offer import IdleSlotRelease, TurnOffers
 from rosic.gateway.scheduling import sleep_or_wake
 from rosic.organiser.calendar_messages import moment
 

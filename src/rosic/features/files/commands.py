@@ -6,7 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.container import file_messages as words
-from rosic.container.file_content import attachment_of
+from rosic.container.files import attachment_of
 from rosic.core.i18n import said
 from rosic.core.language.command import Command, HelpEntry, HelpPage
 from rosic.core.message import Button

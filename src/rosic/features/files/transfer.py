@@ -6,13 +6,15 @@ What does not acknowledge is said not to; what does is compared with what was se
 
 from __future__ import annotations
 
+import hashlib
 import re
+from contextlib import aclosing
 from functools import partial
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.container import file_messages as words
-from rosic.container.file_content import IN_PIECES_FROM, content_of, pieces_of
-from rosic.container.file_types import SORTS, file_name
+from rosic.container.file_types import SORTS, Sniffer, file_name
+from rosic.container.files import IN_PIECES_FROM, content_of, pieces_of
 from rosic.core.i18n import joined
 from rosic.core.message import Attachment, Button, StreamedContent
 from rosic.core.messages import ago
@@ -29,14 +31,13 @@ from rosic.errors import (
     RobotUnreachable,
 )
 from rosic.features.files.background import TransferProgress, send_file
-from rosic.features.files.robot_outbox import RobotOutbox
 from rosic.gateway.button_rows import rows
 from rosic.gateway.commands import Reply
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.why_stopped import may_resume
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Mapping
+    from collections.abc import AsyncGenerator, Awaitable, Callable, Mapping
 
     from rosic.container.files import StoredFile
     from rosic.contracts.robot import FileFolders
@@ -49,6 +50,84 @@ if TYPE_CHECKING:
     from rosic.gateway.commands import CommandContext
     from rosic.gateway.container_context import ContainerContext
     from rosic.organiser.organiser import Organiser
+
+
+# ---- robot outbox ----
+
+# What robots give: looked at whole before it is handed on, and again while it goes.
+
+
+class SeenFile(NamedTuple):
+    """What a file is."""
+
+    called: str
+    media_type: str
+    digest: bytes
+
+
+class RobotOutbox:
+    """Takes files out of the outboxes of all robots."""
+
+    def __init__(self, folders: FileFolders, data_context: ContainerContext) -> None:
+        self._folders = folders
+        self._data_context = data_context
+
+    async def seen(self, by: PrincipalId, robot: RobotId, own: str, size: int) -> SeenFile:
+        """Find out what a robot's file is, and write down that it is handed on.
+
+        Raises:
+            Refusal: It is nothing that is handed on, or not as long as it was.
+            RobotUnreachable: It cannot be read.
+        """
+        sniffer, digest, count = Sniffer(), hashlib.sha256(), 0
+        async with aclosing(self._folders.read(robot, own)) as pieces:
+            async for piece in pieces:
+                sniffer.feed(piece)
+                digest.update(piece)
+                count += len(piece)
+                if count > size:
+                    break
+        if count != size:
+            raise NotUnderstood(words.CHANGED)
+        sort = sniffer.sort(own)
+        if sort is None:
+            raise NotUnderstood(words.unknown(sorted(SORTS)))
+        decided = Decided(
+            act="file-from-robot",
+            by=by,
+            about=robot,
+            at_ns=self._data_context.clock.wall_ns(),
+            digest=digest.digest(),
+        )
+        async with self._data_context.changes.turn() as turn:
+            await turn.write((decided,))
+        return SeenFile(file_name(own, sort), sort.media_type, digest.digest())
+
+    async def same(
+        self, robot: RobotId, own: str, size: int, promised: bytes
+    ) -> AsyncGenerator[bytes]:
+        """Yield a file again.
+
+        Raises:
+            NotUnderstood: Before its last piece: it is another one now.
+            RobotUnreachable: It cannot be read.
+        """
+        digest, count, held = hashlib.sha256(), 0, b""
+        async with aclosing(self._folders.read(robot, own)) as pieces:
+            async for piece in pieces:
+                if held:
+                    yield held
+                held = piece
+                digest.update(piece)
+                count += len(piece)
+                if count > size:
+                    break
+        if count != size or digest.digest() != promised:
+            raise NotUnderstood(words.CHANGED)
+        yield held
+
+
+# ---- transfer ----
 
 MOST_SHOWN: Final = 10
 _TO: Final = re.compile(r"(.+) (?:to|an) (.*)")

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final
 
-from rosic.container.file_content import content_of
+from rosic.container.files import content_of
 from rosic.core import messages as core_words
 from rosic.core.i18n import joined
-from rosic.core.language.option_words import option_typed
+from rosic.core.language.keywords import option_typed
 from rosic.core.policy.compiled import FOR_GOOD_NS
 from rosic.core.policy.scope import FLEET, GRANT
 from rosic.errors import NotPermitted, NotUnderstood

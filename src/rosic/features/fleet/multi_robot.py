@@ -25,7 +25,7 @@ from rosic.features.fleet import multi_robot_messages as words
 from rosic.features.fleet.alternatives import StepReader, TaskAlternatives, refused
 from rosic.features.fleet.attempt import AwaitedOrder
 from rosic.features.fleet.messages import wants_a_person
-from rosic.features.fleet.readiness import why_not_ready
+from rosic.features.fleet.monitor import why_not_ready
 from rosic.features.fleet.task_parser import check_units, step_for
 from rosic.gateway.commands import Reply
 from rosic.gateway.message_context import MessageContext

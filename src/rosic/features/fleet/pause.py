@@ -17,7 +17,7 @@ from rosic.core.message import Button
 from rosic.core.messages import no_robot_or_group
 from rosic.core.records import Decided
 from rosic.errors import NotUnderstood, Refusal
-from rosic.features.fleet import pause_messages as words
+from rosic.features.fleet import mission_messages as words
 from rosic.gateway import cancel_messages
 from rosic.gateway.commands import Reply
 from rosic.gateway.message_context import MessageContext

@@ -16,7 +16,7 @@ from rosic.errors import NotPermitted, NotUnderstood, TooManyRequests
 from rosic.features.fleet import messages as words
 from rosic.features.fleet.alternatives import refused
 from rosic.features.fleet.dispatch_state import TaskText
-from rosic.features.fleet.readiness import why_waits
+from rosic.features.fleet.monitor import why_waits
 from rosic.features.fleet.task_parser import (
     ANYBODY,
     PermittedSteps,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.container import messages
 from rosic.core.i18n import joined
-from rosic.core.language.option_words import option_typed
+from rosic.core.language.keywords import option_typed
 from rosic.core.language.sanitise import clean_name
 from rosic.core.language.time_tokens import TimeTokens, UnclearTime
 from rosic.core.message import Button

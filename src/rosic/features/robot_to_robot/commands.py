@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.core.i18n import joined
 from rosic.core.language import clean, inert_text
 from rosic.core.language.command import Command
-from rosic.core.language.option_words import option_typed
+from rosic.core.language.keywords import option_typed
 from rosic.core.language.time_tokens import length_said
 from rosic.core.message import Button
 from rosic.core.messages import no_robot

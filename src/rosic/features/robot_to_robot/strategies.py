@@ -10,8 +10,8 @@ import msgspec
 
 from rosic.core.i18n import joined
 from rosic.core.identity import REQUEST_ID_BYTES, PrincipalId
-from rosic.core.language.option_words import parameter_typed
-from rosic.core.language.strategy_arguments import checked, spoken
+from rosic.core.language.arguments import checked, spoken
+from rosic.core.language.keywords import parameter_typed
 from rosic.core.policy.scope import STRATEGY
 from rosic.core.records import Decided, Fact
 from rosic.errors import NotUnderstood, Refusal, RobotTaken

@@ -11,9 +11,9 @@ import msgspec
 
 from rosic.authoriser.button_tokens import is_lasting
 from rosic.contracts.messenger import Messenger, handle_of
-from rosic.core.deferred import Deferred
 from rosic.core.i18n import said
 from rosic.core.message import Button, Chat, Outbound, SendPriority
+from rosic.core.signal import Deferred
 from rosic.errors import ChatNotBegun
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 from rosic.gateway.delivery.translation import translated

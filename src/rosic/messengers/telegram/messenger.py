@@ -12,10 +12,9 @@ from rosic.errors import MessageGone, MessengerFault
 from rosic.messengers.telegram.bot_client import BotClient
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.command_menu import TelegramMenus
-from rosic.messengers.telegram.errors import ErrorKind, TelegramError
+from rosic.messengers.telegram.errors import ErrorKind, TelegramError, hide
 from rosic.messengers.telegram.files import FILE_BYTES, LOCAL_BYTES, FileFetcher
 from rosic.messengers.telegram.incoming import PLATFORM
-from rosic.messengers.telegram.log_redaction import hide
 from rosic.messengers.telegram.outgoing import Outgoing
 from rosic.messengers.telegram.polling import Poller
 from rosic.messengers.telegram.rate_limiter import PUBLISHED, BotRates, RateLimiter

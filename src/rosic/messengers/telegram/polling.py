@@ -11,11 +11,10 @@ from rosic.core.i18n import said
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram import incoming, updates
-from rosic.messengers.telegram.batch import BATCH, limit_after
 from rosic.messengers.telegram.bot_client import CALL_S, polled_within_s
 from rosic.messengers.telegram.errors import ErrorKind, TelegramError
 from rosic.messengers.telegram.polling_gap import Outage, PollingGap, PollMoment
-from rosic.messengers.telegram.reading import UpdateReader
+from rosic.messengers.telegram.reading import BATCH, UpdateReader, limit_after
 from rosic.messengers.telegram.update_window import UpdateWindow
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from rosic.core.time_units import DAY_S, SECOND_NS
 from rosic.errors import NothingToSee
 from rosic.robots.ros2.client.topics import LatestMessage, TopicQos
 from rosic.robots.ros2.errors import BadValue, NotSent
-from rosic.robots.ros2.messages.text import clean_text
+from rosic.robots.ros2.messages.coerce import clean_text
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator

@@ -12,9 +12,8 @@ from rosic.core.i18n import said
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RobotUnreachable, RosicError
 from rosic.robots.ros2.bindings.answers import note
-from rosic.robots.ros2.feedback_pulse import FeedbackPulse
 from rosic.robots.ros2.messages.decode import compile_path
-from rosic.robots.ros2.odometry_distance import OdometryDistance
+from rosic.robots.ros2.motion_endings import OdometryDistance
 from rosic.robots.ros2.profile import Ros2Skill
 
 if TYPE_CHECKING:
@@ -26,6 +25,61 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.client.actions import Goal
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.stopping import RestResult
+
+
+# ---- feedback pulse ----
+
+# Whether the feedback of a goal still comes: what carries a goal out may be frozen, or gone.
+#
+# Feedback is no duty in ROS: many a server tells only that it has begun. So its ceasing says
+# something only of a server that has told of the goal again and again.
+
+STEADY: Final = 5
+"""So many messages are feedback that comes again and again; fewer may be stages."""
+GAPS: Final = 3
+"""So many times its longest gap so far is no gap any more."""
+QUIET_S: Final = 1.0
+
+
+class FeedbackPulse:
+    """Counts the feedback of one goal, by the monotonic clock."""
+
+    __slots__ = ("_count", "_last_ns", "_longest_ns")
+
+    def __init__(self, now_ns: int) -> None:
+        self._count = 0
+        self._last_ns = now_ns
+        self._longest_ns = 0
+
+    def beat(self, now_ns: int) -> None:
+        """Take in that feedback has come."""
+        if self._count:
+            self._longest_ns = max(self._longest_ns, now_ns - self._last_ns)
+        self._count += 1
+        self._last_ns = now_ns
+
+    def silent_s(self, now_ns: int) -> float:
+        """Return for how long none has come, from the goal's acceptance on."""
+        return (now_ns - self._last_ns) / SECOND_NS
+
+    def quiet(self, now_ns: int) -> bool:
+        """Tell whether none comes now; whether it will again is not known."""
+        return self._longer_than(QUIET_S, now_ns)
+
+    def ceased(self, now_ns: int, within_s: float) -> bool:
+        """Tell whether feedback that came again and again comes no more.
+
+        Args:
+            now_ns: The monotonic clock.
+            within_s: The deadline of the robot's side, at least.
+        """
+        return self._count >= STEADY and self._longer_than(within_s, now_ns)
+
+    def _longer_than(self, least_s: float, now_ns: int) -> bool:
+        return now_ns - self._last_ns > max(least_s * SECOND_NS, GAPS * self._longest_ns)
+
+
+# ---- goal watch ----
 
 _log = logging.getLogger(__name__)
 

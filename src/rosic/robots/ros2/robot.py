@@ -25,8 +25,7 @@ from rosic.robots.ros2.bindings.trajectory import TrajectoryGoal
 from rosic.robots.ros2.camera_map import CameraAndMap
 from rosic.robots.ros2.client.node import Heartbeat, others_under, station_of
 from rosic.robots.ros2.client.qos_mismatch import QosMismatch
-from rosic.robots.ros2.client.rate_limited_topic import WAITING_AT_MOST, RateLimitedTopic
-from rosic.robots.ros2.client.topics import TopicQos
+from rosic.robots.ros2.client.topics import WAITING_AT_MOST, RateLimitedTopic, TopicQos
 from rosic.robots.ros2.errors import BadValue
 from rosic.robots.ros2.messages.names import check_graph_name
 from rosic.robots.ros2.profile import ros2_profile

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.deadman import BreakCause, DeadMan, MotionBreak
 from rosic.core.time_units import SECOND_NS
-from rosic.robots.ros2.endpoint_identity import UnidentifiedEndpoints, born_anew
 from rosic.robots.ros2.errors import NotSent
-from rosic.robots.ros2.odometry_distance import OdometryDistance, told_m_s
+from rosic.robots.ros2.motion_endings import OdometryDistance, told_m_s
+from rosic.robots.ros2.publishers import UnidentifiedEndpoints, born_anew
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.bindings.binding_call import BindingCall

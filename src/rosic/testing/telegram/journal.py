@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
-    from rosic.testing.telegram.clock import ServerClock
+    from rosic.testing.telegram.settings import ServerClock
     from rosic.testing.telegram.state import JsonObject
 
 

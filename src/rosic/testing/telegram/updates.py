@@ -20,9 +20,8 @@ from rosic.testing.telegram.state import JsonObject, Pending, State
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rosic.testing.telegram.clock import ServerClock
     from rosic.testing.telegram.journal import Journal
-    from rosic.testing.telegram.settings import Settings
+    from rosic.testing.telegram.settings import ServerClock, Settings
 
 KINDS = (
     "message",

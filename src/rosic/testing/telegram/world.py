@@ -20,10 +20,9 @@ from rosic.testing.telegram.state import (
 from rosic.testing.telegram.updates import UpdateQueue
 
 if TYPE_CHECKING:
-    from rosic.testing.telegram.clock import ServerClock
     from rosic.testing.telegram.journal import Journal
     from rosic.testing.telegram.limits import Limiter
-    from rosic.testing.telegram.settings import Settings
+    from rosic.testing.telegram.settings import ServerClock, Settings
 
 PRESENT = frozenset({"creator", "administrator", "member", "restricted"})
 

@@ -9,12 +9,20 @@ from rosic.core.i18n import said
 from rosic.core.time_units import HOUR_S
 from rosic.core.units import measured, number_in_units
 from rosic_sim.robots.machines.activity import ActivityFailed, ActivityRefused, ActivityState
-from rosic_sim.robots.machines.battery import Battery
 from rosic_sim.robots.machines.flight import NEAR_M, Flight, flight_time_s
 from rosic_sim.robots.machines.following import NEAREST_M, FollowTarget, why_not
-from rosic_sim.robots.machines.separation import APART_M, KEEP_M, SeparationBound, bound
+from rosic_sim.robots.machines.machine import Battery
 from rosic_sim.robots.machines.stepped_machine import Plan, Recipe, SteppedMachine
-from rosic_sim.robots.machines.swarm import Place, Swarm, SwarmReport, slots
+from rosic_sim.robots.machines.swarm import (
+    APART_M,
+    KEEP_M,
+    Place,
+    SeparationBound,
+    Swarm,
+    SwarmReport,
+    bound,
+    slots,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import hypot
 
-from rosic_sim.robots.machines.motion import Axis, braking_speed
-from rosic_sim.robots.machines.separation import RIGHT, Planar, SeparationBound, keep_apart
+from rosic_sim.robots.machines.joints import Axis, braking_speed
+from rosic_sim.robots.machines.swarm import RIGHT, Planar, SeparationBound, keep_apart
 
 # Crazyflie firmware, platform defaults: PID_POS_VEL_X_MAX and _Z_MAX are 1.0 m/s, PID_VEL_ROLL_MAX
 # is 20 degrees, which allows g tan 20 = 3.5 m/s2. Assumed: indoors less is used.

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from math import dist
 from typing import TypeAlias
 
-from rosic_sim.robots.machines.motion import Axis
+from rosic_sim.robots.machines.joints import Axis
 
 Position: TypeAlias = tuple[float, float, float]
 

@@ -11,8 +11,8 @@ from rosic.core.language.formatting import show_choice
 from rosic.core.time_units import HOUR_S
 from rosic.core.units import measured
 from rosic_sim.robots.machines.activity import ActivityRefused, ActivityState
-from rosic_sim.robots.machines.battery import Battery
-from rosic_sim.robots.machines.joints import JointGroup, MachineJointLimit
+from rosic_sim.robots.machines.joints import JointGroup, MachineJointLimit, braking_speed
+from rosic_sim.robots.machines.machine import Battery
 from rosic_sim.robots.machines.mecanum import (
     ACCELERATION_M_S2,
     REST,
@@ -22,7 +22,6 @@ from rosic_sim.robots.machines.mecanum import (
     MecanumBase,
     Velocity,
 )
-from rosic_sim.robots.machines.motion import braking_speed
 from rosic_sim.robots.machines.stepped_machine import Plan, Recipe, SteppedMachine
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from rosic_sim.robots.machines.activity import (
 from rosic_sim.robots.machines.arguments import MachineArguments, Value
 
 if TYPE_CHECKING:
-    from rosic_sim.robots.machines.battery import Battery
+    from rosic_sim.robots.machines.machine import Battery
 
 SUBSTEP_S = 0.01
 LONGEST_WAIT_S = 60.0

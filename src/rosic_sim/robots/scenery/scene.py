@@ -9,8 +9,7 @@ from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.machines.field_robots import FireWatcher
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.machines.world import CUBE, PART
-from rosic_sim.robots.scenery.arms import iiwa, yumi_body
-from rosic_sim.robots.scenery.movers import drone_body, omni_body
+from rosic_sim.robots.scenery.arms import drone_body, iiwa, omni_body, yumi_body
 from rosic_sim.robots.scenery.places import FLOOR, place_of, table_of, walls
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic_sim.robots.machines.activity import ActivityRefused, ActivityState
-from rosic_sim.robots.machines.separation import APART_M
+from rosic_sim.robots.machines.swarm import APART_M
 from tests.rosic_sim.robots.machines.test_swarm import DatedTrio, DistantTrio, Trio
 
 if TYPE_CHECKING:

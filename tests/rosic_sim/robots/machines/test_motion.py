@@ -3,7 +3,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic_sim.robots.machines.motion import Axis
+from rosic_sim.robots.machines.joints import Axis
 
 STEPS = st.lists(st.floats(1e-6, 0.01), min_size=1, max_size=40)
 

@@ -11,8 +11,15 @@ from hypothesis import strategies as st
 
 from rosic_sim.robots.machines.activity import ActivityRefused, ActivityState
 from rosic_sim.robots.machines.crazyflie import Crazyflie
-from rosic_sim.robots.machines.separation import APART_M, KEEP_M, SeparationBound, keep_apart
-from rosic_sim.robots.machines.swarm import Swarm, SwarmReport, slots
+from rosic_sim.robots.machines.swarm import (
+    APART_M,
+    KEEP_M,
+    SeparationBound,
+    Swarm,
+    SwarmReport,
+    keep_apart,
+    slots,
+)
 from rosic_sim.robots.machines.world import SWARM_PLACES, build_world
 
 if TYPE_CHECKING:

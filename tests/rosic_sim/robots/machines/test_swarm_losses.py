@@ -9,7 +9,7 @@ import random
 
 import pytest
 
-from rosic_sim.robots.machines.separation import APART_M
+from rosic_sim.robots.machines.swarm import APART_M
 from tests.rosic_sim.robots.machines.test_swarm import DistantTrio, Trio, order
 
 A_FEW, MANY = 20, 1000

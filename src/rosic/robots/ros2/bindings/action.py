@@ -16,12 +16,12 @@ from rosic.robots.ros2.bindings.answers import BindingAnswer
 from rosic.robots.ros2.bindings.binding_call import DECLINED, over
 from rosic.robots.ros2.bindings.goal_fields import GoalFields
 from rosic.robots.ros2.client.executor_thread import ahead_ns
-from rosic.robots.ros2.endpoint_identity import born_anew, named_since
 from rosic.robots.ros2.errors import NoAnswer, NotSent
 from rosic.robots.ros2.goal_watch import GoalWatch, call_off, until_start_s
 from rosic.robots.ros2.messages.decode import compile_path
 from rosic.robots.ros2.messages.encode import to_message
 from rosic.robots.ros2.motion_endings import NotAtRest, after_the_end, in_doubt, moved
+from rosic.robots.ros2.publishers import born_anew, named_since
 from rosic.robots.ros2.rosout_reasons import RosoutReasons
 
 if TYPE_CHECKING:

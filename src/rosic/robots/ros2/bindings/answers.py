@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import joined, said
 from rosic.robots.ros2.errors import BadName
+from rosic.robots.ros2.messages.coerce import clean_text
 from rosic.robots.ros2.messages.decode import FieldReader, compile_path
-from rosic.robots.ros2.messages.text import clean_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -14,7 +14,7 @@ from rosic.core.time_units import SECOND_NS
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.client.services import wait_until
 from rosic.robots.ros2.errors import NotSent
-from rosic.robots.ros2.messages.text import clean_text
+from rosic.robots.ros2.messages.coerce import clean_text
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -13,7 +13,7 @@ from rosic.errors import RosicError
 from rosic.robots.ros2.bindings.binding_call import DECLINED
 from rosic.robots.ros2.client.topics import TopicQos
 from rosic.robots.ros2.errors import NotSent
-from rosic.robots.ros2.messages.text import clean_text
+from rosic.robots.ros2.messages.coerce import clean_text
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock

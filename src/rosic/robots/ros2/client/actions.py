@@ -7,17 +7,17 @@ from functools import partial
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from rosic.robots.ros2.client.services import wait_until
-from rosic.robots.ros2.endpoint_identity import ends_of
 from rosic.robots.ros2.errors import BadValue, NoAnswer, NotSent
 from rosic.robots.ros2.messages.encode import to_message
+from rosic.robots.ros2.publishers import ends_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.robots.ros2.client.connection import RosConnection
     from rosic.robots.ros2.client.rclpy_import import RosObject
-    from rosic.robots.ros2.endpoint_identity import Ends
     from rosic.robots.ros2.messages.encode import Values
+    from rosic.robots.ros2.publishers import Ends
 
 End: TypeAlias = Literal["succeeded", "cancelled", "aborted", "unknown"]
 Stage: TypeAlias = Literal["accepted", "executing", "cancelling", "ended", "unknown"]

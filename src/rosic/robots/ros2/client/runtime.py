@@ -9,9 +9,14 @@ from rosic.robots.ros2.client.actions import ActionLink
 from rosic.robots.ros2.client.connection import RosConnection
 from rosic.robots.ros2.client.executor_thread import RosThread
 from rosic.robots.ros2.client.qos import publisher_events, subscription_events
-from rosic.robots.ros2.client.rate_limited_topic import RateLimitedTopic
 from rosic.robots.ros2.client.services import ServiceLink
-from rosic.robots.ros2.client.topics import LatestMessage, MessageStream, Publisher, TopicQos
+from rosic.robots.ros2.client.topics import (
+    LatestMessage,
+    MessageStream,
+    Publisher,
+    RateLimitedTopic,
+    TopicQos,
+)
 from rosic.robots.ros2.errors import BadName
 from rosic.robots.ros2.messages.names import check_graph_name, check_node_name
 from rosic.robots.ros2.publishers import MessageInfoCallback
