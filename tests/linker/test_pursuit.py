@@ -209,6 +209,20 @@ async def test_whoever_asks_after_it_was_confirmed_is_told_of_this_stop_and_of_n
     assert await waiting is None, "what was measured then is nothing that is so now"
 
 
+async def test_what_came_of_a_stop_stays_known_when_a_later_one_is_undone(place: Place) -> None:
+    place.robot.times = 2
+    await stopped(place)
+    await place.pass_s(EVERY_S)
+    rest = await place.linker.pursuit.rested("omni", 1)
+    assert rest is not None
+    place.robot.at_rest = False
+    await stopped(place)
+    place.board.resume("omni", 2)
+    await place.pass_s(2 * EVERY_S)
+    assert "omni" not in place.linker.pursuit
+    assert await place.linker.pursuit.rested("omni", 1) == rest
+
+
 async def test_a_stop_that_stands_no_more_is_not_applied_again(place: Place) -> None:
     await stopped(place)
     place.board.resume("omni", 1)  # whoever keeps the board need not tell the pursuit
