@@ -222,6 +222,7 @@ async def test_what_people_sent_hides_no_stop_while_it_is_held_up(hundreds: int)
         assert inbox.texts == []
         await inbox.clock.advance(0.001)
         assert inbox.texts == ["stop"]
+        assert inbox.listener.counts["confirmed-early"] == hundreds * BATCH
         inbox.held_up["slow"].set()
         for _ in range(60):
             await settle()
@@ -255,6 +256,7 @@ async def test_what_people_sent_hides_no_stop_while_nothing_is_on_disk() -> None
     inbox.hooks = inbox.hooks._replace(settle=hangs)
     async with inbox.listening(3 * FULL_S):
         assert "stop" in inbox.texts
+        assert inbox.listener.counts["confirmed-early"] == len(inbox.keeping.forgotten) > 0
         assert 0 < max(asked_within_s[:3]) <= FULL_S
 
 

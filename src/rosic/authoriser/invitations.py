@@ -196,7 +196,7 @@ class Invitations:
         self._known: dict[str, Invitation] = {}
         self._names: dict[str, str] = {}
         self._by_digest: dict[bytes, str] = {}
-        self._searched: tuple[str, tuple[str, ...]] = ("", ())
+        self._searched: tuple[str, dict[str, bool]] = ("", {})
 
     def find(self, code: str) -> Invitation | None:
         """Return the invitation of a code, whatever became of it."""
@@ -209,15 +209,20 @@ class Invitations:
     def shown_in(self, text: str) -> tuple[str, ...]:
         """Return the code of every invitation that a text shows, whatever became of it.
 
-        A message is searched for burning and for what is kept of it, so the last is remembered.
+        A message is searched for burning, with its links, and for what is kept of it, without them:
+        what was looked up in the last text is not looked up again.
         """
         if self._pepper is None or not self._known:
             return ()
-        if self._searched[0] != text:
+        last, looked_up = self._searched
+        if last != text:
             pepper, known = self._pepper, self._by_digest
-            found = (code for code in codes_in(text) if digest(pepper, code) in known)
-            self._searched = (text, tuple(found))
-        return self._searched[1]
+            looked_up = {
+                code: looked_up[code] if code in looked_up else digest(pepper, code) in known
+                for code in codes_in(text)
+            }
+            self._searched = (text, looked_up)
+        return tuple(code for code, shown in looked_up.items() if shown)
 
     def is_good(self, invitation: Invitation) -> bool:
         """Whether it is open and its code has not expired."""
@@ -347,7 +352,7 @@ class Invitations:
 
     def apply(self, fact: Fact) -> None:
         """Let a fact be so. An invitation that cannot be read lets nobody in."""
-        self._searched = ("", ())
+        self._searched = ("", {})
         if fact.kind == PEPPER:
             self._pepper = fact.letter.content if fact.letter is not None else None
             return

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from asyncio import TaskGroup
 from collections import Counter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.i18n import said
 from rosic.core.time_units import SECOND_NS
@@ -33,6 +33,7 @@ AT_ONCE_S = 0.01
 FULL_S = 0.25
 """So long what fills an answer may take to be on disk before it is confirmed all the same: a stop
 may stand behind it, and whoever is killed meanwhile has lost what was confirmed."""
+CONFIRMED_EARLY: Final = "messages confirmed before they are on disk, for a stop may be behind them"
 WAITS_S = (0.5, 1.0, 2.0, 4.0)
 CONTESTED_WAIT_S = 2.0
 DENIED_WAITS_S = (2.0, 5.0)
@@ -65,6 +66,7 @@ class Poller:
     Attributes:
         reading: Reads what is received, from when Telegram has said who we are.
         counts: ``received``, ``passed-over``, ``given-up`` and ``malformed`` updates;
+            ``confirmed-early``: before they were on disk, or received to the end;
             ``clock-behind``: messages that came from the future.
     """
 
@@ -173,10 +175,8 @@ class Poller:
     # ---- the loop ----
 
     async def _poll(self, group: TaskGroup, window: UpdateWindow, hooks: UpdateHooks) -> None:
-        listening, offset = self._listening, window.offset
-        settled = offset is None or await hooks.settle(self._settles_within_s())
-        if not settled and self._full_ns is None:
-            offset = None  # it is given out once more; a stop among the same hundred is still seen
+        listening = self._listening
+        offset, settled = await self._confirmable(window, hooks)
         asked = self._now()
         more = window.busy or self.reading.hurried
         at_once = more or not settled or (listening.frozen and listening.calm(asked))
@@ -205,6 +205,19 @@ class Poller:
         await self._make_way(window, fresh=fresh > 0)
         if listening.drained(asked, empty=not fresh, full=full):
             self._thawed()
+
+    async def _confirmable(
+        self, window: UpdateWindow, hooks: UpdateHooks
+    ) -> tuple[int | None, bool]:
+        """Return what the next poll confirms, and whether all of that is on disk."""
+        offset = window.offset
+        settled = offset is None or await hooks.settle(self._settles_within_s())
+        if not settled and self._full_ns is None:
+            return None, False  # it is given out again; a stop among the same hundred is still seen
+        if early := window.confirmed_early(offset, settled=settled):
+            self.counts["confirmed-early"] += early
+            log.warning("%s: %s: %d", self._name, CONFIRMED_EARLY, early)
+        return offset, settled
 
     async def _make_way(self, window: UpdateWindow, *, fresh: bool) -> None:
         """Wait for what is received, but not for long; have a poll bring what is behind it.

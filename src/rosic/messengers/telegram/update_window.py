@@ -94,6 +94,7 @@ class UpdateWindow:
         self._expected: set[int] = set()
         self._light: set[int] = set()
         self._overdue: set[int] = set()
+        self._relieved: set[int] = set()
         self._done: set[int] = set()
         self._admitted: list[tuple[int, Inbound]] = []
         self._lanes: dict[str, deque[WaitingUpdate]] = {}
@@ -126,6 +127,16 @@ class UpdateWindow:
         """Forget what Telegram has forgotten."""
         if offset is not None:
             self._done = {number for number in self._done if number >= offset}
+
+    def confirmed_early(self, offset: int | None, *, settled: bool) -> int:
+        """Return how many an offset confirms that whoever is killed now has lost.
+
+        Args:
+            offset: What a poll is about to confirm.
+            settled: What is received to the end is on disk.
+        """
+        confirmed = {number for number in self._done if offset is not None and number < offset}
+        return len(confirmed & self._relieved if settled else confirmed)
 
     def knows(self, update_id: int) -> bool:
         """Whether an update was given out before, so that nothing of it need be read again."""
@@ -266,6 +277,7 @@ class UpdateWindow:
             if len(self._overdue) + len(held) > OVERDUE_AT_MOST:
                 return
         self._overdue |= held
+        self._relieved |= held
         for update_id in held:
             self._end(update_id)
 
@@ -303,6 +315,7 @@ class UpdateWindow:
 
     def _ended(self, update_id: int) -> None:
         self._light.discard(update_id)
+        self._relieved.discard(update_id)
         if update_id in self._overdue:
             self._overdue.discard(update_id)
         else:
