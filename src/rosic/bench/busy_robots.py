@@ -99,16 +99,17 @@ class TimedLatch:
 
 
 class WatchedMessenger(BenchMessenger):
-    """A messenger that reads only what the watcher is told.
-
-    Attributes:
-        told: Done, with the time and the text, when the answer to a stop came.
-    """
+    """A messenger that reads only what the watcher is told."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.told: asyncio.Future[tuple[int, str]] | None = None
+        self._told: asyncio.Future[tuple[int, str]] | None = None
         self._ids = count(1)
+
+    def expect_stop(self) -> asyncio.Future[tuple[int, str]]:
+        """Return what is done, with the time and the text, when the next stop is answered."""
+        self._told = asyncio.get_running_loop().create_future()
+        return self._told
 
     async def send(self, outbound: Outbound) -> str:
         """Take a message."""
@@ -120,10 +121,10 @@ class WatchedMessenger(BenchMessenger):
         self._read(outbound)
 
     def _read(self, outbound: Outbound) -> None:
-        if self.told is None or outbound.chat.id != WATCHER:
+        if self._told is None or outbound.chat.id != WATCHER:
             return
-        if outbound.text.startswith("STOP: ") and not self.told.done():
-            self.told.set_result((perf_counter_ns(), outbound.text))
+        if outbound.text.startswith("STOP: ") and not self._told.done():
+            self._told.set_result((perf_counter_ns(), outbound.text))
 
 
 class OrderSenders:

@@ -123,7 +123,7 @@ async def _opened(load: OrderLoad) -> AsyncIterator[tuple[Gateway, OrderSending,
             _book(gateway, load)
             hands = load.in_flight if load.durable else 1
             sending = OrderSending(gateway.pipeline, messenger, load.people, CLOCK.wall_ns, hands)
-            yield gateway, sending, _lanes(load)
+            yield gateway, sending, _lanes(load, sending)
         finally:
             await gateway.close()
 
@@ -142,10 +142,10 @@ def _robots(gateway: Gateway) -> Iterator[MemoryRobot]:
             yield robot
 
 
-def _lanes(load: OrderLoad) -> list[RobotLane]:
+def _lanes(load: OrderLoad, sending: OrderSending) -> list[RobotLane]:
     """Share what is in flight out among the robots."""
     robots = min(ROBOTS, load.skills, load.in_flight)
-    return lanes_of(load.in_flight, [_texts(robot, load) for robot in range(robots)])
+    return lanes_of(load.in_flight, [_texts(robot, load) for robot in range(robots)], sending)
 
 
 def _texts(robot: int, load: OrderLoad) -> Iterator[str]:

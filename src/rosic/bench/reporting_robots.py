@@ -67,6 +67,10 @@ class ReportingRobot(MemoryRobot):
         self.handed_ns = perf_counter_ns()
         return await super().stop(stop)
 
+    def hear_from(self, latest: LatestReports) -> None:
+        """Know of itself what is kept there from now on."""
+        self.latest, self.place = latest, latest.sites[self.profile.id]
+
     def presence(self) -> Presence:
         """Return what it last said."""
         heard_ns = self.latest.heard_ns[self.place]
@@ -89,20 +93,17 @@ class ReportDelivery:
 
     Attributes:
         messages: How many so far.
-        robots: Whom it brings them to.
     """
 
     def __init__(self, names: Iterable[RobotId]) -> None:
         self.messages = 0
-        self.robots: Mapping[RobotId, ReportingRobot] = {}
         self.latest = LatestReports(names)
         self._read = msgspec.msgpack.Decoder(RobotHeartbeat | ReportedValues).decode
 
     def join(self, robots: Mapping[RobotId, ReportingRobot]) -> None:
         """Have robots know what was brought."""
-        self.robots = robots
-        for name, robot in robots.items():
-            robot.latest, robot.place = self.latest, self.latest.sites[name]
+        for robot in robots.values():
+            robot.hear_from(self.latest)
 
     def take(self, words: bytes) -> None:
         """Take one message."""

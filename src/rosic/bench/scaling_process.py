@@ -161,6 +161,10 @@ class RemoteSenders:
         self._waiting.add(task)
         task.add_done_callback(self._waiting.discard)
 
+    def begin_anew(self) -> None:
+        """Note what is told from now on in rows of its own."""
+        self.latencies_ns, self.own_ns = [], []
+
     async def command(self, times: int, robots: int, people: int) -> None:
         """Have robots commanded in turns, as fast as it goes, some at a time."""
         numbers = islice(SAID, times)
@@ -327,7 +331,7 @@ async def _command(
         own: list[list[int]] = []
         stretch = CpuInterval()
         for _ in range(plan.commanding_s):
-            crowd.latencies_ns, crowd.own_ns = [], []
+            crowd.begin_anew()
             await asyncio.sleep(1.0)
             found.append(crowd.latencies_ns)
             own.append(crowd.own_ns)

@@ -90,44 +90,67 @@ class RobotLane:
     Attributes:
         texts: What is asked for, one after another, without end.
         slots: One for each message.
-        left: How many of them have not had their share of this turn.
         sender, chat: Whose turn it is.
     """
 
-    __slots__ = ("chat", "left", "sender", "slots", "texts")
+    __slots__ = ("_left", "chat", "sender", "slots", "texts")
 
-    def __init__(self, width: int, texts: Iterator[str]) -> None:
-        self.slots = [InFlightSlot(self) for _ in range(width)]
-        self.left = width
+    def __init__(self, width: int, texts: Iterator[str], sending: OrderSending) -> None:
+        self.slots = [InFlightSlot(self, sending) for _ in range(width)]
         self.texts = texts
         self.sender, self.chat = address_of(0)
+        self._left = width  # of the slots, those that have not had their share of this turn
+
+    def begin_turn(self, sender: Address, chat: Chat) -> None:
+        """Let somebody have the turn, with the whole share for each message."""
+        self.sender, self.chat = sender, chat
+        self._left = len(self.slots)
+        for slot in self.slots:
+            slot.begin_turn()
+
+    def end_share(self) -> bool:
+        """Count one message that has had its share; return whether all have."""
+        self._left -= 1
+        return not self._left
 
 
 class InFlightSlot:
     """One message in flight after another.
 
-    Attributes:
-        left: How many of this turn are still to end, this one included.
-        began_ns: When it was sent.
+    Args:
+        lane: Where it is in flight.
         sending: Hears of the end.
     """
 
-    __slots__ = ("began_ns", "lane", "left", "sending")
+    __slots__ = ("_began_ns", "_left", "_sending", "lane")
 
-    sending: OrderSending
-
-    def __init__(self, lane: RobotLane) -> None:
+    def __init__(self, lane: RobotLane, sending: OrderSending) -> None:
         self.lane = lane
-        self.left = 0
-        self.began_ns = 0
+        self._sending = sending
+        self._left = 0  # of this turn, those that are still to end
+        self._began_ns = 0
+
+    def begin_turn(self) -> None:
+        """Have a whole share before it."""
+        self._left = TURN_MESSAGES
+
+    def depart(self) -> None:
+        """Note when it is sent."""
+        self._began_ns = perf_counter_ns()
+
+    def arrive(self) -> tuple[int, bool]:
+        """Return how long it took, in ns, and whether it has had its share."""
+        took_ns = perf_counter_ns() - self._began_ns
+        self._left -= 1
+        return took_ns, not self._left
 
     def set_result(self, _result: None) -> None:
         """Its author was told that the order is done."""
-        self.sending.ended(self)
+        self._sending.ended(self)
 
     def set_exception(self, exception: Exception) -> None:
         """There is no result."""
-        self.sending.fail(exception)
+        self._sending.fail(exception)
 
 
 class OrderSending:
@@ -165,6 +188,10 @@ class OrderSending:
     async def send(self, lanes: list[RobotLane], orders: int) -> tuple[list[int], float]:
         """Send until so many orders have ended, and those under way then, too.
 
+        Args:
+            lanes: Made for this sending.
+            orders: So many.
+
         Returns:
             How long each order took, in ns, and how long all of them, in s.
 
@@ -175,8 +202,6 @@ class OrderSending:
         self._over = asyncio.get_running_loop().create_future()
         began_ns = perf_counter_ns()
         for lane in lanes:
-            for slot in lane.slots:
-                slot.sending = self
             self._begin(lane)
         hands = [asyncio.create_task(self._hand_over()) for _ in range(self._hands)]
         for hand in hands:
@@ -202,16 +227,12 @@ class OrderSending:
 
     def _begin(self, lane: RobotLane) -> None:
         """Let somebody else have the turn."""
-        lane.left = len(lane.slots)
-        lane.sender, lane.chat = next(self._people)
-        for slot in lane.slots:
-            slot.left = TURN_MESSAGES
+        lane.begin_turn(*next(self._people))
         self._ready.extend(lane.slots)
 
     def _end_turn(self, lane: RobotLane) -> None:
         """Begin the next turn once everybody in a lane has had their share, if there is one."""
-        lane.left -= 1
-        if lane.left:
+        if not lane.end_share():
             return
         if len(self._times) < self._orders:
             self._begin(lane)
@@ -244,7 +265,7 @@ class OrderSending:
                     received_ns=now_ns,
                 )
                 ends[message] = slot
-                slot.began_ns = perf_counter_ns()
+                slot.depart()
                 await receive(messenger, inbound)
             idle = create_future()
             self._idle.append(idle)
@@ -252,20 +273,22 @@ class OrderSending:
 
     def ended(self, slot: InFlightSlot) -> None:
         """Count one order; whoever has had their share waits for the others of their lane."""
-        self._times.append(perf_counter_ns() - slot.began_ns)
-        slot.left -= 1
-        if slot.left:
-            self._ready.append(slot)
-        else:
+        took_ns, had_share = slot.arrive()
+        self._times.append(took_ns)
+        if had_share:
             self._end_turn(slot.lane)
+        else:
+            self._ready.append(slot)
         if self._ready and self._idle:
             self._idle.pop().set_result(None)
 
 
-def lanes_of(in_flight: int, texts: Sequence[Iterator[str]]) -> list[RobotLane]:
+def lanes_of(
+    in_flight: int, texts: Sequence[Iterator[str]], sending: OrderSending
+) -> list[RobotLane]:
     """Share messages out among robots, each asked for what its texts say."""
     share, more = divmod(in_flight, len(texts))
-    return [RobotLane(share + (robot < more), asked) for robot, asked in enumerate(texts)]
+    return [RobotLane(share + (robot < more), asked, sending) for robot, asked in enumerate(texts)]
 
 
 def address_of(person: int) -> tuple[Address, Chat]:

@@ -182,7 +182,7 @@ class _Bench:
         """
         robots = [self.crowd.robots[name] for name in names]
         await self.crowd.filled()
-        told = self._messenger.told = asyncio.get_running_loop().create_future()
+        told = self._messenger.expect_stop()
         came_ns, began_ns, queued = await self._come_in(f"stop {said}")
         told_ns, text = await asyncio.wait_for(told, TOLD_WITHIN_S)
         handed = [robot.handed_ns - began_ns for robot in robots]

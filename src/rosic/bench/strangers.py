@@ -32,7 +32,9 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterator
     from contextvars import Context
 
+    from rosic.contracts.clock import Clock
     from rosic.core.order import RestReport, Stop
+    from rosic.core.order_gate import OrderGate
     from rosic.testing.telegram import Control
 
 
@@ -219,12 +221,19 @@ class StrangerFigures(NamedTuple):
 class StopWatcher(MemoryRobot):
     """Notes when its adapter was told to stop."""
 
-    awaited: asyncio.Future[int] | None = None
+    def __init__(self, profile: Profile, gate: OrderGate, clock: Clock) -> None:
+        super().__init__(profile, gate, clock)
+        self._handed: asyncio.Future[int] | None = None
+
+    def expect_stop(self) -> asyncio.Future[int]:
+        """Return what is done, with the time in ns, when the next stop is handed over."""
+        self._handed = asyncio.get_running_loop().create_future()
+        return self._handed
 
     async def stop(self, stop: Stop) -> RestReport:
         """Note the time before anything else."""
-        if StopWatcher.awaited is not None and not StopWatcher.awaited.done():
-            StopWatcher.awaited.set_result(perf_counter_ns())
+        if self._handed is not None and not self._handed.done():
+            self._handed.set_result(perf_counter_ns())
         return await super().stop(stop)
 
 
@@ -281,8 +290,8 @@ async def _run(load: StrangerLoad) -> StrangerFigures:
                 await control.create_chat("channel", "C", members=[who], bot="administrator")
                 for who in crowd[:CHANNELS]
             ]
-            async with _gateway(Path(folder), control, admin, viewer):
-                bench = _Bench(control, admin, viewer, crowd, channels)
+            async with _gateway(Path(folder), control, admin, viewer) as robot:
+                bench = _Bench(control, robot, (admin, viewer), crowd, channels)
                 await bench.stop()  # what is made once is made
                 return await _samples(bench, load)
 
@@ -308,20 +317,25 @@ class _Bench:
     """Says stop as an admin, and whatever strangers and a viewer say."""
 
     def __init__(
-        self, control: Control, admin: int, viewer: int, crowd: list[int], channels: list[int]
+        self,
+        control: Control,
+        robot: StopWatcher,
+        known: tuple[int, int],
+        crowd: list[int],
+        channels: list[int],
     ) -> None:
         self._control = control
-        self._admin = admin
-        self._viewer = viewer
+        self._robot = robot
+        self._admin, self._viewer = known
         self._crowd = crowd
         self._channels = channels
 
     async def stop(self) -> int:
         """Return how long a stop took to reach the adapter, in nanoseconds; then wait for quiet."""
-        heard = StopWatcher.awaited = asyncio.get_running_loop().create_future()
+        handed = self._robot.expect_stop()
         began_ns = perf_counter_ns()
         await self._control.say(self._admin, self._admin, "stop")
-        handed_ns: int = await asyncio.wait_for(heard, HANDED_WITHIN_S)
+        handed_ns = await asyncio.wait_for(handed, HANDED_WITHIN_S)
         async with asyncio.timeout(DRAINED_WITHIN_S):
             while await self._control.pending():  # noqa: ASYNC110 - another process
                 await asyncio.sleep(0.002)
@@ -341,7 +355,9 @@ class _Bench:
 
 
 @asynccontextmanager
-async def _gateway(folder: Path, control: Control, admin: int, viewer: int) -> AsyncIterator[None]:
+async def _gateway(
+    folder: Path, control: Control, admin: int, viewer: int
+) -> AsyncIterator[StopWatcher]:
     settings = read_settings("bench", {"token": TOKEN, "api_base": control.api_base})
     messenger = TelegramMessenger("bench", settings, CLOCK, rates=PUBLISHED.times(1_000))
     latch = FileLatch(folder / "stops")
@@ -361,7 +377,8 @@ async def _gateway(folder: Path, control: Control, admin: int, viewer: int) -> A
         try:
             while messenger.catching_up():  # noqa: ASYNC110 - nobody is told
                 await asyncio.sleep(0.01)
-            yield
+            (robot,) = (one for one in gateway.robots.values() if isinstance(one, StopWatcher))
+            yield robot
         finally:
             running.cancel()
             await asyncio.wait([running])
