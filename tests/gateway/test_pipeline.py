@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import pytest
 from msgspec.structs import replace
 
@@ -10,6 +12,9 @@ from rosic.core.rate_limit import RateLimit
 from rosic.core.records import Concluded
 from rosic.gateway.unfollowed_messages import NOT_FOLLOWED
 from tests.gateway.place import ADA, BO, STRANGER, VI, Place, SlowStore, line_by_line
+
+if TYPE_CHECKING:
+    from rosic.core.order import Order, Outcome
 
 MINUTE_NS = 60_000_000_000
 
@@ -367,3 +372,30 @@ async def test_an_order_waiting_over_a_change_of_policy_is_admitted_once_more() 
         robot._end.set_result(None)
         await place.quiet()
         assert place.acted("kuka1") == 2
+
+
+class FailingWatcher:
+    """Fails whatever it hears, and counts it."""
+
+    def __init__(self) -> None:
+        self.heard: list[str] = []
+
+    def began(self, order: Order) -> None:
+        """Fail when an order begins."""
+        self.heard.append(f"began {order.robot}")
+        raise LookupError(order.robot)
+
+    def ended(self, order: Order, outcome: Outcome) -> None:
+        """Fail when one has ended."""
+        self.heard.append(f"ended {order.robot}: {outcome.ending.value}")
+        raise LookupError(order.robot)
+
+
+async def test_an_order_goes_on_and_ends_whoever_that_follows_it_fails() -> None:
+    watcher = FailingWatcher()
+    async with Place().open() as place:
+        place.gateway.pipeline.executor.watch_orders(watcher)
+        for number in (1, 2):
+            assert "done" in await place.say("omni move 1 m")
+            assert place.acted() == number
+    assert watcher.heard == ["began omni", "ended omni: done"] * 2

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
 
 import msgspec
 
@@ -41,6 +41,8 @@ WENT_WRONG = said("Something went wrong here. Please look.")
 SHUT_DOWN = said("ROSIC was shut down")
 CANCELLED_BEFORE = said("You cancelled this before it could begin. Nothing was done.")
 
+FOLLOWS_NOT: Final = "somebody who follows orders failed; the order goes on"
+
 log = logging.getLogger("rosic.pipeline")
 
 
@@ -49,7 +51,7 @@ Dispatch: TypeAlias = "Callable[[Order, Tell], Coroutine[Any, Any, Outcome]]"
 
 
 class OrderWatcher(Protocol):
-    """Whoever follows what robots do. Neither method raises anything."""
+    """Whoever follows what robots do. What a method raises is logged; orders go on without it."""
 
     def began(self, order: Order) -> None:
         """Hear that an order is handed to its robot now."""
@@ -232,8 +234,6 @@ class OrderExecutor:
             if self._newest is not None:
                 self._newest[robot] = running
             worker.relaying = True
-            for watcher in self._watchers:
-                watcher.began(running.order)
             outcome = await self._relay(worker, running)
             worker.relaying = False
             if worker.rested is not None:
@@ -256,6 +256,11 @@ class OrderExecutor:
     async def _relay(self, worker: RobotWorker, running: RunningOrder) -> Outcome:
         """RELAYCOMMAND: return what the robot did, whatever happens."""
         order = running.order
+        for watcher in self._watchers:
+            try:
+                watcher.began(order)
+            except Exception:
+                log.exception(FOLLOWS_NOT)
         try:
             try:
                 outcome = await running.dispatch(order, running.tell)
@@ -302,13 +307,15 @@ class OrderExecutor:
     def ended(self, running: RunningOrder, outcome: Outcome) -> None:
         """Write down how an order ended; once that is on disk it is told."""
         self._organiser.settle(running.order.permit)
-        for hear in self._hear_ends:
-            hear(running.order.robot)
-        if running.begun:
-            for watcher in self._watchers:
-                watcher.ended(running.order, outcome)
-            if outcome.code == StillMoves.code:
+        try:
+            if running.begun and outcome.code == StillMoves.code:
                 self.still_moves.emit(running.order)
+            for hear in self._hear_ends:
+                hear(running.order.robot)
+            for watcher in self._watchers if running.begun else ():
+                watcher.ended(running.order, outcome)
+        except Exception:
+            log.exception(FOLLOWS_NOT)
         if outcome.ending is OrderEnding.CANCELLED:
             who = self._organiser.why_stopped.by_another(running.order)
             note = joined("; ", filter(None, (outcome.note, who)))
