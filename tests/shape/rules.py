@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import builtins
 import posixpath
 import re
 from typing import TYPE_CHECKING
@@ -242,3 +243,58 @@ def protocols_in(texts: Mapping[str, str], allowed: frozenset[str] = frozenset()
                 if "runtime_checkable" in marks:
                     found.append(f"{path}: {node.name}")
     return found
+
+
+# ---- what docstrings say is raised ----
+
+_RAISES = re.compile(r"^Raises:\n((?:(?: {4}.*)?(?:\n|$))+)", re.MULTILINE)
+_RAISED = re.compile(r"^ {4}(?! )([^:\n]+)", re.MULTILINE)
+_OF_PYTHON = frozenset(
+    name
+    for name, found in vars(builtins).items()
+    if isinstance(found, type) and issubclass(found, BaseException)
+)
+
+
+def unknown_exceptions(texts: Mapping[str, str]) -> list[str]:
+    """Names under ``Raises:`` that no exception has: of Python, of these texts, or imported."""
+    trees = {path: ast.parse(text) for path, text in texts.items()}
+    ours = _exceptions_of(trees.values())
+    return [
+        f"{path}:{node.lineno}: {name}"
+        for path, tree in trees.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)
+        for section in _RAISES.findall(ast.get_docstring(node) or "")
+        for names in _RAISED.findall(section)
+        for name in names.split(", ")
+        if name not in ours and name.partition(".")[0] not in _foreign_names(tree)
+    ]
+
+
+def _exceptions_of(trees: Iterable[ast.Module]) -> set[str]:
+    """Return the names of exceptions: a base of theirs is one, or is called as libraries' are."""
+    bases = {
+        (node.name, ast.unparse(base).rpartition(".")[2])
+        for tree in trees
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ClassDef)
+        for base in node.bases
+    }
+    found, before = set(_OF_PYTHON), 0
+    while len(found) > before:
+        before = len(found)
+        found |= {name for name, base in bases if base in found or base.endswith("Error")}
+    return found
+
+
+def _foreign_names(tree: ast.Module) -> set[str]:
+    """Return what a module has of others: the names that it imports, and of what packages."""
+    names: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names.update(alias.name.partition(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and not (node.module or "").startswith("rosic"):
+            names.update(alias.asname or alias.name for alias in node.names)
+            names.add((node.module or "").partition(".")[0])
+    return names

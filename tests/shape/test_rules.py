@@ -144,3 +144,39 @@ def test_a_requirement_without_hash_or_without_pin_is_found() -> None:
 
     assert [line.split()[0] for line in rules.without_hash(text)] == ["yarl==1", "mako>=1"]
     assert rules.pins(text) == {"pint": "0.25", "yarl": "1"}
+
+
+RAISING = """
+import msgspec
+from graphlib import TopologicalSorter
+from rosic.core.order import Order
+
+class Damaged(ValueError): pass
+class Torn(Damaged): pass
+class Slot: pass
+
+async def read():
+    \"\"\"Read it.
+
+    Raises:
+        %s: The file is not what was written, or it
+            was: not closed.
+
+    Cancelling it: does nothing.
+    \"\"\"
+"""
+
+
+@pytest.mark.parametrize("name", ["Unreadable", "Torn, Unreadable", "Slot", "Order", "x.Torn"])
+def test_a_docstring_that_names_no_exception_is_found(name: str) -> None:
+    found = rules.unknown_exceptions({"src/a.py": RAISING % name})
+
+    assert found == [f"src/a.py:10: {name.removeprefix('Torn, ')}"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["OSError", "Damaged, Torn", "msgspec.MsgspecError", "graphlib.CycleError"],
+)
+def test_exceptions_of_python_of_the_source_and_of_libraries_pass(name: str) -> None:
+    assert rules.unknown_exceptions({"src/a.py": RAISING % name}) == []

@@ -115,3 +115,7 @@ def test_every_link_between_pages_leads_somewhere() -> None:
 
 def test_every_package_says_what_it_is_for() -> None:
     assert rules.without_docstring(modules("src/")) == []
+
+
+def test_every_exception_that_a_docstring_names_is_there() -> None:
+    assert rules.unknown_exceptions(modules("src/")) == []

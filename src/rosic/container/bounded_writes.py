@@ -50,7 +50,7 @@ class BoundedWriter:
 
         Raises:
             Repeated, StoreFault: As the store does; or it was not written in time.
-            CancelledError: It is written; with a cause, it is not.
+            asyncio.CancelledError: It is written; with a cause, it is not.
         """
         if self._late:
             raise StoreFault(NOT_IN_TIME)

@@ -165,7 +165,7 @@ class SharedDataAccess:
         """Let a fact be so.
 
         Raises:
-            MsgspecError: It cannot be read.
+            msgspec.MsgspecError: It cannot be read.
         """
         before = self._at.pop(fact.key, None)
         if before is not None:

@@ -104,7 +104,7 @@ class ContainerKey:
         """Open one letter.
 
         Raises:
-            Unreadable: It does not belong here, or it was changed.
+            DecryptionError: It does not belong here, or it was changed.
         """
         return opened(sealed, self._binding + kind + subject, self._key)
 
@@ -128,7 +128,7 @@ class RootKey:
         """Take a container's key out of what was stored.
 
         Raises:
-            Unreadable: Wrapped by another root key, for another container, or damaged.
+            DecryptionError: Wrapped by another root key, for another container, or damaged.
         """
         key = opened(wrapped, b"key" + binding(container), self._key)
         return ContainerKey(container, key, wrapped, self._sealer)
@@ -154,7 +154,7 @@ def opened(sealed: bytes, associated: bytes, key: bytes) -> bytes:
     """Open what was sealed.
 
     Raises:
-        Unreadable: The key, the associated data or the content is not what it was.
+        DecryptionError: The key, the associated data or the content is not what it was.
     """
     if sealed[:1] != FORM:
         raise DecryptionError("sealed in a way this version does not know")

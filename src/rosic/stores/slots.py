@@ -43,7 +43,7 @@ def unpack(kind: bytes, slot: bytes) -> tuple[bytes, int, bytes] | None:
     """Read a slot; None when it was never used.
 
     Raises:
-        Damaged: Not whole.
+        DamagedSlot: Not whole.
     """
     if slot == FREE:
         return None
@@ -68,7 +68,7 @@ def robots_max_of(content: bytes) -> int:
     """Return for how many robots a file has room.
 
     Raises:
-        Damaged: It is no stop file, or a part of it is missing.
+        DamagedSlot: It is no stop file, or a part of it is missing.
     """
     found = unpack(b"header", content[:SLOT_BYTES])
     if found is None or found[0] != MAGIC or len(content) != len(empty_file(found[1])):
@@ -80,7 +80,7 @@ def enlarged(content: bytes, robots_max: int) -> bytes:
     """Return a file with more room; every slot is as it was, damaged ones included.
 
     Raises:
-        Damaged: It is no stop file, or a part of it is missing.
+        DamagedSlot: It is no stop file, or a part of it is missing.
     """
     room = robots_max_of(content)
     more = bytes((robots_max - room) * SLOT_BYTES)
@@ -115,7 +115,7 @@ def read_place(name_slot: bytes, state_slot: bytes) -> SlotState | None:
     Whatever is damaged reads as stopped, with the generation that the damaged bytes show.
 
     Raises:
-        Damaged: So much that it cannot be said which robot it is.
+        DamagedSlot: So much that it cannot be said which robot it is.
     """
     if name_slot == FREE and state_slot == FREE:
         return None

@@ -151,7 +151,7 @@ class FileLatch:
         """Open the file once, and learn what it says.
 
         Raises:
-            Damaged: It cannot be said which robot is stopped.
+            DamagedSlot: It cannot be said which robot is stopped.
             OSError: It cannot be opened or made.
         """
         with self._opening:

@@ -103,7 +103,7 @@ class WriteThread(Generic[T]):
         Raises:
             StoreFault: Too much is waiting, or the lane is closed. It was not done.
             Exception: Whatever ``settle`` left in ``error``.
-            CancelledError: It was done; with a cause, it was not.
+            asyncio.CancelledError: It was done; with a cause, it was not.
         """
         urgent = self._is_urgent(content)
         future = self._admit(urgent=urgent)

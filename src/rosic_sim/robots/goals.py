@@ -54,7 +54,7 @@ def velocity_of(robot: str, skill: Skill, arguments: Mapping[str, Argument]) -> 
     """Return the velocity that the skill's topic would carry: m/s forward and to the left, rad/s.
 
     Raises:
-        CannotDo: It carries none of them.
+        ActivityRefused: It carries none of them.
     """
     topic = topic_of(skill)
     message = {} if topic is None else topic.message

@@ -155,7 +155,7 @@ class ScenarioRunner:
         """Have somebody write something; wait until they are told what is expected.
 
         Raises:
-            OffScript: They were not.
+            ScenarioMismatch: They were not.
         """
         if who not in self.muted:
             await self.beat()
@@ -168,7 +168,7 @@ class ScenarioRunner:
         """Have somebody tap the newest button of that label, and wait likewise.
 
         Raises:
-            OffScript: There is no such button, or they were not told.
+            ScenarioMismatch: There is no such button, or they were not told.
         """
         button, under = await self._button(who, label)
         await self.beat()
@@ -191,7 +191,7 @@ class ScenarioRunner:
         """Wait until somebody reads something since they last spoke; return the message.
 
         Raises:
-            OffScript: They did not.
+            ScenarioMismatch: They did not.
         """
         since = self._since.get(who, 0)
 
@@ -221,7 +221,7 @@ class ScenarioRunner:
         """Wait until nothing is under way.
 
         Raises:
-            OffScript: Something is, after very long.
+            ScenarioMismatch: Something is, after very long.
         """
         if not await until_quiet(self.gateway, self.clock, seconds=WITHIN_S):
             raise ScenarioMismatch("Something is still under way.")
@@ -232,7 +232,7 @@ class ScenarioRunner:
         """Wait until something is found, and return it.
 
         Raises:
-            OffScript: With the sentence: it was not.
+            ScenarioMismatch: With the sentence: it was not.
         """
         end_ns = self.clock.monotonic_ns() + int(within_s * 1e9)
         while not (found := look()):

@@ -85,7 +85,7 @@ def compile_rule(profile: Profile, alert: AlertConfig, units: UnitTable) -> Aler
     """Read a rule.
 
     Raises:
-        Wrong: What is wrong with it, as a sentence without its stop.
+        InvalidAlertRule: What is wrong with it, as a sentence without its stop.
     """
     values = {name: described.unit for name, described in profile.telemetry.items()}
     if clashing := OWN & set(values):
@@ -115,7 +115,7 @@ def rules_of(profile: Profile, units: UnitTable) -> list[AlertRule]:
     A value that a rule of the profile is about already needs no other.
 
     Raises:
-        Wrong: The first thing that is wrong.
+        InvalidAlertRule: The first thing that is wrong.
     """
     stated = [compile_rule(profile, alert, units) for alert in profile.alerts]
     about = {rule.condition.name for rule in stated if rule.condition.kind == "bounds"}
@@ -151,7 +151,7 @@ def _time(key: str, said: str, units: UnitTable, least_s: float) -> float:
     """Read a length of time; nothing said is 0.
 
     Raises:
-        Wrong: It is none, or too short or too long to mean anything.
+        InvalidAlertRule: It is none, or too short or too long to mean anything.
     """
     if not said:
         return 0.0
@@ -168,7 +168,8 @@ def read_run(rule: AlertRule, vocabulary: Vocabulary) -> Do | None:
     """Return what a rule runs, understood as if typed; None for what every robot can do.
 
     Raises:
-        Wrong: It is no single command of this robot, or a value is missing or out of bounds.
+        InvalidAlertRule: It is no single command of this robot, or a value is missing or out of
+            bounds.
     """
     said = rule.alert.run
     if rule.act:

@@ -131,7 +131,8 @@ def lay_out(
         given: What was said for it; None: what it leaves open stays so.
 
     Raises:
-        Wrong: It goes round in a circle, names a mission that there is not, or is too large.
+        InvalidMission: It goes round in a circle, names a mission that there is not, or is too
+            large.
         NotUnderstood: Something that it leaves open was not said, and has no default.
     """
     layout = _Layout(missions, units)

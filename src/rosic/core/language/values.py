@@ -51,7 +51,7 @@ class ValueReader:
         """Return the values from here to the end of the line.
 
         Raises:
-            Doubt: A number may mean two numbers.
+            AmbiguousNumber: A number may mean two numbers.
         """
         low = self._low
         words = self._skill.words

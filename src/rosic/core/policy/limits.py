@@ -146,7 +146,7 @@ def fit_limits(
     does not allow 1 m/s backwards.
 
     Raises:
-        Unfit: A unit does not fit, the parameter is a word, or nothing is left to ask for.
+        LimitMismatch: A unit does not fit, the parameter is a word, or nothing is left to ask for.
     """
     by_parameter: dict[str, list[LimitRule]] = {}
     for rule in rules:

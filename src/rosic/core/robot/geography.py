@@ -50,7 +50,7 @@ def local_m(frame: GeographicFrame, latitude: float, longitude: float) -> tuple[
     """Return x and y of a place in a robot's frame, in metres (REP 103: x ahead, y to the left).
 
     Raises:
-        TooFar: It is no place, or more than 10 km away.
+        OutsidePlane: It is no place, or more than 10 km away.
     """
     if not (isfinite(latitude) and isfinite(longitude)):
         raise OutsidePlane

@@ -78,8 +78,8 @@ class _Request(HTTPXRequest):
         that says nothing of the token.
 
         Raises:
-            TooFast: The call has taken no effect.
-            Spoilt: Likewise; the file is not what was promised.
+            FloodControl: The call has taken no effect.
+            ChangedUpload: Likewise; the file is not what was promised.
             NetworkError: Somebody else than the Bot API answered.
         """
         if isinstance(kwargs.get("request_data"), UploadStream):
@@ -234,7 +234,7 @@ class BotClient:
         """Make one call.
 
         Raises:
-            Trouble: It did not succeed; nothing foreign hangs on to it.
+            TelegramError: Ours: it did not succeed; nothing foreign hangs on to it.
         """
         try:
             async with asyncio.timeout(within_s), self.held() as bot:
@@ -252,7 +252,7 @@ class BotClient:
         either.
 
         Raises:
-            Trouble: Nothing was received. What the offset confirms may be confirmed.
+            TelegramError: Ours: nothing was received. What the offset confirms may be confirmed.
         """
         return await self.ask(
             lambda bot: bot.raw_updates(offset, timeout_s, kinds, limit),

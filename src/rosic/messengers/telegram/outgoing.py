@@ -365,7 +365,7 @@ class Outgoing:
         """Do what must be done before the call is made once more.
 
         Raises:
-            Trouble: It must not, or need not, be made again.
+            TelegramError: It must not, or need not, be made again.
             ChatGone: In this chat no call will succeed; `ChatNotBegun` if none ever did.
         """
         if trouble.kind is ErrorKind.TOO_FAST:

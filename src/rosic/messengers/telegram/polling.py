@@ -131,7 +131,7 @@ class Poller:
 
         Raises:
             ConfigurationError: Telegram does not accept the token.
-            Trouble: Telegram did not say.
+            TelegramError: Telegram did not say.
         """
         try:
             me = await self._line.ask(lambda bot: bot.get_me(), within_s=within_s)

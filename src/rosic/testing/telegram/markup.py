@@ -280,8 +280,7 @@ def parse(text: str, mode: str) -> tuple[str, list[JsonObject]]:
 
     Raises:
         ApiError: 400, when the markup is not well formed, or the mode is neither HTML nor
-        MarkdownV2
-            (the old Markdown mode is legacy, and refused here on purpose).
+            MarkdownV2 (the old Markdown mode is legacy, and refused here on purpose).
     """
     match mode.lower():
         case "html":

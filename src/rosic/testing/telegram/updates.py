@@ -151,8 +151,7 @@ class UpdateQueue:
 
         Raises:
             ApiError: 409, when a webhook is set, or another poll came while this one waited.
-            Nothing
-                was confirmed in the first case; what the offset confirmed stays confirmed
+                Nothing was confirmed in the first case; what the offset confirmed stays confirmed
                 otherwise.
         """
         if self._state.webhook.url:

@@ -31,7 +31,7 @@ class MachineArguments:
         """Return a finite number in [low, high], in SI units.
 
         Raises:
-            CannotDo: Missing without a default, not a number, or out of bounds.
+            ActivityRefused: Missing without a default, not a number, or out of bounds.
         """
         value = self._values.get(name, default)
         self._read.add(name)
@@ -58,7 +58,7 @@ class MachineArguments:
         """Return one of ``choices``.
 
         Raises:
-            CannotDo: Missing without a default, or something else.
+            ActivityRefused: Missing without a default, or something else.
         """
         value = self._values.get(name, default)
         self._read.add(name)
@@ -77,7 +77,7 @@ class MachineArguments:
         """Refuse what nobody asked for: a misspelt argument must not be ignored.
 
         Raises:
-            CannotDo: An argument was given that the skill did not read.
+            ActivityRefused: An argument was given that the skill did not read.
         """
         for name in self._values:
             if name not in self._read:

@@ -143,8 +143,8 @@ class Crazyflie(SteppedMachine):
         """Fly to a position, streamed: without a new one for 1 s it levels out, for 2 s it lands.
 
         Raises:
-            CannotDo: Not finite, out of the room, not flying, landing, or a skill is running.
-                Nothing has changed.
+            ActivityRefused: Not finite, out of the room, not flying, landing, or a skill is
+                running. Nothing has changed.
         """
         self.step(now_s)
         if not all(map(isfinite, (x_m, y_m, z_m))):

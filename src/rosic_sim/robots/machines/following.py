@@ -84,7 +84,7 @@ class FollowTarget:
         """Lead a flight behind the leader, then to rest there; yield where it is to be.
 
         Raises:
-            Failed: There is nothing to follow any more. It hovers.
+            ActivityFailed: There is nothing to follow any more. It hovers.
         """
         begun_s = now_s()
         try:

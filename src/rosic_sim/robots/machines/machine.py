@@ -87,9 +87,9 @@ class Machine(Protocol):
             The activity, running (or done, when there is nothing to do).
 
         Raises:
-            CannotDo: Unknown skill, bad argument, busy, not at rest after a stop, battery too
-                low, out of reach, not flying, too late for the common start. The machine has not
-                moved and will not.
+            ActivityRefused: Unknown skill, bad argument, busy, not at rest after a stop, battery
+                too low, out of reach, not flying, too late for the common start. The machine has
+                not moved and will not.
         """
         ...
 

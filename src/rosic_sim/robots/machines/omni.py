@@ -106,8 +106,8 @@ class Omni(SteppedMachine):
         Zero always is a stop: it also cancels a running skill.
 
         Raises:
-            CannotDo: Not finite, a skill is running, coming to rest after a stop, or the battery
-                is too low. Nothing has changed.
+            ActivityRefused: Not finite, a skill is running, coming to rest after a stop, or the
+                battery is too low. Nothing has changed.
         """
         self.step(now_s)
         velocity = Velocity(x_m_s, y_m_s, yaw_rad_s)

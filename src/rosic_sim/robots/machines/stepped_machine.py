@@ -87,7 +87,7 @@ class SteppedMachine(abc.ABC):
         return self.at_rest()
 
     def _able(self) -> None:  # noqa: B027  most machines are always able
-        """Raise CannotDo when no skill at all can begin now."""
+        """Raise ActivityRefused when no skill at all can begin now."""
 
     @abc.abstractmethod
     def _mark(self) -> None:

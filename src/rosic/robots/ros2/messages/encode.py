@@ -84,7 +84,7 @@ class MessageEncoder:
         """Return a new message that holds ``values``.
 
         Raises:
-            Misfit: They do not fit.
+            CoercionError: They do not fit.
         """
         message = self._cls()
         self.fill(message, values)
@@ -94,7 +94,7 @@ class MessageEncoder:
         """Put ``values`` into a message of this class; what is not named stays as it is.
 
         Raises:
-            Misfit: They do not fit.
+            CoercionError: They do not fit.
         """
         if not isinstance(values, Mapping):
             raise CoercionError(f"must be a set of fields, not {kind_of(values)}")
