@@ -11,10 +11,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
 GLOSSARY = Path(__file__).parents[2] / "docs" / "glossary.md"
+RENAMED = GLOSSARY.parent / "decisions" / "0013-the-fields-own-names.md"
 FIELD_WORDS = Path(__file__).with_name("field_words.txt")
 
 _WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+")
 _TERM = re.compile(r"^\| ([^|]+) \|", re.MULTILINE)
+_RENAMED = re.compile(r"^\| (`.+`) \|$", re.MULTILINE)
 # Endings that make another form of the same word: robots, registry's entries, rendering, renderer.
 _ENDINGS = ("s", "es", "d", "ed", "ing", "r", "er", "or", "ion")
 _SHORTEST_STEM = 3
@@ -77,3 +79,22 @@ def unused_words(texts: Mapping[str, str], listed: set[str]) -> list[str]:
         for form in base_forms(word)
     }
     return sorted(listed - used)
+
+
+def lost_names(page: str, texts: Mapping[str, str]) -> list[str]:
+    """Return the rows of old and new names whose new module, or class, is not there.
+
+    Args:
+        page: Its rows are old module, new module; or old class, new class, module.
+        texts: By dotted name.
+    """
+    lost = []
+    for row in _RENAMED.findall(page):
+        _, *classes, path = row.replace("`", "").split(" | ")
+        module = path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+        text = texts.get(module, texts.get(f"rosic.{module}"))
+        if text is None or not all(
+            re.search(rf"^(?:class )?{name}\b", text, re.MULTILINE) for name in classes
+        ):
+            lost.append(row)
+    return lost

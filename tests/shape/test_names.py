@@ -31,6 +31,28 @@ def test_what_the_glossary_explains_is_not_listed_as_everybodys_word() -> None:
     assert sorted(LISTED & names.terms_of(GLOSSARY)) == []
 
 
+def test_every_old_name_leads_to_one_that_is_there() -> None:
+    assert names.lost_names(names.RENAMED.read_text(encoding="utf-8"), source()) == []
+
+
+def test_a_row_that_leads_nowhere_is_found() -> None:
+    texts = {"rosic.a": "class Box(Tin):\n", "rosic_sim.b": "Pair = tuple\n"}
+    there = [
+        "`x.py` | `a.py`",
+        "`x.py`, `y.py` | `a/__init__.py`",
+        "`X` | `Pair` | `rosic_sim/b.py`",
+    ]
+    lost = [
+        "`x.py` | `b.py`",
+        "`X` | `Boxes` | `a.py`",
+        "`X` | `Tin` | `a.py`",
+        "`X` | `Box` | `c.py`",
+    ]
+    page = "\n".join(["| was | is |", "|---|---|", *(f"| {row} |" for row in there + lost)])
+
+    assert names.lost_names(page, texts) == lost
+
+
 @pytest.mark.parametrize(
     ("name", "word"),
     [("Custody", "custody"), ("AccessCustody", "custody"), ("RobotClerks", "clerks")],

@@ -41,7 +41,7 @@ class Joints(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     type: str = "sensor_msgs/msg/JointState"
 
 
-class Move(msgspec.Struct, frozen=True):
+class JointMove(msgspec.Struct, frozen=True):
     """A move of all joints together, straight in the space of joints.
 
     Attributes:
@@ -78,7 +78,7 @@ class OutOfReach(ValueError):
 
 def plan(
     limits: Mapping[str, JointLimit], start: Sequence[float], goal: Sequence[float], share: float
-) -> Move:
+) -> JointMove:
     """Return the move from one pose to another.
 
     The speed along it has the shape of a smooth step, so its peak is half as much again as its
@@ -98,4 +98,4 @@ def plan(
         if not limit.min <= there <= limit.max:
             raise OutOfReach(joint, limit)
         longest_s = max(longest_s, 1.5 * abs(there - here) / (limit.speed * share))
-    return Move(tuple(start), tuple(goal), longest_s)
+    return JointMove(tuple(start), tuple(goal), longest_s)

@@ -11,7 +11,7 @@ from rosic.errors import ConfigurationError, RobotOffline
 from rosic.robots.ros2.bindings.answers import check_fields
 from rosic.robots.ros2.bindings.goal_fields import MadeGoal
 from rosic.robots.ros2.errors import BadValue
-from rosic.robots.ros2.joints import Joints, Move, OutOfReach, plan
+from rosic.robots.ros2.joints import JointMove, Joints, OutOfReach, plan
 
 if TYPE_CHECKING:
     from rosic.core.order import Order
@@ -117,7 +117,7 @@ class TrajectoryGoal:
             return float(share)
         raise BadValue("A speed is a share of the joints' own, above 0 and at most 1.")
 
-    def _values(self, move: Move) -> dict[str, object]:
+    def _values(self, move: JointMove) -> dict[str, object]:
         duration_ns = round(move.duration_s * SECOND_NS)
         point = {
             "positions": list(move.goal),
@@ -129,6 +129,6 @@ class TrajectoryGoal:
         }
         return {"trajectory.joint_names": list(self._names), "trajectory.points": [point]}
 
-    def _fraction(self, move: Move, feedback: RosObject) -> float | None:
+    def _fraction(self, move: JointMove, feedback: RosObject) -> float | None:
         positions = self._in_order(list(feedback.joint_names), list(feedback.actual.positions))
         return None if positions is None else move.fraction(positions)
