@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from msgspec import structs
+
 from rosic.core.identity import Address
-from rosic.core.message import Chat, ChatKind, Inbound
+from rosic.core.message import Chat, ChatKind, Inbound, MessageValidity
 from rosic.messengers.telegram.update_window import MOST_ALIKE, SECONDS_KEPT, AlikeLines
 
 
@@ -27,6 +29,20 @@ def test_the_same_line_has_the_same_name_however_often_it_is_given_out() -> None
     assert first != second
     assert [named(one, number).shared for number in (7, 8, 7)] == [first, second, first]
     assert [named(other, number).shared for number in (900, 905)] == [first, second]
+
+
+def test_what_is_in_no_small_group_or_was_changed_shares_nothing() -> None:
+    """A private chat and a supergroup number their messages for everybody."""
+    alike, line = AlikeLines(), named(AlikeLines(), 7)
+    line = structs.replace(line, shared="")
+    others = [Chat("telegram", "5"), Chat("telegram", "-1005", ChatKind.CHANNEL)]
+    for other in (
+        *(structs.replace(line, chat=chat) for chat in others),
+        structs.replace(line, account=""),
+        structs.replace(line, standing=MessageValidity.EDITED),
+    ):
+        assert alike.named(other, 0, "omni wave") == other
+    assert alike.named(line, 0, "omni wave").shared
 
 
 def test_of_too_many_that_are_alike_each_bot_counts_its_own() -> None:

@@ -340,6 +340,19 @@ async def test_of_too_much_that_is_held_up_nothing_is_given_up_or_confirmed_at_o
     assert table.told == []
 
 
+async def test_of_as_much_as_may_be_held_up_nothing_is_given_up_however_long_it_waits(
+    table: Table,
+) -> None:
+    table.hold(0)
+    await held_up(table, OVERDUE_AT_MOST - 1)
+    await table.clock.advance(2 * HELD_NS / SECOND_NS)
+    take(table.window, [news(OVERDUE_AT_MOST - 1, "0")])
+    await settled()
+    table.window.relieve()
+    assert table.window.offset == OVERDUE_AT_MOST
+    assert not table.window._counts["given-up"]
+
+
 async def test_as_much_as_may_be_held_up_is_confirmed_once_the_rest_is_given_up(
     table: Table,
 ) -> None:

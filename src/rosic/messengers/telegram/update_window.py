@@ -199,7 +199,6 @@ class UpdateWindow:
         for update_id in self._light & self._open:
             self._overdue.add(update_id)
             self._end(update_id)
-        self._light.clear()
 
     @property
     def has_room(self) -> bool:
