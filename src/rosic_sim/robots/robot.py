@@ -97,7 +97,7 @@ def _take_on(machine: Machine, heard: _Heard) -> str:
     speed = heard.values.get(SPEED, SPEED_LIMIT_M_S)
     if not isinstance(speed, float) or not isfinite(speed) or speed <= 0:
         return "the speed is no speed"
-    machine.speed_cap_m_s = min(speed, SPEED_LIMIT_M_S) if heard.name else SPEED_LIMIT_M_S
+    machine.cap_speed(speed if heard.name else SPEED_LIMIT_M_S)
     return ""
 
 

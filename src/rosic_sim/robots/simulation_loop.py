@@ -41,6 +41,10 @@ class SimulationLoop:
         """Return the present on the world's clock."""
         return self._clock.monotonic_ns() / 1e9
 
+    def stretch_links(self, factor: float) -> None:
+        """Let links outlast so many times as long."""
+        self.link_lost_s *= factor
+
     def watch(self, watcher: Callable[[], None]) -> None:
         """Call a watcher after every step."""
         self._watchers.append(watcher)

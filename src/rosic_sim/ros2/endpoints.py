@@ -150,6 +150,14 @@ class SimulatedRobotNode(Protocol):
         """Return a common start on the machine's clock; None when none was given."""
         ...
 
+    def cut_link(self, now_s: float) -> None:
+        """Cut its radio on purpose: it hears nothing and says nothing."""
+        ...
+
+    def mend_link(self, now_s: float) -> None:
+        """Mend its radio."""
+        ...
+
     def began(self, skill: str, goal: str) -> None:
         """Take down that the machine begins to act."""
         ...

@@ -7,7 +7,6 @@ from importlib import import_module
 from math import inf
 from typing import TYPE_CHECKING
 
-from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.machines.field_robots import Fire, FireWatcher, Rover
 from rosic_sim.robots.machines.omni import Omni
 from rosic_sim.robots.machines.world import CUBE
@@ -83,7 +82,7 @@ class RobotFaults:
         elif not isinstance(value, bool):
             return "true or false"
         elif name == LINK:
-            self._link(there=value, now_s=now_s)
+            (self._owner.mend_link if value else self._owner.cut_link)(now_s)
         elif name == OBJECT:
             self._object(there=value)
         elif name in ARMS:
@@ -94,28 +93,26 @@ class RobotFaults:
         machine = self._owner.machine
         if not isinstance(value, float) or not 0.0 <= value < inf or not isinstance(machine, Omni):
             return "a watchdog is a number of seconds; 0.0 is none"
-        machine.watchdog_s = value or inf
+        machine.set_watchdog(value)
         return ""
 
     def _outside(self, name: str, value: object) -> str:
         machine = self._owner.machine
         if isinstance(machine, FireWatcher) and name == DRIFT and isinstance(value, float):
-            machine.drift_c = value
+            machine.drift_by(value)
         elif isinstance(machine, FireWatcher) and name == FIRE and isinstance(value, bool):
-            machine.hearths = [BURNS] if value else []
+            if value:
+                machine.kindle(BURNS)
+            else:
+                machine.put_out()
         elif isinstance(machine, Rover) and name == MUD and isinstance(value, bool):
-            machine.mud = value
+            if value:
+                machine.enter_mud()
+            else:
+                machine.leave_mud()
         else:
             return "drift is a number of degrees; fire and mud are true or false"
         return ""
-
-    def _link(self, *, there: bool, now_s: float) -> None:
-        machine = self._owner.machine
-        if isinstance(machine, Crazyflie):
-            machine.silent = not there
-        if self._owner.linked and not there:
-            machine.link_lost(now_s)
-        self._owner.linked = there
 
     def _object(self, *, there: bool) -> None:
         if there:

@@ -270,6 +270,18 @@ class MachineNode:
         if self._camera is not None:
             self._camera.turn(now_s, stamp)
 
+    def cut_link(self, now_s: float) -> None:
+        """Cut its radio; the machine holds or lands by itself."""
+        if self.linked:
+            self.machine.cut_link(now_s)
+            self.linked = False
+
+    def mend_link(self, now_s: float) -> None:
+        """Mend its radio."""
+        if not self.linked:
+            self.machine.mend_link(now_s)
+            self.linked = True
+
     def began(self, skill: str, goal: str) -> None:
         """Take down that the machine begins to act."""
         self._count += 1

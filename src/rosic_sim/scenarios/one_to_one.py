@@ -28,12 +28,12 @@ async def _script(stage: ScenarioRunner) -> None:
         "Its heat sensor drifts. A rule in the robot's profile knows the benchmark, and lets the "
         "robot recalibrate itself, in the ranger's name."
     )
-    watch.drift_c = COLD_C
+    watch.drift_by(COLD_C)
     await stage.hears(RANGER, "off its benchmark")
     await stage.hears(RANGER, "recalibrated; the sensor was -24.0 °C off")
     await stage.says(RANGER, "status watch", hears="heat 21")
     stage.aside("And then something does burn, out of sight behind the ridge.")
-    watch.hearths.append(FIRE)
+    watch.kindle(FIRE)
     await stage.says(RANGER, "watch goto x=1.2 y=0.3")
     await stage.hears(RANGER, "hotter here than a forest should be")
     await stage.hears(RANGER, "done ")
@@ -44,7 +44,7 @@ async def _script(stage: ScenarioRunner) -> None:
         "The ranger calls the fire brigade, and takes the robot back, through brambles. How long "
         "a way should take is in its profile, too."
     )
-    watch.speed_cap_m_s = BRAMBLES_M_S
+    watch.cap_speed(BRAMBLES_M_S)
     await stage.says(RANGER, "watch goto x=0.2 y=0", hears="at 0.20")
     await stage.hears(RANGER, "This takes longer than its benchmark")
     await stage.says(RANGER, "/benchmark watch", hears="expected 3.0 s")

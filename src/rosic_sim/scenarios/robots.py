@@ -12,7 +12,6 @@ from rosic.config.profiles import known_units, load_profile, shipped_profiles
 from rosic_sim.robots.robot import SimulatedRobot
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
     from typing import Any
 
     from rosic.contracts.clock import Clock
@@ -30,13 +29,16 @@ class SpeakingRobot(SimulatedRobot):
 
     Attributes:
         heard: Everything it was told, decoded.
-        reacts: Its nodes: called with each thing it is told.
     """
 
     def __init__(self, profile: Profile, gate: OrderGate, clock: Clock) -> None:
         super().__init__(profile, gate, clock)
         self.heard: list[dict[str, Any]] = []
-        self.reacts: Callable[[Mapping[str, Any]], None] | None = None
+        self._helps = False
+
+    def help_others(self) -> None:
+        """Have its nodes accept whatever call for help they hear from now on."""
+        self._helps = True
 
     def says(self, kind: str, **said: Any) -> None:  # noqa: ANN401 - any JSON
         """Have its nodes say something."""
@@ -46,8 +48,8 @@ class SpeakingRobot(SimulatedRobot):
         """Bring something to its nodes; the machine itself takes on strategies."""
         told = msgspec.json.decode(words)
         self.heard.append(told)
-        if self.reacts is not None:
-            self.reacts(told)
+        if self._helps and told["kind"] == "help":
+            self.says("accept", id=told["id"])
         return super().hear(words)
 
 

@@ -101,6 +101,12 @@ class UserTerminal(TerminalMessenger):
         self.taken = asyncio.Event()
         self._unseen = 0
 
+    def join(self, gateway: Gateway) -> None:
+        """Complete what is said there; what is piped in goes on when a line of it has ended."""
+        self.know(gateway.rooms.profiles.values(), gateway.rooms.vocabulary.commands)
+        if not is_terminal(sys.stdin):
+            self.pace = partial(_line_over, gateway, self._clock)
+
     async def run(self, receive: Receive) -> None:
         """Listen from then on."""
         await self.taken.wait()
@@ -211,13 +217,13 @@ async def play(told: Scenario, wish: ScenarioOptions, clock: Clock, entropy: Ent
         clock = FastClock(clock, FAST)
     began_ns = clock.monotonic_ns()
     curtain = _curtain(told, wish, lambda: (clock.monotonic_ns() - began_ns) / 1e9)
-    store, chats = RecordingStore(), ScenarioChats("phones", clock=clock)
-    chats.edits = chats.pins = False  # what was printed stays printed
+    store = RecordingStore()
+    chats = ScenarioChats("phones", clock=clock, edits=False)  # what was printed stays printed
     seat = UserTerminal(clock=clock, plain=wish.plain) if wish.stay or not wish.scripted else None
     gateway = gateway_of(told, wish, store, (chats, seat), clock, entropy)
     await gateway.open()
     if seat is not None:
-        _set_up(seat, gateway, clock)
+        seat.join(gateway)
     stage = ScenarioRunner(told, gateway, chats, curtain, clock)
     trails = RobotPaths(gateway, simulation_of(clock))
     status = 0
@@ -266,11 +272,6 @@ async def _break_off(stage: ScenarioRunner, curtain: TerminalView) -> None:
     moving = ", ".join(stage.moving())
     rest = f"Not at rest: {moving}." if moving else "Every robot is at rest."
     curtain.plain(f"\nInterrupted. {rest} Nothing was kept.")
-
-
-def _set_up(seat: UserTerminal, gateway: Gateway, clock: Clock) -> None:
-    seat.know(gateway.rooms.profiles.values(), gateway.rooms.vocabulary.commands)
-    seat.pace = None if is_terminal(sys.stdin) else partial(_line_over, gateway, clock)
 
 
 async def _line_over(gateway: Gateway, clock: Clock) -> None:
@@ -392,7 +393,7 @@ def gateway_of(
     simulation = simulation_of(clock)
     if isinstance(clock, FastClock):
         # For how long a busy machine has no processor for this process is no faster than it is.
-        simulation.link_lost_s *= clock.factor
+        simulation.stretch_links(clock.factor)
     for machine in told.machines():
         simulation.world.add(machine)
     sitting = wish.role or told.people[0].name

@@ -98,19 +98,19 @@ STEP: Final = re.compile(r"[^:\n]+: (sent|received by the robot|[^:\n]+ \d+ %)")
 
 
 class ScenarioChats(MemoryMessenger):
-    """The people's phones; what they are told is handed on as it is shown.
+    """The people's phones; what they are told is handed on as it is shown."""
 
-    Attributes:
-        shows: Called with each message.
-    """
+    _watcher: Callable[[str, Outbound], None] | None = None
 
-    shows: Callable[[str, Outbound], None] | None = None
+    def watch(self, watcher: Callable[[str, Outbound], None]) -> None:
+        """Call a watcher with each message from now on."""
+        self._watcher = watcher
 
     async def send(self, outbound: Outbound) -> str:
         """Show a message."""
         message = await super().send(outbound)
-        if self.shows is not None:
-            self.shows(message, outbound)
+        if self._watcher is not None:
+            self._watcher(message, outbound)
         return message
 
 
@@ -141,7 +141,7 @@ class ScenarioRunner:
         self._told: list[tuple[str, str, Outbound]] = []
         self._since: dict[str, int] = {}
         self._unread = 0
-        chats.shows = self._shows
+        chats.watch(self._shows)
 
     def _shows(self, message: str, outbound: Outbound) -> None:
         who = outbound.chat.id

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from rosic.features.fleet import FleetFeature
@@ -12,9 +12,6 @@ from rosic_sim.scenarios.robots import several, shipped
 from rosic_sim.scenarios.scenario import Person, Scenario
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from rosic_sim.scenarios.robots import SpeakingRobot
     from rosic_sim.scenarios.scenario import ScenarioRunner
 
 LEADER: Final = "Search leader"
@@ -25,7 +22,7 @@ PEER_ROLE: Final = Role(scopes=("*:share", "*:ask", "*:help", "*:read"))
 
 async def _script(stage: ScenarioRunner) -> None:
     for name in ROVERS:
-        stage.robot(name).reacts = partial(_helps, stage.robot(name))
+        stage.robot(name).help_others()
     stage.aside("A search leader has three drones in the air and two rovers on the ground.")
     await stage.says(LEADER, "/shared cf1 seen follow", hears="From now on you read here")
     stage.aside("All three take off at one moment; if one were not ready, none would.")
@@ -52,7 +49,7 @@ async def _script(stage: ScenarioRunner) -> None:
 
 async def _gets_help(stage: ScenarioRunner, stuck: str, helper: str) -> None:
     stage.aside(f"The ground gives way under {_shown(stage, stuck)}. It asks for help itself.")
-    _rover(stage, stuck).mud = True
+    _rover(stage, stuck).enter_mud()
     await stage.hears(LEADER, "has failed at it")
     stage.robot(stuck).says("help", what="stuck in the mud")
     await stage.hears(LEADER, "asks for help: stuck in the mud")
@@ -60,7 +57,7 @@ async def _gets_help(stage: ScenarioRunner, stuck: str, helper: str) -> None:
     stage.aside(f"{_shown(stage, helper)} has accepted: it takes over, and its own task waits.")
     await stage.hears(LEADER, f"{_shown(stage, helper)} goes on with it")
     await stage.says(LEADER, "/assist", hears="is helped by")
-    _rover(stage, stuck).mud = False
+    _rover(stage, stuck).leave_mud()
     help_id = next(told["id"] for told in stage.robot(stuck).heard if told["kind"] == "helped")
     stage.robot(stuck).says("over", id=help_id)
     await stage.hears(LEADER, "needs no more help")
@@ -68,12 +65,6 @@ async def _gets_help(stage: ScenarioRunner, stuck: str, helper: str) -> None:
     await stage.hears(LEADER, f"{_shown(stage, stuck)} goes on with it")
     stage.aside("Who has been stuck once had better be careful. The robot itself says that it is.")
     await stage.says(LEADER, f"/strategy {stuck} careful speed=0.2 now", hears="has taken on")
-
-
-def _helps(robot: SpeakingRobot, told: Mapping[str, Any]) -> None:
-    """Do what a rover's own nodes do: whoever hears a call accepts it."""
-    if told["kind"] == "help":
-        robot.says("accept", id=told["id"])
 
 
 def _high(stage: ScenarioRunner, drone: str) -> bool:

@@ -64,6 +64,10 @@ class Activity:
         """True until a final state is reached."""
         return self.state is ActivityState.RUNNING
 
+    def enter(self, stage: str) -> None:
+        """Begin a stage."""
+        self.stage = stage
+
     def advance(self, fraction: float) -> None:
         """Raise the fraction; lower values are ignored, and the last step belongs to `end`."""
         self.fraction = max(self.fraction, min(fraction, 0.999))

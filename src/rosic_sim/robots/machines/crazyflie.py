@@ -316,6 +316,17 @@ class Crazyflie(SteppedMachine):
             self.note = said("link lost, landing")
         self._give_up(now_s, said("link lost, landing"))
 
+    def cut_link(self, now_s: float) -> None:
+        """Fall silent to its peers as well, and land where it is."""
+        self.silent = True
+        super().cut_link(now_s)
+
+    def mend_link(self, now_s: float) -> None:
+        """Be heard by its peers again, at once."""
+        super().mend_link(now_s)
+        self.silent = False
+        self.swarm.hear(self.sighting(now_s))
+
     def _watch(self) -> None:
         if not self.airborne or self._landing:
             return

@@ -47,6 +47,19 @@ class FireWatcher(Omni):
         self.hearths: list[Fire] = []
         self._plans["recalibrate"] = self._plan_recalibrate
 
+    def drift_by(self, off_c: float) -> None:
+        """Let the sensor add this much to the truth from now on."""
+        self.drift_c = off_c
+
+    def kindle(self, fire: Fire) -> None:
+        """Let something burn, unless it burns already."""
+        if fire not in self.hearths:
+            self.hearths.append(fire)
+
+    def put_out(self) -> None:
+        """Let nothing burn any more."""
+        self.hearths.clear()
+
     def _plan_recalibrate(self, _asked: MachineArguments) -> Recipe:
         return self._recipe_recalibrate()
 
@@ -82,6 +95,14 @@ class Rover(Omni):
 
     def __init__(self, robot: str, pose: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
         super().__init__(robot, pose)
+        self.mud = False
+
+    def enter_mud(self) -> None:
+        """Have soft ground under it from now on."""
+        self.mud = True
+
+    def leave_mud(self) -> None:
+        """Have firm ground under it again."""
         self.mud = False
 
     def _watch(self) -> None:

@@ -273,7 +273,7 @@ class Kuka(SteppedMachine):
         if self.arm.still:
             held = self.gripper.held
             if held is not None:
-                held.position_m = self._tips()
+                held.come_to(self._tips())
 
     def _brake(self) -> None:
         self.arm.brake()

@@ -32,6 +32,10 @@ class Battery:
         """Use what a load takes in ``dt_s`` that would empty a full battery in ``full_lasts_s``."""
         self.fraction = max(0.0, self.fraction - dt_s / full_lasts_s)
 
+    def charge_to(self, fraction: float) -> None:
+        """Hold this much of a full charge from now on: more than before, or less."""
+        self.fraction = fraction
+
     @property
     def percent(self) -> int:
         """Whole per cent, rounded down: 19.9 % is never shown as 20 %."""

@@ -34,6 +34,10 @@ class SimulatedObject:
     width_m: float
     holders: set[str] = field(default_factory=set)
 
+    def come_to(self, position_m: Position) -> None:
+        """Be at another place, where what holds it has brought it."""
+        self.position_m = position_m
+
     @property
     def force_needed_n(self) -> float:
         """Force of two fingers below which it slips when lifted: m (g + a) / (2 mu)."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, degrees, hypot, isfinite, pi, radians, sin
+from math import atan2, cos, degrees, hypot, inf, isfinite, pi, radians, sin
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -96,6 +96,14 @@ class Omni(SteppedMachine):
             "goto": self._plan_goto,
             "arm": self._plan_arm,
         }
+
+    def set_watchdog(self, watchdog_s: float) -> None:
+        """Come to rest by itself after so long without a set-point; 0 switches that off."""
+        self.watchdog_s = watchdog_s or inf
+
+    def cap_speed(self, speed_m_s: float) -> None:
+        """Drive no faster than this from now on, and never faster than its wheels allow."""
+        self.speed_cap_m_s = min(speed_m_s, SPEED_LIMIT_M_S)
 
     # ------------------------------------------------------------------------------- velocity topic
 

@@ -169,6 +169,14 @@ class SteppedMachine(abc.ABC):
         """Hold; see `Machine.link_lost`."""
         self._give_up(now_s, said("link lost, holding"))
 
+    def cut_link(self, now_s: float) -> None:
+        """Lose the link by a fault of its radio; what it says gets out no more."""
+        self.link_lost(now_s)
+
+    def mend_link(self, now_s: float) -> None:
+        """Have the link again."""
+        self.step(now_s)
+
     def _give_up(self, now_s: float, sentence: str) -> None:
         self.step(now_s)
         self._end(ActivityState.CANCELLED, sentence)
@@ -239,7 +247,7 @@ class SteppedMachine(abc.ABC):
 
     def _stage(self, stage: str) -> None:
         if self.activity is not None:
-            self.activity.stage = stage
+            self.activity.enter(stage)
 
     def _advance(self, fraction: float) -> None:
         if self.activity is not None:

@@ -89,22 +89,15 @@ class SimulatedWorld:
         battery = self.machines[robot].battery
         if battery is None or not 0.0 <= fraction <= 1.0:
             raise ValueError(f"{robot} has no battery, or {fraction} is not in [0, 1]")
-        battery.fraction = fraction
+        battery.charge_to(fraction)
 
     def lose(self, robot: str, now_s: float) -> None:
         """Cut a robot's link: it holds or lands by itself, and its peers hear it no more."""
-        machine = self.machines[robot]
-        if isinstance(machine, Crazyflie):
-            machine.silent = True
-        machine.link_lost(now_s)
+        self.machines[robot].cut_link(now_s)
 
     def find(self, robot: str, now_s: float) -> None:
         """Mend the link of a lost robot; a drone is heard again at once."""
-        machine = self.machines[robot]
-        machine.step(now_s)
-        if isinstance(machine, Crazyflie):
-            machine.silent = False
-            self.swarm.hear(machine.sighting(now_s))
+        self.machines[robot].mend_link(now_s)
 
     def fail_arm(self, side: Side, now_s: float) -> None:
         """Let an arm of the YuMi fail."""

@@ -14,9 +14,9 @@ from rosic_sim.robots.scenery.scene import EMBER, robot_scene
 def test_heat_is_felt_nearer_the_more_and_drift_is_taken_away() -> None:
     watch = FireWatcher("watch")
     assert watch.telemetry()["heat_c"] == AIR_C
-    watch.hearths.append(Fire(1.0, 0.0, 50.0))
+    watch.kindle(Fire(1.0, 0.0, 50.0))
     assert watch.telemetry()["heat_c"] == pytest.approx(AIR_C + 25.0)
-    watch.drift_c = -24.0
+    watch.drift_by(-24.0)
     assert watch.telemetry()["heat_c"] == pytest.approx(AIR_C + 1.0)
     done = watch.begin("recalibrate", {}, 0.0)
     end_s = to_end(watch, 0.0)
@@ -34,7 +34,7 @@ def test_heat_is_felt_nearer_the_more_and_drift_is_taken_away() -> None:
 
 def test_a_recalibration_that_is_halted_takes_nothing_away() -> None:
     watch = FireWatcher("watch")
-    watch.drift_c = 3.0
+    watch.drift_by(3.0)
     asked = watch.begin("recalibrate", {}, 0.0)
     watch.step(0.5)
     watch.halt(0.5)
@@ -45,11 +45,11 @@ def test_in_the_mud_it_gets_some_way_fails_and_rests() -> None:
     rover = Rover("rover1")
     asked = rover.begin("goto", {"x_m": 2.0, "y_m": 0.0}, 0.0)
     rover.step(0.2)
-    rover.mud = True
+    rover.enter_mud()
     now_s = to_rest(rover, 0.2)
     assert (asked.state, rover.at_rest()) == (ActivityState.FAILED, True)
     assert 0.15 < rover.base.x_m < 0.4
-    rover.mud = False
+    rover.leave_mud()
     again = rover.begin("goto", {"x_m": 0.0, "y_m": 0.0}, now_s)
     to_end(rover, now_s)
     assert again.state is ActivityState.DONE
@@ -64,7 +64,7 @@ def test_one_more_machine_is_stepped_and_seen_and_no_name_is_taken_twice() -> No
         world.step(tenth / 10)
     assert watch.base.x_m == pytest.approx(0.1, abs=0.01)
     assert not any(getattr(s, "colour", None) == EMBER for s in robot_scene(world, "watch").solids)
-    watch.hearths.append(Fire(1.0, 0.0, 50.0))
+    watch.kindle(Fire(1.0, 0.0, 50.0))
     assert any(getattr(s, "colour", None) == EMBER for s in robot_scene(world, "watch").solids)
     with pytest.raises(ValueError, match="omni"):
         world.add(FireWatcher("omni"))

@@ -60,7 +60,7 @@ def test_an_object_beside_the_station_is_not_grasped() -> None:
     watch, kuka, world = watched()
     cube = world.things.get(CUBE)
     assert cube is not None
-    cube.position_m = (STATION_M[0], 0.05, STATION_M[2])
+    cube.come_to((STATION_M[0], 0.05, STATION_M[2]))
     watch.do("grasp")
     assert kuka.activity is not None
     assert kuka.activity.state is ActivityState.FAILED
