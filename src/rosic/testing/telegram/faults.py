@@ -64,6 +64,11 @@ class ServerFault(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
         named = self.method == "*" or self.method.lower() == method.lower()
         return named and (self.chat_id is None or str(self.chat_id) == str(chat_id))
 
+    def spend(self) -> bool:
+        """Count one call that fails; return whether it was the last."""
+        self.times -= 1
+        return self.times <= 0
+
 
 class ServerFaults:
     """The orders in force.
@@ -77,13 +82,15 @@ class ServerFaults:
         self.latency_s = 0.0
         self.orders: list[ServerFault] = []
 
+    def slow_down(self, latency_s: float) -> None:
+        """Add this to every call from now on."""
+        self.latency_s = latency_s
+
     def next_for(self, method: str, chat_id: object) -> ServerFault | None:
         """Return the fault for this call and count it."""
         fault = next((order for order in self.orders if order.fits(method, chat_id)), None)
-        if fault is not None:
-            fault.times -= 1
-            if fault.times <= 0:
-                self.orders.remove(fault)
+        if fault is not None and fault.spend():
+            self.orders.remove(fault)
         return fault
 
     def clear(self) -> None:

@@ -40,11 +40,10 @@ class Groups:
         """
         if kind not in {"group", "supergroup", "channel"}:
             raise ControlError("kind is group, supergroup or channel")
-        chat = self._new_chat(kind, title)
-        chat.username = username
-        chat.members = dict.fromkeys(members, "member")
+        there = dict.fromkeys(members, "member")
         if members:
-            chat.members[members[0]] = "creator"
+            there[members[0]] = "creator"
+        chat = self._new_chat(kind, title, there, username)
         for name in topics:
             self.create_topic(chat.id, name, members[0] if members else None)
         if bot is not None:
@@ -54,11 +53,8 @@ class Groups:
     def create_topic(self, chat: int, name: str, user: int | None) -> int:
         """Add a topic, created by a person or a bot, and return its thread id. Nobody is told."""
         where = self.world.state.chats[chat]
-        where.is_forum = True
         thread = self.world.new_message_id(where)
-        where.topics[thread] = name
-        if user is not None:
-            where.topics_by[thread] = user
+        where.add_topic(thread, name, user)
         return thread
 
     def topics(self, chat: int) -> dict[str, int]:
@@ -111,7 +107,7 @@ class Groups:
         person = self.world.state.users[user]
         if person.blocked == blocked:
             return
-        person.blocked = blocked
+        person.block(blocked=blocked)
         before, after = ("member", "kicked") if blocked else ("kicked", "member")
         update: JsonObject = {
             "chat": objects.chat(self.world.state.chats[user], self.world.state),
@@ -124,8 +120,8 @@ class Groups:
 
     def link(self, channel: int, group: int) -> None:
         """Make a supergroup the discussion group of a channel."""
-        self.world.state.chats[channel].linked_chat_id = group
-        self.world.state.chats[group].linked_chat_id = channel
+        self.world.state.chats[channel].link_to(group)
+        self.world.state.chats[group].link_to(channel)
 
     def migrate(self, group: int) -> int:
         """Turn a basic group into a supergroup and return the new id.
@@ -135,18 +131,26 @@ class Groups:
         old = self.world.state.chats[group]
         if old.kind != "group":
             raise ControlError("only a basic group becomes a supergroup")
-        new = self._new_chat("supergroup", old.title or "")
-        new.members = dict(old.members)
+        new = self._new_chat("supergroup", old.title or "", dict(old.members))
         self._note(old, next(iter(old.members)), {"migrate_to_chat_id": new.id})
-        old.migrated_to = new.id
+        old.migrate_to(new.id)
         self._note(new, next(iter(old.members)), {"migrate_from_chat_id": old.id})
         return new.id
 
-    def _new_chat(self, kind: str, title: str) -> ServerChat:
+    def _new_chat(
+        self, kind: str, title: str, members: dict[int, str], username: str | None = None
+    ) -> ServerChat:
         number = self.world.serial()
         base = -4_000_000_000 if kind == "group" else -1_002_000_000_000
         instance = str(-4_611_686_018_427_387_000 + number)
-        chat = ServerChat(id=base - number, kind=kind, title=title, instance=instance)
+        chat = ServerChat(
+            id=base - number,
+            kind=kind,
+            title=title,
+            username=username,
+            members=members,
+            instance=instance,
+        )
         self.world.state.chats[chat.id] = chat
         return chat
 

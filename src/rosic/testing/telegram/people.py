@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TypedDict, Unpack
 
+from msgspec.structs import replace
+
 from rosic.testing.telegram import entities, files, keyboards, objects
 from rosic.testing.telegram.methods.chats import REACTIONS, plain_emoji
 from rosic.testing.telegram.parameters import Upload
@@ -95,7 +97,7 @@ class People:
 
     def set_language(self, user: int, language_code: str) -> None:
         """Let somebody's app speak another language from now on."""
-        self.world.state.users[user].language_code = language_code
+        self.world.state.users[user].speak(language_code)
 
     def say(self, chat: int, user: int | None, text: str, **unusual: Unpack[MessageOptions]) -> int:
         """Write a message, as a person does, and return its id.
@@ -119,8 +121,7 @@ class People:
             entities=entities.found(text) if marked is None else marked,
             received_s=self.world.clock.now_s(),
         )
-        found.versions.append(version)
-        found.edit_date = self._date(unusual)
+        found.edit(version, self._date(unusual))
         self.world.journal.add("said", chat_id=chat, message_id=message, edited=True)
         self.world.announce(found, edited=True)
         return message
@@ -152,7 +153,7 @@ class People:
 
     def swap_file(self, file_id: str, content: bytes) -> None:
         """Let a file hold something else than was said of it: a server that errs, or lies."""
-        self.world.state.files[file_id].content = content
+        self.world.state.files[file_id].swap(content)
 
     def tap(
         self,
@@ -233,7 +234,7 @@ class People:
 
     def delete(self, chat: int, message: int) -> None:
         """Delete a message as a person; a bot is not told."""
-        self._message(chat, message).deleted = True
+        self._message(chat, message).delete()
         self.world.journal.add("deleted", chat_id=chat, message_id=message)
 
     def backlog(
@@ -255,14 +256,14 @@ class People:
             raise ControlError(f"chat {chat} became {where.migrated_to}")
         if user is not None:
             self._begin(where, user)
-        content.received_s = self.world.clock.now_s()
+        received = replace(content, received_s=self.world.clock.now_s())
         author, sender_chat = self._author(where, user, unusual)
         message = self.world.keep(
             Message(
                 chat_id=chat,
                 message_id=self.world.new_message_id(where),
                 date=self._date(unusual),
-                versions=[content],
+                versions=[received],
                 from_id=author,
                 sender_chat_id=sender_chat,
                 reply_to=unusual.get("reply_to"),
@@ -271,7 +272,7 @@ class People:
             )
         )
         if author is not None and self.world.state.users[author].is_bot and author == user:
-            where.last_bot_id = author
+            where.hear_bot(author)
         self.world.journal.add("said", chat_id=chat, message_id=message.message_id, edited=False)
         self.world.announce(message)
         if where.kind == "channel" and where.linked_chat_id is not None:
@@ -284,7 +285,7 @@ class People:
         if where.kind == "private":
             if person.blocked:
                 raise ControlError("this person has blocked the bot; unblock it first")
-            person.started = True
+            person.start()
 
     def _require_present(self, where: ServerChat, user: int) -> None:
         if user not in self.world.state.users:

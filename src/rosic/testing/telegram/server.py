@@ -184,7 +184,7 @@ class ServerSwitches:
 
     def set_latency(self, seconds: float) -> None:
         """Add this to every call, half before and half after it takes effect."""
-        self.faults.latency_s = seconds
+        self.faults.slow_down(seconds)
 
     def set_limits(self, limits: JsonObject | Limits | None) -> None:
         """Choose other flood limits, starting anew; None switches them off."""
@@ -197,7 +197,7 @@ class ServerSwitches:
 
     def shift_dates(self, seconds: float) -> None:
         """Put dates on new messages that are off by this much: a platform whose clock is wrong."""
-        self.world.clock.date_shift_s = seconds
+        self.world.clock.shift_dates(seconds)
 
     def duplicate(self, *, new_id: bool = False) -> None:
         """Queue the next update twice, under the same update_id or a new one."""
@@ -220,7 +220,7 @@ class ServerSwitches:
         """Set a webhook as a thief of the token would, or remove it with ""."""
         if url:
             self.world.queue.expel()
-        self.world.state.webhook.url = url
+        self.world.state.webhook.redirect(url)
 
 
 DEFAULT_TOKEN = "4242424242:not-a-real-token-for-tests-only"  # noqa: S105 - it opens nothing

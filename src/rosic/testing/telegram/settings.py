@@ -42,6 +42,10 @@ class ServerClock:
         """Move the server's time, backwards too. Waiting polls keep waiting."""
         self.shift_s += seconds
 
+    def shift_dates(self, seconds: float) -> None:
+        """Be off by this much in the dates alone."""
+        self.date_shift_s = seconds
+
 
 # ---- settings ----
 

@@ -1,6 +1,6 @@
 """What the pretended Telegram knows: people, chats, messages, files and the queue of one bot.
 
-Plain records, so that the whole state can be written to a file and read back (`--state`). Objects
+Records, so that the whole state can be written to a file and read back (`--state`). Objects
 that only travel (entities, keyboards, origins) stay the JSON objects they are on the wire.
 """
 
@@ -38,6 +38,18 @@ class User(msgspec.Struct, kw_only=True, omit_defaults=True):
     started: bool = False
     blocked: bool = False
 
+    def start(self) -> None:
+        """Open the private chat with the bot."""
+        self.started = True
+
+    def block(self, *, blocked: bool) -> None:
+        """Block the bot, or unblock it."""
+        self.blocked = blocked
+
+    def speak(self, language_code: str) -> None:
+        """Use the app in another language from now on."""
+        self.language_code = language_code
+
 
 class ServerChat(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One chat.
@@ -67,6 +79,25 @@ class ServerChat(msgspec.Struct, kw_only=True, omit_defaults=True):
     instance: str = ""
     withheld: dict[int, list[str]] = {}
     last_bot_id: int | None = None
+
+    def add_topic(self, thread_id: int, name: str, user: int | None) -> None:
+        """Have one more topic, and so be a forum; somebody may have created it."""
+        self.is_forum = True
+        self.topics[thread_id] = name
+        if user is not None:
+            self.topics_by[thread_id] = user
+
+    def link_to(self, chat_id: int) -> None:
+        """Belong to a channel as its discussion group, or the other way round."""
+        self.linked_chat_id = chat_id
+
+    def migrate_to(self, chat_id: int) -> None:
+        """End here, and go on in a supergroup."""
+        self.migrated_to = chat_id
+
+    def hear_bot(self, bot_id: int) -> None:
+        """Remember which bot wrote last."""
+        self.last_bot_id = bot_id
 
 
 class Content(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -117,6 +148,15 @@ class Message(msgspec.Struct, kw_only=True, omit_defaults=True):
         """What the person sees now."""
         return self.versions[-1]
 
+    def edit(self, version: Content, date: int) -> None:
+        """Look otherwise from now on."""
+        self.versions.append(version)
+        self.edit_date = date
+
+    def delete(self) -> None:
+        """Be seen by nobody any more."""
+        self.deleted = True
+
 
 class ButtonPress(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One press of a button, and what the bot answered.
@@ -154,6 +194,14 @@ class ServerFile(msgspec.Struct, kw_only=True, omit_defaults=True):
     left: str = ""
     link_until_s: float = 0.0
 
+    def swap(self, content: bytes) -> None:
+        """Hold something else than was said of it."""
+        self.content = content
+
+    def open_link(self, until_s: float) -> None:
+        """Let it be downloaded until then, in server time."""
+        self.link_until_s = until_s
+
 
 class Pending(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One update that waits for the bot.
@@ -168,12 +216,30 @@ class Pending(msgspec.Struct, kw_only=True, omit_defaults=True):
     expires_s: float
 
 
+MOST_CONNECTIONS = 40
+"""Of a webhook, where none are named (https://core.telegram.org/bots/api#setwebhook)."""
+
+
 class Webhook(msgspec.Struct, kw_only=True, omit_defaults=True):
     """The webhook as set; an empty `url` means none."""
 
     url: str = ""
-    max_connections: int = 40
+    max_connections: int = MOST_CONNECTIONS
     ip_address: str | None = None
+
+    def set(self, url: str, max_connections: int, ip_address: str | None) -> bool:
+        """Be called there from now on; return whether that is another place than before."""
+        moved = url != self.url
+        self.url, self.max_connections, self.ip_address = url, max_connections, ip_address
+        return moved
+
+    def remove(self) -> bool:
+        """Be called no more; return whether there was one."""
+        return self.set("", MOST_CONNECTIONS, None)
+
+    def redirect(self, url: str) -> None:
+        """Be called elsewhere, with all else as it was."""
+        self.url = url
 
 
 class State(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -203,3 +269,26 @@ class State(msgspec.Struct, kw_only=True, omit_defaults=True):
     logged_out: bool = False
     serial: int = 0
     clock_shift_s: float = 0.0
+
+    def next_serial(self) -> int:
+        """Return a number never returned before."""
+        self.serial += 1
+        return self.serial
+
+    def take_update_id(self) -> int:
+        """Return the id of the next update."""
+        update_id = self.next_update_id
+        self.next_update_id += 1
+        return update_id
+
+    def renumber(self, next_update_id: int) -> None:
+        """Go on with another update_id."""
+        self.next_update_id = next_update_id
+
+    def allow(self, kinds: list[str]) -> None:
+        """Keep updates of these types from now on; an empty list is the default selection."""
+        self.allowed = list(kinds) or None
+
+    def log_out(self) -> None:
+        """Let nothing work from now on."""
+        self.logged_out = True

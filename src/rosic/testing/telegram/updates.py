@@ -121,13 +121,13 @@ class UpdateQueue:
         """
         if not self.wants(kind) or expires_s <= self._clock.now_s():
             return None
-        update_id = self._new_id()
+        update_id = self._state.take_update_id()
         self._sweep_at_s = min(self._sweep_at_s, expires_s)
         update = Pending(update_id=update_id, kind=kind, payload=payload, expires_s=expires_s)
         self._state.queue.append(update)
         again, self._duplicate_next = self._duplicate_next, ""
         if again:
-            second = self._new_id() if again == "new" else update_id
+            second = self._state.take_update_id() if again == "new" else update_id
             self._state.queue.append(msgspec.structs.replace(update, update_id=second))
         self._wake(None)
         return update_id
@@ -144,7 +144,7 @@ class UpdateQueue:
         be used", and it does not affect updates made before.
         """
         if kinds is not None:
-            self._state.allowed = list(kinds) or None
+            self._state.allow(kinds)
 
     async def get(self, poll: Poll) -> list[JsonObject]:
         """Answer getUpdates.
@@ -192,12 +192,7 @@ class UpdateQueue:
         """
         if self._state.queue and next_update_id <= self._state.queue[-1].update_id:
             raise ControlError("an update still waits; Telegram starts anew only with none left")
-        self._state.next_update_id = next_update_id
-
-    def _new_id(self) -> int:
-        update_id = self._state.next_update_id
-        self._state.next_update_id += 1
-        return update_id
+        self._state.renumber(next_update_id)
 
     def _unhurried(self, poll: Poll) -> Poll:
         """Stretch a short poll that repeats itself, when the setting asks for it."""

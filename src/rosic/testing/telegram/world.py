@@ -53,8 +53,7 @@ class World:
 
     def serial(self) -> int:
         """Return a number never returned before."""
-        self.state.serial += 1
-        return self.state.serial
+        return self.state.next_serial()
 
     def new_message_id(self, chat: ServerChat) -> int:
         """Return the next id in this chat.
@@ -126,8 +125,9 @@ def load_state(content: bytes) -> State:
 
 def dump_state(world: World) -> bytes:
     """Return the whole state as JSON, the token excepted."""
-    world.state.clock_shift_s = world.clock.shift_s
-    return msgspec.json.encode(world.state)
+    return msgspec.json.encode(
+        msgspec.structs.replace(world.state, clock_shift_s=world.clock.shift_s)
+    )
 
 
 def full_chat(chat: ServerChat, state: State) -> JsonObject:

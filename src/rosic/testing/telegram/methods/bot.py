@@ -11,7 +11,7 @@ from rosic.testing.telegram import objects
 from rosic.testing.telegram.methods.call import ApiResult, Call, Method
 from rosic.testing.telegram.parameters import Kind
 from rosic.testing.telegram.refusals import QUERY_TOO_OLD, bad_request, too_many
-from rosic.testing.telegram.state import JsonObject, Webhook
+from rosic.testing.telegram.state import MOST_CONNECTIONS, JsonObject
 from rosic.testing.telegram.updates import KINDS, Poll
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def get_me(world: World, _: Call) -> JsonObject:
 
 def log_out(world: World, _: Call) -> bool:
     """https://core.telegram.org/bots/api#logout; from then on nothing works."""
-    world.state.logged_out = True
+    world.state.log_out()
     return True
 
 
@@ -97,21 +97,16 @@ def set_webhook(world: World, call: Call) -> ApiResult:
     if call.args.flag("drop_pending_updates"):
         world.queue.clear()
     world.queue.expel()
-    unchanged = world.state.webhook.url == url
-    world.state.webhook = Webhook(
-        url=url,
-        max_connections=min(100, max(1, call.args.integer("max_connections", 40))),
-        ip_address=call.args.text("ip_address") or None,
-    )
-    return ApiResult(True, "Webhook is already set" if unchanged else "Webhook was set")
+    connections = min(100, max(1, call.args.integer("max_connections", MOST_CONNECTIONS)))
+    moved = world.state.webhook.set(url, connections, call.args.text("ip_address") or None)
+    return ApiResult(True, "Webhook was set" if moved else "Webhook is already set")
 
 
 def delete_webhook(world: World, call: Call) -> ApiResult:
     """https://core.telegram.org/bots/api#deletewebhook."""
     if call.args.flag("drop_pending_updates"):
         world.queue.clear()
-    was_set = bool(world.state.webhook.url)
-    world.state.webhook = Webhook()
+    was_set = world.state.webhook.remove()
     return ApiResult(True, "Webhook was deleted" if was_set else "Webhook is already deleted")
 
 

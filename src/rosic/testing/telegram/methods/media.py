@@ -138,7 +138,7 @@ def get_file(world: World, call: Call) -> JsonObject:
     size = held.show["file_size"] if held.left else len(held.content)
     if size > world.settings.max_download_bytes:
         raise bad_request("file is too big")
-    held.link_until_s = world.clock.now_s() + world.settings.link_lifetime_s
+    held.open_link(world.clock.now_s() + world.settings.link_lifetime_s)
     folder = world.settings.local_folder
     return {
         "file_id": held.id,

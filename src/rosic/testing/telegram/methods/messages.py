@@ -125,18 +125,20 @@ def send_message(world: World, call: Call) -> JsonObject:
 def sent(world: World, call: Call, content: Content) -> JsonObject:
     """Put the bot's message into the chat and return it as Telegram does."""
     refuse_lacking(world, call)
-    content.reply_markup = keyboards.checked(call.args.object("reply_markup"))
+    keyboard = keyboards.checked(call.args.object("reply_markup"))
     chat = writable(world, call.args)
     reply_to = replied(world, call, chat)
     thread_id = topic(call.args, chat)
     spend(world, call, chat)
-    content.received_s = world.clock.now_s()
+    received = msgspec.structs.replace(
+        content, reply_markup=keyboard, received_s=world.clock.now_s()
+    )
     message = world.keep(
         Message(
             chat_id=chat.id,
             message_id=world.new_message_id(chat),
             date=world.clock.date(),
-            versions=[content],
+            versions=[received],
             from_id=None if chat.kind == "channel" else world.bot.id,
             sender_chat_id=chat.id if chat.kind == "channel" else None,
             reply_to=reply_to,
@@ -145,7 +147,7 @@ def sent(world: World, call: Call, content: Content) -> JsonObject:
             own=True,
         )
     )
-    chat.last_bot_id = world.bot.id
+    chat.hear_bot(world.bot.id)
     world.journal.add("sent", chat_id=chat.id, message_id=message.message_id)
     return objects.message(message, world.state)
 
@@ -230,12 +232,12 @@ def edited(world: World, call: Call, message: Message, changes: dict[str, Any]) 
     """Add a version to the message, unless it would be the same as the present one."""
     keyboard = keyboards.checked(call.args.object("reply_markup"), inline_only=True)
     spend(world, call, world.state.chats[message.chat_id])
-    version = msgspec.structs.replace(message.content, **changes, reply_markup=keyboard)
+    version = msgspec.structs.replace(
+        message.content, **changes, reply_markup=keyboard, received_s=world.clock.now_s()
+    )
     if objects.content(version) == objects.content(message.content):
         raise bad_request(NOT_MODIFIED)
-    version.received_s = world.clock.now_s()
-    message.versions.append(version)
-    message.edit_date = world.clock.date()
+    message.edit(version, world.clock.date())
     world.journal.add("edited", chat_id=message.chat_id, message_id=message.message_id)
     return objects.message(message, world.state)
 
@@ -253,7 +255,7 @@ def delete_message(world: World, call: Call) -> bool:
         raise bad_request("message can't be deleted")
     if world.clock.date() - message.date >= DELETABLE_S:
         raise bad_request("message can't be deleted for everyone")
-    message.deleted = True
+    message.delete()
     if message.message_id in chat.pinned:
         chat.pinned.remove(message.message_id)
     world.journal.add("deleted", chat_id=chat.id, message_id=message.message_id)
