@@ -199,10 +199,14 @@ def test_only_a_robot_that_refuses_and_is_at_work_is_not_free() -> None:
 async def test_what_is_under_way_is_replaced_once() -> None:
     bench = Bench(Busy.REPLACE)
     assert not bench.mailbox.replace()
-    bench.mailbox.running = running = asyncio.ensure_future(asyncio.Event().wait())  # type: ignore[assignment]
+    bench.robot.work_s = 60.0
+    relayed = asyncio.create_task(bench.mailbox.relay(bench.entry().order, ignore))
+    await settle()
+    running = bench.mailbox.running
+    assert running is not None
     assert bench.mailbox.replace()
     assert not bench.mailbox.replace(), "its coming to rest is not cut short"
-    await asyncio.wait((running,))
+    await asyncio.wait((running, relayed))
     assert running.cancelled()
 
 

@@ -24,8 +24,8 @@ OF_BUSY = (
     ),
     Fault(
         name="an order is lost that comes together with the one whose place it takes",
-        file="linker/linker.py",
-        guard="        if mailbox.gives_way:\n",
+        file="linker/robot_queue.py",
+        guard="        if self.gives_way:\n",
         without="        if False:\n",
         caught_by=(f"{MAILBOX}::test_what_is_replaced_before_it_was_relayed_never_begins",),
     ),

@@ -73,6 +73,10 @@ class Lease:
         self.holder = None
         self.active = 0
 
+    def age(self, ns: int) -> None:
+        """Make it older: it idled for so long while the monotonic clock stood still."""
+        self.idle_since_ns -= ns
+
 
 class Leases(dict["RobotId", Lease]):
     """Every robot's lease; read for every order, so that it is a plain table."""
@@ -80,4 +84,4 @@ class Leases(dict["RobotId", Lease]):
     def age(self, ns: int) -> None:
         """Make what idles older: so much time has passed that the monotonic clock missed."""
         for lease in self.values():
-            lease.idle_since_ns -= ns
+            lease.age(ns)

@@ -9,11 +9,11 @@ from rosic.contracts.clock import done_within
 from rosic.contracts.robot import deliver_of
 from rosic.core import messages
 from rosic.core.i18n import said
-from rosic.core.order import Order, OrderEnding, Outcome, RestReport, Stop
+from rosic.core.order import RestReport, Stop
 from rosic.core.order_gate import too_late
-from rosic.errors import OrderVoid, RobotOffline, RobotUnreachable, RosicError, StoreFault
+from rosic.errors import RobotOffline, RobotUnreachable, RosicError, StoreFault
 from rosic.linker.pursuit import StopPursuit
-from rosic.linker.robot_queue import REPLACED, QueuedOrder, RobotQueue
+from rosic.linker.robot_queue import QueuedOrder, RobotQueue
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Coroutine, Iterable, Iterator, Mapping
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Robot, Tell
     from rosic.contracts.store import StopLatch
     from rosic.core.identity import CommandId, PrincipalId
+    from rosic.core.order import Order, Outcome
     from rosic.core.robot.file_transfer import FileForRobot, Receipt
     from rosic.core.robot.profile import Presence, Profile, RobotId
     from rosic.core.robot.view import View, ViewKind
@@ -167,29 +168,8 @@ class Linker:
             raise PolicyMoved(said("The rights have changed meanwhile."))
         robot = self._robots[order.robot]
         if self.mailboxes[order.robot].replaces:
-            return self._relay(robot, order, tell)
+            return self.mailboxes[order.robot].relay(order, tell)
         return robot.execute(order, tell)
-
-    async def _relay(self, robot: Robot, order: Order, tell: Tell) -> Outcome:
-        """Relay an order that gives way to the next.
-
-        Raises:
-            OrderVoid: A later one has taken its place before it began; it moved nothing.
-        """
-        mailbox = self.mailboxes[order.robot]
-        if mailbox.gives_way:
-            raise OrderVoid(REPLACED)
-        mailbox.running = task = asyncio.create_task(robot.execute(order, tell))
-        try:
-            await asyncio.wait((task,))
-        except asyncio.CancelledError:
-            mailbox.replace()  # unless it was replaced, and comes to rest already
-            await asyncio.wait((task,))
-            raise
-        mailbox.running = None
-        if task.cancelled():
-            return Outcome(OrderEnding.CANCELLED, said("a later command took its place"))
-        return task.result()
 
     def stop(self, robots: Iterable[RobotId], by: PrincipalId) -> StopInProgress:
         """Stop robots. On return the stop is latched in memory and handed to every adapter.

@@ -7,7 +7,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Protocol
 
 from rosic.core.i18n import said
-from rosic.core.order import Order, OrderStage, Outcome, StageReport
+from rosic.core.order import Order, OrderEnding, OrderStage, Outcome, StageReport
 from rosic.core.robot.profile import Busy
 from rosic.errors import OrderVoid, RobotBusy
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from rosic.contracts.clock import Clock
-    from rosic.contracts.robot import Robot
+    from rosic.contracts.robot import Robot, Tell
     from rosic.core.identity import CommandId, PrincipalId
 
 QUEUED = StageReport(OrderStage.QUEUED)
@@ -164,10 +164,31 @@ class RobotQueue:
                 entry.void(OrderVoid(sentence))
                 return
 
+    async def relay(self, order: Order, tell: Tell) -> Outcome:
+        """Relay an order that gives way to the next.
+
+        Raises:
+            OrderVoid: A later one has taken its place before it began; it moved nothing.
+            OrderVoid, RobotOffline, RobotUnreachable: As `Robot.execute`.
+        """
+        if self.gives_way:
+            raise OrderVoid(REPLACED)
+        self.running = task = asyncio.create_task(self._robot.execute(order, tell))
+        try:
+            await asyncio.wait((task,))
+        except asyncio.CancelledError:
+            self.replace()  # unless it was replaced, and comes to rest already
+            await asyncio.wait((task,))
+            raise
+        self.running = None
+        if task.cancelled():
+            return Outcome(OrderEnding.CANCELLED, said("a later command took its place"))
+        return task.result()
+
     def replace(self) -> bool:
         """End what is under way, once: a second cancellation would cut its coming to rest short.
 
-        What has its turn and was not relayed yet never is: whoever relays asks ``gives_way``.
+        What has its turn and was not relayed yet never is.
 
         Returns:
             Whether there was anything to end.
