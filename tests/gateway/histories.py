@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
+from rosic.app.admin.api import AdminVerb
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.authoriser.button_tokens import ANYBODY
 from rosic.config.profiles import known_units
@@ -21,7 +22,7 @@ from rosic.core.robot.profile import Busy
 from rosic.messengers.memory import MemoryMessenger
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock, SeededEntropy, settle
-from tests.gateway.place import ADA, BO, PEOPLE, STRANGER, VI, profile
+from tests.gateway.place import ADA, BO, STRANGER, TWO_ADMINS, VI, ask_as_operator, profile
 
 if TYPE_CHECKING:
     from typing import Any
@@ -77,7 +78,10 @@ class World:
         self.disk = Disk(self)
         self.chat.listening_since_ns = self.clock.wall_ns() if self._runs > 1 else 0
         settings = GatewaySettings(
-            profiles=FLEET, people=PEOPLE, limit=RateLimit(burst=1e6, per_s=1e6), lease_idle_s=30.0
+            profiles=FLEET,
+            people=TWO_ADMINS,
+            limit=RateLimit(burst=1e6, per_s=1e6),
+            lease_idle_s=30.0,
         )
         parts = GatewayParts(
             messengers=(Mouth(self.chat, self.disk),),
@@ -215,10 +219,9 @@ class World:
 
     async def revoke(self, who: str) -> None:
         """Take somebody's access back, if the disk lets us."""
-        [person] = self.gateway.rooms.authoriser.directory.named(who)
         if who in self.revoked or self.disk.broken or not self.disk.ready.is_set():
             return
-        await self.gateway.revoke(person.id, "operator")
+        await ask_as_operator(self.gateway, AdminVerb.REVOKE, who)
         self.revoked.add(who)
         self.log.append(Revoked(who))
 

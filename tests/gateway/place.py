@@ -6,6 +6,8 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Self
 
+from rosic.app.admin.api import AdminRequest, AdminVerb, books_of
+from rosic.app.admin.dispatch import AdminApi
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.app.people import ConfiguredPerson
 from rosic.config.profiles import known_units
@@ -67,6 +69,9 @@ PEOPLE = (
     ConfiguredPerson("Vi", (Address("memory", VI),), ("viewer",)),
 )
 
+# Of the last admin no access can be taken back.
+TWO_ADMINS = (*PEOPLE, ConfiguredPerson("Di", (Address("memory", "4"),), ("admin",)))
+
 
 class WritingStore(MemoryStore):
     """Keeps by writing: what a double does to ``write``, it does to ``keep``."""
@@ -127,6 +132,12 @@ def edited(clock: ManualClock) -> MemoryMessenger:
 def line_by_line(clock: ManualClock) -> MemoryMessenger:
     """Return a messenger that cannot change what was said."""
     return MemoryMessenger("memory", clock=clock, edits=False)
+
+
+async def ask_as_operator(gateway: Gateway, verb: AdminVerb, *names: str) -> str:
+    """Ask what the owner of the machine may ask of a running gateway; return the answer."""
+    answers = await AdminApi(books_of(gateway, "UTC")).do(AdminRequest(verb, names))
+    return "\n".join(answers)
 
 
 class Place:
@@ -224,6 +235,12 @@ class Place:
         self.chat.tap(button, under=under, account=account)
         await self.quiet()
         return "\n".join(told.outbound.text for told in list(self.chat.told)[before:])
+
+    async def revoke(self, name: str) -> str:
+        """Have the owner of the machine end somebody's access; return what they are answered."""
+        answer = await ask_as_operator(self.gateway, AdminVerb.REVOKE, name)
+        await self.quiet()
+        return answer
 
     async def quiet(self) -> None:
         """Let everything happen that can happen now."""

@@ -117,8 +117,7 @@ async def test_a_robots_own_words_reach_whoever_spoke_to_it_last_and_are_inert()
 async def test_whoever_may_not_see_a_robot_any_more_does_not_hear_it() -> None:
     async with Place().open() as place:
         await place.say("omni move 1 m", account=BO, chat="2")
-        bo = place.gateway.rooms.authoriser.directory.named("Bo")[0].id
-        await place.gateway.revoke(bo, "test")
+        await place.revoke("Bo")
         before = len(place.chat.told)
         place.gateway._robot_says(place.robot("omni").profile, "hello")
         await place.quiet()
@@ -128,8 +127,7 @@ async def test_whoever_may_not_see_a_robot_any_more_does_not_hear_it() -> None:
 async def test_a_restart_revives_nobody_and_takes_new_people_over() -> None:
     place = Place()
     async with place.open():
-        bo = place.gateway.rooms.authoriser.directory.named("Bo")[0].id
-        await place.gateway.revoke(bo, "test")
+        await place.revoke("Bo")
     again = Place(place.store, place.latch)
     new = ConfiguredPerson("Cy", (Address("memory", "4"),), ("operator",))
     again.gateway._settings = type(again.gateway._settings)(

@@ -8,9 +8,13 @@ from msgspec.structs import replace
 from rosic.core.message import ChatKind
 from rosic.core.rate_limit import RateLimit
 from rosic.stores.memory import MemoryStore
-from tests.gateway.place import ADA, BO, VI, Place
+from tests.gateway.place import ADA, BO, TWO_ADMINS, VI, Place
 
 FLOOD = 20
+
+
+class TwoAdmins(Place):
+    people = TWO_ADMINS
 
 
 async def revoke(place: Place, name: str) -> None:
@@ -21,11 +25,10 @@ async def revoke(place: Place, name: str) -> None:
 
 async def test_nobody_is_sent_to_an_admin_whose_access_has_ended() -> None:
     store = MemoryStore()
-    async with Place(store).open() as place:
-        ada = place.gateway.rooms.authoriser.directory.named("Ada")[0].id
-        await place.gateway.revoke(ada, "test")
+    async with TwoAdmins(store).open() as place:
+        await place.revoke("Ada")
         assert "Ada" not in await place.say("omni move 1 m", account=VI, chat="3")
-    async with Place(store).open() as place:
+    async with TwoAdmins(store).open() as place:
         told = await place.say("omni move 1 m", account=VI, chat="3", message="another")
         assert "Ada" not in told, told
 
@@ -35,8 +38,7 @@ async def test_a_revocation_stops_only_what_its_person_still_has() -> None:
         await place.say("omni wave", account=BO, chat="2")
         await place.clock.advance(3_600.0)
         assert place.gateway.rooms.organiser.holder("omni") is None
-        bo = place.gateway.rooms.authoriser.directory.named("Bo")[0].id
-        await place.gateway.revoke(bo, "test")
+        await place.revoke("Bo")
         assert not place.robot("omni").gate.latched
 
 

@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.history import HistoryQuery
-from rosic.core.identity import OPERATOR, Address
+from rosic.core.identity import Address
 from rosic.core.message import Chat, ChatEvent, ChatEventKind, ChatKind, MessageValidity
 from rosic.core.records import Claimed, Fact
 from rosic.core.robot.profile import Busy
@@ -180,8 +180,7 @@ async def test_a_stop_of_nobody_counts_for_whoever_brought_us_there() -> None:
 async def test_a_stop_of_nobody_counts_for_nobody_whose_access_has_ended() -> None:
     async with Place().open() as place:
         await place.say("status", chat="g", kind=ChatKind.GROUP, account=BO)
-        bo = place.gateway.rooms.authoriser.directory.named("Bo")[0].id
-        await place.gateway.revoke(bo, OPERATOR)
+        await place.revoke("Bo")
         await unnamed_stop(place)
         assert not place.robot("omni").gate.latched
 

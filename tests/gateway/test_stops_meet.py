@@ -129,8 +129,7 @@ async def test_a_right_that_ends_while_a_resume_is_written_ends_the_resume() -> 
         await place.clock.advance(1.0)
         place.chat.say("resume omni", account=BO, chat="2")
         await place.quiet()
-        bo = place.gateway.rooms.authoriser.directory.named("Bo")[0].id
-        await place.gateway.revoke(bo, "test")
+        await place.revoke("Bo")
         store.ready.set()
         await place.quiet()
         assert place.robot("omni").gate.latched

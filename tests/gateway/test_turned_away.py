@@ -319,7 +319,7 @@ async def test_a_stranger_hears_that_nothing_was_stopped_whatever_was_said_befor
 
 async def test_whose_access_has_ended_hears_that_nothing_was_stopped() -> None:
     async with Place().open() as place:
-        await place.gateway.revoke(place.gateway.rooms.authoriser.directory.named("Bo")[0].id, "op")
+        await place.revoke("Bo")
         await place.say("resume all")
         told = await place.say("stop", account=BO, chat=BO)
         assert told == (

@@ -69,7 +69,6 @@ if TYPE_CHECKING:
     from rosic.authoriser.authoriser import Authoriser
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.robot import Robot
-    from rosic.core.identity import PrincipalId
     from rosic.core.records import Memory
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.errors import ChatGone
@@ -368,34 +367,6 @@ class Gateway(RunningGateway):
             await asyncio.wait(self._listening, timeout=DEAF_WITHIN_S)
             await self.pipeline.backlog.settled(DEAF_WITHIN_S)
         self._listening = []
-
-    async def revoke(self, principal: PrincipalId, by: PrincipalId) -> bool:
-        """Take a person's key back: durable, then at once. Their robots come to rest.
-
-        Returns:
-            False if there was no key to take back.
-
-        Raises:
-            RecordUnavailable: Not written; the person still has the right.
-        """
-        access, held = self.access, self.rooms.organiser.held_by(principal)
-        async with access.changes.turn() as turn:
-            good = [key for key in access.keys.of(principal) if key.revoked_ns is None]
-            if not good:
-                return False
-            made = [i for i in access.enrolment.invitations.open() if i.issuer == principal]
-            await turn.write(
-                (
-                    *(r for key in good for r in access.keys.revoke(key.id, by).records),
-                    *(r for i in made for r in access.enrolment.invitations.withdraw(i.id, by)),
-                    *access.ahead(principal),
-                    *self.authority.grants_book.take(principal, by),
-                )
-            )
-        self.rooms.organiser.release_all(principal)
-        if held:  # also what only idles in their hands: nobody knows who had the phone
-            self.stop_lane.stop_robots(held, by)
-        return True
 
     @property
     def quiet(self) -> bool:

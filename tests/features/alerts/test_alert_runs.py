@@ -155,8 +155,7 @@ async def test_who_may_not_cannot_let_a_rule_do_it() -> None:
 
 async def test_the_rights_of_that_moment_count() -> None:
     async with place().open() as here:
-        bo = here.gateway.rooms.authoriser.directory.named("Bo")[0].id
-        await here.gateway.revoke(bo, "operator")
+        await here.revoke("Bo")
         told = await drift(here)
         assert here.acted() == 0
         assert "Bo, in whose name it runs, has no access" in told[ADA][-1]

@@ -195,8 +195,7 @@ async def test_whoever_has_lost_their_access_hears_nothing_more() -> None:
     async with place(LOW).open() as here:
         battery(here, 15)
         await heard(here, 11)
-        bo = here.gateway.rooms.authoriser.directory.named("Bo")[0].id
-        await here.gateway.revoke(bo, "operator")
+        await here.revoke("Bo")
         battery(here, 50)
         told = await heard(here, 2)
         assert BO not in told

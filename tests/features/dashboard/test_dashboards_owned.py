@@ -96,8 +96,7 @@ async def test_a_lock_and_a_revocation_end_it_at_once(revoked: bool) -> None:
     async with showing() as shown:
         await shown.begins("/card", account=BO)
         if revoked:
-            directory = shown.place.gateway.rooms.authoriser.directory
-            await shown.place.gateway.revoke(directory.named("Bo")[0].id, "")
+            await shown.place.revoke("Bo")
         else:
             await shown.place.say("/lock Bo")
         await shown.place.quiet()

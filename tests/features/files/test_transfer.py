@@ -151,7 +151,7 @@ async def test_a_right_that_has_ended_meanwhile_does_not_count(tmp_path: Path) -
     async with place(tmp_path) as ward:
         await send(ward, account=BO)
         await asked(ward, "/files send map.png to omni", BO)
-        await ward.gateway.revoke(ward.id_of(BO), ward.id_of(ADA))
+        await ward.revoke("Bo")
         await tapped(ward, "Put it there", BO)
         assert held(tmp_path) == set()
 

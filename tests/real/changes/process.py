@@ -12,6 +12,7 @@ import os
 from itertools import count
 from typing import TYPE_CHECKING
 
+from rosic.app.admin.api import AdminVerb
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.app.people import ConfiguredPerson
 from rosic.app.runtime import face_of
@@ -24,10 +25,12 @@ from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Skill
 from rosic.core.slot import Pattern
 from rosic.features.access import AccessFeature
+from rosic.features.access.messages import UNWRITTEN
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.database import DatabaseStore
 from rosic.stores.stop_latch import MemoryLatch
 from rosic.system import SystemClock, SystemEntropy
+from tests.gateway.place import ask_as_operator
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -102,7 +105,7 @@ class Admin:
                 await turn.act(self._access.locks.lock(who, self._ada))
             self._say("locked", number)
             if number % 3 == 0:
-                await self._gateway.revoke(who, self._ada)
+                await self._revoke(who)
                 self._say("revoked", number)
 
     async def _join(self, number: int) -> str:
@@ -125,6 +128,10 @@ class Admin:
             )
         self._say("joined", number)
         return answer.person.id
+
+    async def _revoke(self, who: str) -> None:
+        answer = await ask_as_operator(self._gateway, AdminVerb.REVOKE, who)
+        assert UNWRITTEN not in answer
 
     async def _book(self, number: int, who: str) -> None:
         calendar = self._gateway.rooms.organiser.calendar
