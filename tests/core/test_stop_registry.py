@@ -21,6 +21,15 @@ def test_it_begins_with_what_was_found_and_nobody_stopped_in_this_run() -> None:
     assert stops.barred("omni") is None
 
 
+def test_of_a_stop_that_was_found_nobody_is_known_and_a_later_one_does_not_hide_it() -> None:
+    stops = board()
+    assert (stops["kuka1"].stoppers, stops["omni"].stoppers) == ({"": 0}, {})
+    stops.stop("kuka1", "ada", 20)
+    stops.stop("omni", "ada", 20)
+    assert not stops["kuka1"].alone("ada"), "somebody else had stopped it before"
+    assert stops["omni"].alone("ada")
+
+
 def test_the_newest_stop_is_the_last_and_every_stop_counts() -> None:
     stops = board()
     assert stops.stop("omni", "ada", 20) == 1

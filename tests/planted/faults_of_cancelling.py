@@ -33,8 +33,8 @@ OF_CANCELLING = (
     Fault(
         name="a stop of one's own hides somebody else's, and continue undoes both",
         file="core/stop_registry.py",
-        guard="        if not entry.latched:\n            entry.stoppers = {}",
-        without="        entry.stoppers = {}",
+        guard="        if not self.latched:\n            self.stoppers = {}",
+        without="        self.stoppers = {}",
         caught_by=(
             f"{CONTINUING}::test_ones_own_stop_covers_nobody_elses_and_continue_does_not_undo_theirs",
         ),
@@ -134,8 +134,8 @@ OF_CANCELLING = (
     Fault(
         name="a later stop of somebody else leaves it one's own",
         file="core/stop_registry.py",
-        guard='entry.by, entry.own = by, ""',
-        without="entry.by = by",
+        guard='self.by, self.own = by, ""',
+        without="self.by = by",
         caught_by=(f"{OWN_STOP}::test_what_others_stopped_besides_is_not_ones_own",),
     ),
     Fault(

@@ -47,6 +47,26 @@ class StoppedRobot:
         """Whether somebody, and nobody else, has stopped it since it was last free."""
         return self.stoppers.keys() == {principal}
 
+    def stop(self, by: PrincipalId, at_ns: int) -> int:
+        """Latch and return the new generation."""
+        self.generation += 1
+        if not self.latched:
+            self.stoppers = {}
+        self.stoppers.setdefault(by, at_ns)
+        self.latched = True
+        self.by, self.own = by, ""
+        self.at_ns = self.since_ns = at_ns
+        return self.generation
+
+    def resume(self, generation: int) -> None:
+        """Unlatch, if no later stop has come meanwhile."""
+        if self.generation == generation:
+            self.latched = False
+
+    def not_later(self, now_ns: int) -> None:
+        """Let its last stop not lie ahead."""
+        self.at_ns = min(self.at_ns, now_ns)
+
 
 class StopRegistry(dict["RobotId", StoppedRobot]):
     """Every robot's entry; read for every order, so that it is a plain table.
@@ -76,15 +96,7 @@ class StopRegistry(dict["RobotId", StoppedRobot]):
 
     def stop(self, robot: RobotId, by: PrincipalId, at_ns: int) -> int:
         """Latch and return the new generation."""
-        entry = self[robot]
-        entry.generation += 1
-        if not entry.latched:
-            entry.stoppers = {}
-        entry.stoppers.setdefault(by, at_ns)
-        entry.latched = True
-        entry.by, entry.own = by, ""
-        entry.at_ns = entry.since_ns = at_ns
-        return entry.generation
+        return self[robot].stop(by, at_ns)
 
     def cancel(self, principal: PrincipalId, robots: Iterable[RobotId]) -> None:
         """Let nothing of somebody begin any more that was admitted before; none means all."""
@@ -98,9 +110,7 @@ class StopRegistry(dict["RobotId", StoppedRobot]):
 
     def resume(self, robot: RobotId, generation: int) -> None:
         """Unlatch, if no later stop has come meanwhile."""
-        entry = self[robot]
-        if entry.generation == generation:
-            entry.latched = False
+        self[robot].resume(generation)
 
     def not_later(self, now_ns: int) -> None:
         """Let no stop lie ahead: the clock was set back, and that is the right time.
@@ -108,7 +118,7 @@ class StopRegistry(dict["RobotId", StoppedRobot]):
         Whatever is received from now on would otherwise count as older than those stops.
         """
         for entry in self.values():
-            entry.at_ns = min(entry.at_ns, now_ns)
+            entry.not_later(now_ns)
 
     def newest(self) -> tuple[int, PrincipalId]:
         """Return a number that grows with every stop of any robot, and whose the last one was."""
