@@ -96,7 +96,7 @@ OF_KEEPING = (
     Fault(
         name="a write that is cut off is not waited for",
         file="stores/write_thread.py",
-        guard="            await self._decided(job)\n",
+        guard="            await job.decided()\n",
         without="",
         caught_by=(
             f"{LANE}::test_a_write_that_is_cut_off_is_waited_for_until_it_is_known_what_became_of_it",

@@ -27,7 +27,7 @@ class GroupWriter:
         self.groups.append([job.content for job in jobs])
         for job in jobs:
             if job.content == "bad":
-                job.error = StoreFault("bad")
+                job.fail(StoreFault("bad"))
             if job.content == "worse":
                 raise ValueError("worse")
         return False

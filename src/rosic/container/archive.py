@@ -216,10 +216,7 @@ class Archive:
             key, n = archive_records.place_of(fact.key)
             known = self._chats.get(key)
             if known is not None and fact.body:
-                entry = known.entries.get(n)
-                known.drop(n)
-                begin_ns = self._clock.wall_ns() if entry is None else entry.at_ns
-                known.unwritten_ns = min(known.unwritten_ns or begin_ns, begin_ns)
+                known.lose(n, self._clock.wall_ns())
 
     def _gap(
         self, key: ChatKey, known: ArchiveKeeping, inbound: Inbound, *, backlog: bool
@@ -249,8 +246,7 @@ class Archive:
         """Give an entry its number and its room; the oldest make way."""
         facts: list[Fact] = []
         if known.unwritten_ns:
-            begin_ns, known.unwritten_ns = known.unwritten_ns, 0
-            lost = ArchiveEntry(at_ns=begin_ns, way="lost", until_ns=self._clock.wall_ns())
+            lost = known.lost(self._clock.wall_ns())
             facts.append(archive_records.entry_fact(key, known.next_n, lost, None))
             known.put(known.next_n, lost)
         letter = None

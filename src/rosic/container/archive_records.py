@@ -99,6 +99,7 @@ class ArchiveKeeping:
         venue: Which chat; None after it was erased.
         entries: By number, the oldest first.
         size: Bytes of all letters.
+        unwritten_ns: When the first began that did not reach the disk; 0: all did.
     """
 
     __slots__ = ("entries", "found", "heard", "next_n", "size", "switch", "unwritten_ns", "venue")
@@ -130,6 +131,18 @@ class ArchiveKeeping:
         if entry is not None:
             self.size -= entry.size
             self.found.pop(entry.identity, None)
+
+    def lose(self, n: int, now_ns: int) -> None:
+        """An entry did not reach the disk."""
+        entry = self.entries.get(n)
+        self.drop(n)
+        begin_ns = now_ns if entry is None else entry.at_ns
+        self.unwritten_ns = min(self.unwritten_ns or begin_ns, begin_ns)
+
+    def lost(self, now_ns: int) -> ArchiveEntry:
+        """Return the entry that says what did not reach the disk until now; it is said once."""
+        begin_ns, self.unwritten_ns = self.unwritten_ns, 0
+        return ArchiveEntry(at_ns=begin_ns, way="lost", until_ns=now_ns)
 
 
 encode = msgspec.msgpack.Encoder().encode

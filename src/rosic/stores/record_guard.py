@@ -194,8 +194,10 @@ class RecordGuard:
         may: Calls = []
         for job in group:
             if any(isinstance(record, Claimed) for record in job.content):
-                job.error = StoreFault(
-                    said("{file} is gone or was replaced, emptied or overwritten.", file=name)
+                job.fail(
+                    StoreFault(
+                        said("{file} is gone or was replaced, emptied or overwritten.", file=name)
+                    )
                 )
             else:
                 may.append(job)

@@ -210,8 +210,9 @@ class FileLatch:
         except (OSError, DamagedSlot) as error:
             for job in jobs:
                 if job.error is None:
-                    job.error = StoreFault(said("The stop holds, but could not be kept on disk."))
-                    job.error.__cause__ = error
+                    fault = StoreFault(said("The stop holds, but could not be kept on disk."))
+                    fault.__cause__ = error
+                    job.fail(fault)
             return False
         self._unsure.clear()
         return False
@@ -221,9 +222,7 @@ class FileLatch:
         known = self._states.get(state.robot)
         if known is None:
             if not slots.is_robot(state.robot) or len(self._places) >= self._robots_max:
-                job.error = StoreFault(
-                    said("The stop holds, but the stop file has no room for it.")
-                )
+                job.fail(StoreFault(said("The stop holds, but the stop file has no room for it.")))
                 return
             self._places[state.robot] = self._free.pop()
         elif state.generation < known.generation:

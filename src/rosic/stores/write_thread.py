@@ -45,9 +45,30 @@ class WriteJob(msgspec.Struct, Generic[T], eq=False):
     error: Exception | None = None
     result: object = None
 
+    def fail(self, error: Exception) -> None:
+        """It was not done; whoever waits for it is told why."""
+        self.error = error
+
+    def retry_with(self, content: T) -> None:
+        """It is to be done with another try, and then so."""
+        self.content = content
+
+    async def decided(self) -> None:
+        """Wait until it is known what became of it; nobody can call it back."""
+        if self.future is not None and self.future.cancelled():
+            self.future = asyncio.get_running_loop().create_future()
+            await asyncio.wait((self.future,))
+
 
 class WriteCall(WriteJob[Any], eq=False):
     """A function to be run between two groups."""
+
+    def run(self) -> None:
+        """Run it, and keep what it returns or raises."""
+        try:
+            self.result = self.content()
+        except Exception as error:  # noqa: BLE001  whoever waits for the call gets it
+            self.error = error
 
 
 class WriteThread(Generic[T]):
@@ -55,7 +76,7 @@ class WriteThread(Generic[T]):
 
     Args:
         name: Of the thread.
-        settle: Runs in the thread. Does a group and sets ``error`` on the jobs it could not do.
+        settle: Runs in the thread. Does a group, and calls ``fail`` of the jobs it could not do.
             Returns whether it wants to be called again soon without new jobs.
         finish: Runs in the thread, last.
         group_max: Jobs in one group.
@@ -102,7 +123,7 @@ class WriteThread(Generic[T]):
 
         Raises:
             StoreFault: Too much is waiting, or the lane is closed. It was not done.
-            Exception: Whatever ``settle`` left in ``error``.
+            Exception: With whatever ``settle`` failed it.
             asyncio.CancelledError: It was done; with a cause, it was not.
         """
         urgent = self._is_urgent(content)
@@ -115,14 +136,8 @@ class WriteThread(Generic[T]):
         try:
             await future
         except asyncio.CancelledError as cancelled:
-            await self._decided(job)
+            await job.decided()
             raise cancelled from job.error
-
-    async def _decided(self, job: WriteJob[T]) -> None:
-        """Wait until it is known what became of a job that nobody can call back."""
-        if job.future is not None and job.future.cancelled() and self._loop is not None:
-            job.future = self._loop.create_future()
-            await asyncio.wait((job.future,))
 
     async def call(self, function: Callable[[], R]) -> R:
         """Run a function in the thread, after everything that was asked for before."""
@@ -196,7 +211,8 @@ class WriteThread(Generic[T]):
             if jobs or call is None:
                 again = self._do(jobs)
             if call is not None:
-                self._do_call(call)
+                call.run()
+                self._report(self._resolve, [call])
         self._finish()
         self._report(self._end)
 
@@ -244,15 +260,8 @@ class WriteThread(Generic[T]):
             return self._settle(jobs)
         except Exception as error:  # noqa: BLE001  the thread outlives whatever happens in it
             for job in jobs:
-                job.error = job.error or error
+                job.fail(job.error or error)
             return False
-
-    def _do_call(self, call: WriteCall) -> None:
-        try:
-            call.result = call.content()
-        except Exception as error:  # noqa: BLE001  whoever waits for the call gets it
-            call.error = error
-        self._report(self._resolve, [call])
 
     def _report(self, function: Callable[..., None], *arguments: object) -> None:
         loop = self._loop

@@ -271,11 +271,11 @@ class Writer:
         if job.future is None:
             self.miss(1)
         elif isinstance(error, StoreFault):
-            job.error = error
+            job.fail(error)
         elif self._is_repeated(cursor_of(connection), job.content):
-            job.error = Repeated("This was already settled.")
+            job.fail(Repeated("This was already settled."))
         else:
-            job.error = fault("This cannot be written down. Nothing was written.", error)
+            job.fail(fault("This cannot be written down. Nothing was written.", error))
 
     def _is_repeated(self, cursor: DBAPICursor, records: tuple[Record, ...]) -> bool:
         """Whether a call would settle something a second time."""
@@ -297,10 +297,10 @@ class Writer:
             self._failing = True
         for job in group:
             if job.future is None:
-                job.content = tuple(map(late, job.content))
+                job.retry_with(tuple(map(late, job.content)))
                 self._late.append(job)
             else:
-                job.error = unwritten(error)
+                job.fail(unwritten(error))
         surplus = len(self._late) - self._settings.notes_max
         if surplus > 0:
             del self._late[:surplus]
