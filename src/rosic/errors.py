@@ -98,6 +98,11 @@ class Refusal(RosicError):
         self.args = (sentence, *self.args[1:])
         return self
 
+    def offering(self, offers: tuple[str, ...]) -> Self:
+        """Offer other commands: whoever refused did not know all that would be accepted instead."""
+        self.offers = offers
+        return self
+
 
 class Unrecognised(Refusal):
     """A stranger, or a key that is revoked or has expired. Nothing about robots is disclosed."""

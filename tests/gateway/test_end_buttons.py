@@ -308,3 +308,12 @@ def test_what_gives_a_task_anew_says_all_that_was_asked_of_it() -> None:
     anybody = read_wish(anew.removeprefix("/task "), 0, zone_named("UTC"))
     assert anybody.words == ["any", "wave"]
     assert (anybody.priority, anybody.battery, anybody.once) == (3, 30.0, True)
+
+
+def test_a_condition_of_a_task_holds_though_its_word_stands_in_a_step_as_well() -> None:
+    wish = read_wish("omni wave once then wave localised once", 0, zone_named("UTC"))
+    assert (wish.words, wish.once, wish.localised) == (
+        ["omni", "wave", "once", "then", "wave"],
+        True,
+        True,
+    )

@@ -164,7 +164,7 @@ OF_TASKS = (
     Fault(
         name="what a robot worked is forgotten when it is given an order at work",
         file="features/fleet/overview.py",
-        guard="            if not (robot.held or robot.ordered):\n",
+        guard="            if robot not in self._held and robot not in self._ordered:\n",
         without="            if True:\n",
         caught_by=(f"{USAGE}::test_each_second_counts_once_whatever_begins_and_ends_in_it",),
     ),

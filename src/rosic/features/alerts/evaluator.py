@@ -61,6 +61,29 @@ class ActiveRule:
         """Return what is measured, as people read it."""
         return words.value(self.rule.condition, self.rule.condition.value(presence))
 
+    def raised(self, alarm: AlertOccurrence, people: Iterable[PrincipalId]) -> AlertOccurrence:
+        """It is open, as high as it is by now, and these are told. Return it as it is now."""
+        told = tuple(dict.fromkeys((*alarm.told, *people)))
+        self.alarm = replace(alarm, told=told, level=self.watch.level)
+        return self.alarm
+
+    def cleared(self) -> AlertOccurrence | None:
+        """It is over. Return what was open."""
+        alarm, self.alarm = self.alarm, None
+        return alarm
+
+    def seen(self, by: PrincipalId) -> AlertOccurrence | None:
+        """Somebody has seen it. Return it as it is now; None: it is over, or was seen."""
+        if self.alarm is None or not self.unseen or not self.watch.acknowledge():
+            return None
+        self.alarm = replace(self.alarm, by=by)
+        return self.alarm
+
+    def restore(self, alarm: AlertOccurrence, now_ns: int) -> None:
+        """It was open already when this run began."""
+        self.alarm = alarm
+        self.watch.restore(now_ns, acknowledged=bool(alarm.by), level=alarm.level)
+
     @property
     def unseen(self) -> bool:
         """Whether it is open, and nobody has said that they saw it."""
@@ -154,8 +177,7 @@ class AlertEvaluator:
             self._by_key[rule.key] = following
             alarm = self.book.alarms.get(rule.key)
             if alarm is not None:
-                following.alarm = alarm
-                following.watch.restore(now_ns, acknowledged=bool(alarm.by), level=alarm.level)
+                following.restore(alarm, now_ns)
             self._some.set()
 
     async def run(self) -> None:
@@ -193,20 +215,15 @@ class AlertEvaluator:
     # ---- telling ----
 
     def _raised(self, following: ActiveRule, now: str, event: AlertEvent) -> None:
-        rule, level = following.rule, following.watch.level
-        wall_ns = self._clock.wall_ns()
-        alarm = following.alarm
-        if alarm is None:
-            alarm = AlertOccurrence(wall_ns)
-        people = self.circles.of(rule.robot, rule.alert.tell, level)
+        rule = following.rule
+        alarm = following.alarm or AlertOccurrence(self._clock.wall_ns())
+        people = self.circles.of(rule.robot, rule.alert.tell, following.watch.level)
         text = self._text(rule, now, event, alarm.at_ns)
         alarmed = ActiveAlert(rule.key, alarm.at_ns)
         self.telling.tell(people, AlertNews(NewsKind.ALARM, rule, text, alarmed))
         if not people:
             log.warning("nobody may be told of the rule %s", rule.key)
-        told = tuple(dict.fromkeys((*alarm.told, *people)))
-        following.alarm = replace(alarm, told=told, level=level)
-        self.write([self.book.raised(rule.key, following.alarm)])
+        self.write([self.book.raised(rule.key, following.raised(alarm, people))])
         if event is AlertEvent.RAISED and rule.alert.run:
             self._spawn(following)
 
@@ -221,8 +238,7 @@ class AlertEvaluator:
         return text
 
     def _cleared(self, following: ActiveRule, now: str, *, muted: bool) -> None:
-        rule, alarm = following.rule, following.alarm
-        following.alarm = None
+        rule, alarm = following.rule, following.cleared()
         self.write([self.book.cleared(rule.key), *self.telling.placed.over(rule.key)])
         if alarm is not None and not muted:
             text = words.cleared(rule, self.shown(rule), now)
@@ -274,13 +290,12 @@ class AlertEvaluator:
 
     def seen(self, following: ActiveRule, by: PrincipalId) -> bool:
         """Somebody has seen it: all who were told hear of it. Return False if it was seen."""
-        alarm = following.alarm
-        if alarm is None or not following.unseen or not following.watch.acknowledge():
+        alarm = following.seen(by)
+        if alarm is None:
             return False
         rule, name = following.rule, self._rooms.organiser.name_of(by)
-        following.alarm = replace(alarm, by=by)
         decided = Decided(act="alarm-seen", by=by, about=rule.key, at_ns=self._clock.wall_ns())
-        self.write([decided, self.book.raised(rule.key, following.alarm)])
+        self.write([decided, self.book.raised(rule.key, alarm)])
         others = [who for who in alarm.told if who != by]
         self._tell(NewsKind.SEEN, rule, others, words.seen_by(rule, self.shown(rule), name), name)
         return True

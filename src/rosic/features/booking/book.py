@@ -238,7 +238,8 @@ class BookCommand:
             try:
                 return await self._series(turn, principal, robot, when)
             except SlotTaken as taken:
-                taken.offers = taken.offers or self._instead(taken, principal, when, rest)
+                if not taken.offers:
+                    taken.offering(self._instead(taken, principal, when, rest))
                 raise
 
     def _is_time(self, asked: CommandContext, text: str) -> bool:

@@ -155,34 +155,6 @@ class FleetOverview:
 # ---- time at work ----
 
 
-class _Robot:
-    """What is known of one robot.
-
-    Attributes:
-        held: It has a task.
-        ordered: An order that needs it for itself is with it.
-        since_ns: Since when it has been at work, or has not, or since what was added up.
-        worked_ns: For how long it had been at work before.
-    """
-
-    __slots__ = ("held", "ordered", "since_ns", "worked_ns")
-
-    def __init__(self, since_ns: int) -> None:
-        self.held = self.ordered = False
-        self.since_ns = since_ns
-        self.worked_ns = 0
-
-    @property
-    def works(self) -> bool:
-        """Whether it is at work now."""
-        return self.held or self.ordered
-
-    def count(self, now_ns: int) -> None:
-        """Add up what it has worked so far; it may go on."""
-        self.worked_ns += now_ns - self.since_ns
-        self.since_ns = now_ns
-
-
 class FleetUsage:
     """Counts time at work; a `Watcher` of orders.
 
@@ -198,7 +170,10 @@ class FleetUsage:
         self._now_ns = monotonic_ns
         self._begun_ns = monotonic_ns()
         self._held: set[RobotId] = set()
-        self._robots: dict[RobotId, _Robot] = {}
+        self._ordered: set[RobotId] = set()  # an order that needs it for itself is with it
+        # Since when each has been at work, or has not, or since what was added up; and what was.
+        self._since_ns: dict[RobotId, int] = {}
+        self._worked_ns: Counter[RobotId] = Counter()
 
     # ---- what is heard ----
 
@@ -206,59 +181,49 @@ class FleetUsage:
         """Hear who has a task now."""
         now_ns, before = self._now_ns(), self._held
         self._held = set(held)
-        for name in self._held - before:
-            robot = self._known(name)
-            if not robot.works:
-                robot.since_ns = now_ns
-            robot.held = True
-        for name in before - self._held:
-            robot = self._robots[name]
-            robot.held = False
-            robot.count(now_ns)
+        for robot in self._held - before:
+            if robot not in self._ordered:
+                self._since_ns[robot] = now_ns
+        for robot in before - self._held:
+            self._worked_ns[robot] += now_ns - self._since_ns[robot]
+            self._since_ns[robot] = now_ns
 
     def began(self, order: Order) -> None:
         """Hear that an order is handed to its robot."""
         if order.skill.actuates:
-            robot = self._robots.get(order.robot) or self._known(order.robot)
-            if not (robot.held or robot.ordered):
-                robot.since_ns = self._now_ns()
-            robot.ordered = True
+            robot = order.robot
+            if robot not in self._held and robot not in self._ordered:
+                self._since_ns[robot] = self._now_ns()
+            self._ordered.add(robot)
 
     def ended(self, order: Order, outcome: Outcome) -> None:  # noqa: ARG002 - however it ended
         """Hear that it is over."""
-        robot = self._robots.get(order.robot)
-        if robot is not None and robot.ordered:
-            robot.ordered, now_ns = False, self._now_ns()
-            robot.worked_ns += now_ns - robot.since_ns
-            robot.since_ns = now_ns
-
-    def _known(self, name: RobotId) -> _Robot:
-        robot = self._robots.get(name)
-        if robot is None:
-            robot = self._robots[name] = _Robot(self._begun_ns)
-        return robot
+        robot = order.robot
+        if robot in self._ordered:
+            now_ns = self._now_ns()
+            self._ordered.discard(robot)
+            self._worked_ns[robot] += now_ns - self._since_ns[robot]
+            self._since_ns[robot] = now_ns
 
     # ---- what is asked ----
 
-    def works(self, name: RobotId) -> bool:
+    def works(self, robot: RobotId) -> bool:
         """Return whether a robot is at work now."""
-        robot = self._robots.get(name)
-        return robot is not None and robot.works
+        return robot in self._held or robot in self._ordered
 
-    def share(self, names: Collection[RobotId]) -> float:
+    def share(self, robots: Collection[RobotId]) -> float:
         """Return which share of their time some robots were at work, 0 to 1."""
         now_ns = self._now_ns()
-        whole_ns = (now_ns - self._begun_ns) * len(names)
-        worked_ns = sum(self._worked_ns(name, now_ns) for name in names)
+        whole_ns = (now_ns - self._begun_ns) * len(robots)
+        worked_ns = sum(self._worked_until_ns(robot, now_ns) for robot in robots)
         return worked_ns / whole_ns if whole_ns > 0 else 0.0
 
-    def _worked_ns(self, name: RobotId, now_ns: int) -> int:
-        robot = self._robots.get(name)
-        if robot is None:
-            return 0
-        return robot.worked_ns + (now_ns - robot.since_ns if robot.works else 0)
+    def _worked_until_ns(self, robot: RobotId, now_ns: int) -> int:
+        going_on_ns = now_ns - self._since_ns[robot] if self.works(robot) else 0
+        return self._worked_ns[robot] + going_on_ns
 
-    def idle_s(self, name: RobotId) -> int:
+    def idle_s(self, robot: RobotId) -> int:
         """Return for how long a robot has not been at work; 0 while it is."""
-        robot = self._robots.get(name) or _Robot(self._begun_ns)
-        return 0 if robot.works else (self._now_ns() - robot.since_ns) // SECOND_NS
+        if self.works(robot):
+            return 0
+        return (self._now_ns() - self._since_ns.get(robot, self._begun_ns)) // SECOND_NS

@@ -8,6 +8,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
+from msgspec.structs import replace
 
 from rosic.core.fleet.task import PRIORITIES, STEPS_AT_MOST, FleetMembership
 from rosic.core.i18n import ImperialCatalogue
@@ -44,7 +45,7 @@ PRIORITY: Final = 1
 ANYBODY: Final = "any"
 
 
-class TaskWish(msgspec.Struct):
+class TaskWish(msgspec.Struct, frozen=True):
     """A task as somebody asked for it.
 
     Attributes:
@@ -122,10 +123,11 @@ def read_wish(text: str, now_ns: int, zone: Zone) -> TaskWish:
     wish = TaskWish(line.split())
     while (at := _last(wish.words)) is not None:
         key, said = wish.words[at].casefold(), [word.casefold() for word in wish.words[at + 1 :]]
-        if not _READ[key](wish, said, now_ns, zone):
+        read = _READ[key](wish, said, now_ns, zone)
+        if read is None:
             break
-        wish.conditions = (*wish.words[at:], *wish.conditions)
-        del wish.words[at:]
+        conditions = (*wish.words[at:], *wish.conditions)
+        wish = replace(read, words=wish.words[:at], conditions=conditions)
     return wish
 
 
@@ -134,64 +136,57 @@ def _last(said: list[str]) -> int | None:
     return next((at for at in range(len(said) - 1, 1, -1) if said[at].casefold() in _READ), None)
 
 
-def _priority(wish: TaskWish, said: list[str], _now_ns: int, _zone: Zone) -> bool:
+def _priority(wish: TaskWish, said: list[str], _now_ns: int, _zone: Zone) -> TaskWish | None:
     if len(said) != 1 or not said[0].isdecimal():
-        return False
+        return None
     least, most = PRIORITIES
     if not least <= int(said[0]) <= most:
         raise OutOfBounds(words.no_priority(least, most))
-    wish.priority = int(said[0])
-    return True
+    return replace(wish, priority=int(said[0]))
 
 
-def _battery(wish: TaskWish, said: list[str], _now_ns: int, _zone: Zone) -> bool:
+def _battery(wish: TaskWish, said: list[str], _now_ns: int, _zone: Zone) -> TaskWish | None:
     number = "".join(said).removesuffix("%")
     if not number.isdecimal():
-        return False
+        return None
     if not 0 < int(number) <= FULL:
         raise OutOfBounds(words.no_battery())
-    wish.battery = float(number)
-    return True
+    return replace(wish, battery=float(number))
 
 
-def _localised(wish: TaskWish, said: list[str], _now_ns: int, _zone: Zone) -> bool:
-    wish.localised = not said
-    return not said
+def _localised(wish: TaskWish, said: list[str], _now_ns: int, _zone: Zone) -> TaskWish | None:
+    return None if said else replace(wish, localised=True)
 
 
-def _once(wish: TaskWish, said: list[str], _now_ns: int, _zone: Zone) -> bool:
-    wish.once = not said
-    return not said
+def _once(wish: TaskWish, said: list[str], _now_ns: int, _zone: Zone) -> TaskWish | None:
+    return None if said else replace(wish, once=True)
 
 
-def _within(wish: TaskWish, said: list[str], _now_ns: int, _zone: Zone) -> bool:
+def _within(wish: TaskWish, said: list[str], _now_ns: int, _zone: Zone) -> TaskWish | None:
     seconds, used = length_said(said)
     if not used or used != len(said):
-        return False
+        return None
     if seconds <= 0:
         raise OutOfBounds(words.no_time())
-    wish.expected_s = seconds
-    return True
+    return replace(wish, expected_s=seconds)
 
 
-def _by(wish: TaskWish, said: list[str], now_ns: int, zone: Zone) -> bool:
+def _by(wish: TaskWish, said: list[str], now_ns: int, zone: Zone) -> TaskWish | None:
     seconds, used = length_said(said[1:]) if said[:1] == ["in"] else (0.0, 0)
     if seconds > 0 and used == len(said) - 1:  # to the second: a minute may be all there is
-        wish.until_ns = now_ns + int(seconds * 1e9)
-        return True
+        return replace(wish, until_ns=now_ns + int(seconds * 1e9))
     when = read_when(f"{' '.join(said)} 1 min", now_ns, zone.local) if said else None
     if not isinstance(when, RequestedTime) or when.rrule:
-        return False
+        return None
     at_ns = when.start_ns
     if at_ns is None:
         at_ns = zone.instant(when.start).start_ns
     if at_ns <= now_ns:
         raise OutOfBounds(words.TOO_LATE)
-    wish.until_ns = at_ns
-    return True
+    return replace(wish, until_ns=at_ns)
 
 
-_READ: dict[str, Callable[[TaskWish, list[str], int, Zone], bool]] = {
+_READ: dict[str, Callable[[TaskWish, list[str], int, Zone], TaskWish | None]] = {
     "priority": _priority,
     "battery": _battery,
     "localised": _localised,
