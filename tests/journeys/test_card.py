@@ -6,8 +6,8 @@ import re
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from rosic.features.dashboard.dashboard import PRIVATE
 from rosic.features.dashboard.dashboards import LOOK_S
-from rosic.features.dashboard.rendering import PRIVATE
 from rosic.testing.telegram.transcript import TranscriptView, transcript
 from tests.journeys.lab import Lab, lab
 from tests.journeys.newcomer import BOT

@@ -11,9 +11,9 @@ import pytest
 
 from rosic.core.message import SendPriority
 from rosic.features.dashboard import DashboardFeature
+from rosic.features.dashboard.dashboard import GROUP as IN_GROUPS
+from rosic.features.dashboard.dashboard import PRIVATE
 from rosic.features.dashboard.dashboards import LOOK_S
-from rosic.features.dashboard.rendering import GROUP as IN_GROUPS
-from rosic.features.dashboard.rendering import PRIVATE
 from rosic.stores.memory import MemoryStore
 from tests.gateway.place import ADA, BO, line_by_line
 from tests.gateway.shown_cards import GROUP, Shown, SlowMessenger, showing
@@ -21,7 +21,7 @@ from tests.gateway.shown_cards import GROUP, Shown, SlowMessenger, showing
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rosic.features.dashboard.rendering import RefreshPace
+    from rosic.features.dashboard.dashboard import RefreshPace
 
 DAY_LONG_S = 600
 

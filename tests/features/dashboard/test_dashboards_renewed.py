@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.message import ChatKind
 from rosic.core.robot.view import ViewKind
-from rosic.features.dashboard.dashboard import LOOKING_S, RENEWED_S
-from rosic.features.dashboard.rendering import PRIVATE
+from rosic.features.dashboard.dashboard import LOOKING_S, PRIVATE, RENEWED_S
 from rosic.features.media import MediaFeature
 from rosic.stores.memory import MemoryStore
 from tests.features.dashboard.test_camera_preview import (

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+import asyncio
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
+from msgspec.structs import replace
 
 from rosic.core.i18n import joined
 from rosic.core.identity import PrincipalId
@@ -17,8 +19,7 @@ from rosic.features.dashboard import messages as words
 from rosic.gateway.chat_dashboards import key_of
 
 if TYPE_CHECKING:
-    import asyncio
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Coroutine, Iterable, Iterator
 
     from rosic.contracts.messenger import Messenger
     from rosic.core.order_status import Face
@@ -34,6 +35,33 @@ LOOKING_S: Final = 180.0
 """For so long after a tap somebody is taken to look."""
 RENEWED_S: Final[dict[ChatKind, float]] = {ChatKind.PRIVATE: 10.0, ChatKind.GROUP: 30.0}
 """From one picture to the next at the least: half of those that somebody may have at all."""
+
+
+LONGEST_WAIT_S: Final = 300.0
+
+
+class RefreshPace(NamedTuple):
+    """How often a card may change, and how old it may become.
+
+    Attributes:
+        between_s: From one edit to the next, at the least.
+        refresh_s: After so long it is said anew how it is, though nothing has changed.
+        promise_s: What it says about that, with room for a slow network.
+    """
+
+    between_s: float
+    refresh_s: float
+    promise_s: float
+
+
+PRIVATE: Final = RefreshPace(3.0, 45.0, 60.0)
+GROUP: Final = RefreshPace(15.0, 90.0, 120.0)
+"""Four of the twenty messages and edits that a platform may let a group have in a minute."""
+
+
+def pace_of(chat: Chat) -> RefreshPace:
+    """Return how often a card in this chat may change."""
+    return PRIVATE if chat.kind is ChatKind.PRIVATE else GROUP
 
 
 class DashboardBody(msgspec.Struct, frozen=True):
@@ -187,6 +215,101 @@ class Dashboard:
     def pictured_anew(self) -> bool:
         """Whether there is a picture that its message does not show yet."""
         return self.picture is not None and self.picture.content is not None
+
+    # ---- edits ----
+
+    def begin_edit(self, edit: Coroutine[None, None, None]) -> None:
+        """Begin to bring its message up to date, or to its end."""
+        self.task = asyncio.create_task(edit)
+
+    def edit_over(self, task: asyncio.Task[None] | None) -> None:
+        """An edit is over, however it went; another one may have taken its place."""
+        if self.task is task:
+            self.task = None
+
+    def call_off_edit(self) -> None:
+        """Cut the edit under way short."""
+        if self.task is not None:
+            self.task.cancel()
+            self.task = None
+
+    def may_show(self, shows: dict[RobotId, int]) -> None:
+        """A text is on its way: until it is known to be there, the chat shows it or the last."""
+        self.shows = self.shows | shows
+
+    def brought(self, message: str, shows: dict[RobotId, int], began_ns: int, now_ns: int) -> None:
+        """Its message shows the newest text, which was so when the edit began."""
+        self.message = message
+        self.shows, self.stamped_ns, self.failures = shows, began_ns, 0
+        self.settled_ns = now_ns
+        self.lag_s = (now_ns - began_ns) / SECOND_NS
+
+    def failed(self, now_ns: int) -> None:
+        """An edit failed: it is tried again later, and ever more seldom."""
+        self.failures += 1
+        self.stamped_ns = 0
+        between_s = pace_of(self.chat).between_s
+        wait_s = min(LONGEST_WAIT_S, between_s * 2 ** min(self.failures, 10))
+        self.again_ns = now_ns + int(wait_s * SECOND_NS)
+
+    def end(self, last: str) -> None:
+        """It is over; its message is to say so at once."""
+        self.last, self.again_ns, self.failures = last, 0, 0
+        if self.message:
+            self.call_off_edit()
+
+    def _change_at_once(self) -> None:
+        self.stamped_ns = self.settled_ns = 0
+
+    # ---- kept in sight ----
+
+    def keep_in_sight(self, *, pinned: bool) -> None:
+        """Pin it, or unpin it, with the next edit, which is due at once."""
+        self.wanted_pinned = pinned
+        self._change_at_once()
+
+    def pinning_done(self, *, pinned: bool) -> None:
+        """The platform has pinned it, or unpinned it."""
+        self.pinned = pinned
+
+    def pinning_failed(self) -> None:
+        """The platform did not do what was wanted: it stays as it is."""
+        self.wanted_pinned = self.pinned
+
+    # ---- pictures ----
+
+    def show_picture(self, picture: PreviewedCamera) -> None:
+        """Show a picture with the next edit, which is due at once."""
+        self.picture = picture
+        self._change_at_once()
+
+    def picture_shown(self, content: Attachment) -> None:
+        """Its message shows a picture: what is shown is not kept."""
+        if self.picture is not None and self.picture.content is content:
+            self.picture = replace(self.picture, content=None)
+
+    def offer(self, robots: tuple[RobotId, ...], buttons: tuple[Button, ...], now_ns: int) -> None:
+        """Let these robots be looked at by a tap."""
+        self.offered, self.buttons, self.offered_ns = robots, buttons, now_ns
+
+    def use_up_buttons(self) -> None:
+        """One of them was tapped, and is no more: the next edit offers others."""
+        self.offered = ()
+
+    def watch(self, viewer: PreviewViewer) -> None:
+        """Somebody looks from now on."""
+        self.watched = viewer
+
+    def look_away(self) -> None:
+        """Nobody looks any more."""
+        self.watched = None
+
+    def renew_picture(self, viewer: PreviewViewer, picture: PreviewedCamera) -> None:
+        """Show a newer picture with the next edit, if the same person still looks."""
+        if self.watched is viewer and not self.last:
+            self.picture = picture
+
+    # ---- what is written down ----
 
     def fact(self) -> Fact:
         """Return what is to be written so that it outlives this process."""

@@ -25,9 +25,10 @@ from rosic.features.dashboard.dashboard import (
     Dashboard,
     PreviewedCamera,
     chat_of,
+    pace_of,
     read_fact,
 )
-from rosic.features.dashboard.rendering import ROBOTS_AT_MOST, DashboardRendering, in_order, pace_of
+from rosic.features.dashboard.rendering import ROBOTS_AT_MOST, DashboardRendering, in_order
 from rosic.gateway.chat_dashboards import key_of
 
 if TYPE_CHECKING:
@@ -48,7 +49,6 @@ LOOK_S: Final = 1.0
 CARDS_AT_MOST: Final = 1_000
 CARDS_A_PERSON: Final = 20
 TRIES_TO_LEAVE: Final = 8
-LONGEST_WAIT_S: Final = 300.0
 
 log = logging.getLogger("rosic.livecards")
 
@@ -186,13 +186,13 @@ class Dashboards:
 
     def keep_in_sight(self, card: Dashboard, *, pinned: bool) -> None:
         """Pin a card, or unpin it, with its next edit, which is made at once."""
-        card.wanted_pinned, card.stamped_ns, card.settled_ns = pinned, 0, 0
+        card.keep_in_sight(pinned=pinned)
         self.run()
 
     def show_picture(self, card: Dashboard, picture: PreviewedCamera) -> None:
         """Show a picture with the next edit of a card, which is made at once."""
         if self._cards.get(card.key) is card:
-            card.picture, card.stamped_ns, card.settled_ns = picture, 0, 0
+            card.show_picture(picture)
             self.run()
 
     # ---- looking ----
@@ -242,7 +242,7 @@ class Dashboards:
                 self._look_at(card, robots, now_ns)
         for card in self._leaving:
             if card.task is None and now_ns >= card.again_ns:
-                card.task = asyncio.create_task(self._bring(card, SendPriority.QUESTION))
+                card.begin_edit(self._bring(card, SendPriority.QUESTION))
 
     def _robots(self, card: Dashboard) -> tuple[RobotId, ...]:
         """Return what a card shows now: never what its owner may not see (I11)."""
@@ -262,12 +262,11 @@ class Dashboards:
             # Words that wait for their turn may hold what has just become none of their reader's.
             if not (forbidden and card.message):
                 return
-            card.task.cancel()
-            card.task = None
+            card.call_off_edit()
         if forbidden or self._is_due(card, robots, now_ns):
             idle = bool(card.message) and not forbidden
             weight = SendPriority.IDLE if idle else SendPriority.QUESTION
-            card.task = asyncio.create_task(self._bring(card, weight))
+            card.begin_edit(self._bring(card, weight))
 
     def _is_due(self, card: Dashboard, robots: tuple[RobotId, ...], now_ns: int) -> bool:
         pace = pace_of(card.chat)
@@ -296,8 +295,7 @@ class Dashboards:
             log.exception("a card could not be shown")
             self._failed(card, MessengerFault("a fault of the messenger"))
         finally:
-            if card.task is mine:
-                card.task = None
+            card.edit_over(mine)
 
     async def _show(self, card: Dashboard, weight: SendPriority) -> None:
         first, turn = not card.message, turn_of(card.messenger)
@@ -309,16 +307,13 @@ class Dashboards:
         self._snapshots.look(robots[:ROBOTS_AT_MOST])
         began_ns = self._clock.monotonic_ns()
         outbound = self.drawing.outbound(card, robots, weight)
-        # Until it is known to be there, what the chat shows may be either.
-        shows = self.drawing.shows(robots)
-        card.shows = card.shows | shows
+        shows, message = self.drawing.shows(robots), card.message
+        card.may_show(shows)
         if first:
-            card.message = await card.messenger.send(replace(outbound, attachment=None))
+            message = await card.messenger.send(replace(outbound, attachment=None))
         else:
             await self._change(card, outbound)
-        card.shows, card.stamped_ns, card.failures = shows, began_ns, 0
-        card.settled_ns = self._clock.monotonic_ns()
-        card.lag_s = (card.settled_ns - began_ns) / SECOND_NS
+        card.brought(message, shows, began_ns, self._clock.monotonic_ns())
         if card.last:
             return  # it has ended meanwhile, and is about to say so
         if first:
@@ -333,8 +328,7 @@ class Dashboards:
             await card.messenger.edit(card.message, replace(outbound, attachment=None))
             return
         await put(card.message, outbound)
-        if card.picture is not None and card.picture.content is outbound.attachment:
-            card.picture = replace(card.picture, content=None)
+        card.picture_shown(outbound.attachment)
         await self._write(card)
 
     async def _pin(self, card: Dashboard) -> None:
@@ -344,11 +338,11 @@ class Dashboards:
         except MessageGone:
             raise
         except MessengerFault as fault:
-            card.wanted_pinned = card.pinned
+            card.pinning_failed()
             text = in_language(fault.sentence, self._sides.catalogue(card.owner))
             self._sides.tell(card.messenger, card.chat, text)
         else:
-            card.pinned = pinned
+            card.pinning_done(pinned=pinned)
             await self._write(card)
 
     async def _write(self, card: Dashboard) -> None:
@@ -362,10 +356,7 @@ class Dashboards:
 
     def _failed(self, card: Dashboard, fault: MessengerFault) -> None:
         """Try again later, and ever more seldom."""
-        card.failures += 1
-        card.stamped_ns = 0
-        wait_s = min(LONGEST_WAIT_S, pace_of(card.chat).between_s * 2 ** min(card.failures, 10))
-        card.again_ns = self._clock.monotonic_ns() + int(wait_s * SECOND_NS)
+        card.failed(self._clock.monotonic_ns())
         log.info("a card is not up to date: %s", fault)
         if card.last and card.failures >= TRIES_TO_LEAVE:
             self._leaving.pop(card, None)
@@ -376,10 +367,7 @@ class Dashboards:
         """A card is over; its message is to say so."""
         if self._cards.get(card.key) is card:
             del self._cards[card.key]
-        card.last, card.again_ns, card.failures = last, 0, 0
-        if card.task is not None and card.message:
-            card.task.cancel()
-            card.task = None
+        card.end(last)
         if card.message or card.task is not None:
             self._leaving[card] = None
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import lru_cache
 from math import ceil
-from typing import TYPE_CHECKING, Final, NamedTuple, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Final, Protocol, TypeAlias
 
 import msgspec
 
@@ -19,7 +19,7 @@ from rosic.core.robot.profile import RobotId
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import NothingToSee, Refusal
 from rosic.features.dashboard import messages as words
-from rosic.features.dashboard.dashboard import PreviewedCamera, PreviewViewer
+from rosic.features.dashboard.dashboard import PreviewedCamera, PreviewViewer, pace_of
 from rosic.gateway.delivery.translation import translated
 
 if TYPE_CHECKING:
@@ -77,8 +77,7 @@ class CameraPreviews:
         offered = self._offered(card, robots)
         now_ns = self._now_ns()
         if card.offered != offered or now_ns > card.offered_ns + RENEWED_NS:
-            card.offered, card.offered_ns = offered, now_ns
-            card.buttons = tuple(
+            buttons = tuple(
                 self._issue(
                     Button(
                         words.picture_button(robot if len(offered) > 1 else ""),
@@ -89,6 +88,7 @@ class CameraPreviews:
                 )
                 for robot in offered
             )
+            card.offer(offered, buttons, now_ns)
         return card.buttons
 
     def _offered(self, card: Dashboard, robots: tuple[RobotId, ...]) -> tuple[RobotId, ...]:
@@ -108,13 +108,13 @@ class CameraPreviews:
             raise NothingToSee(words.NO_SUCH_CARD)
         if self._camera is None or robot not in self._offered(card, (robot,)):
             raise NothingToSee(words.NO_PICTURE)
-        card.offered = ()  # the one that was tapped is used up
+        card.use_up_buttons()
 
         async def deliver(at_ns: int, outbound: Outbound) -> None:
             live.show_picture(card, PreviewedCamera(robot, at_ns, outbound.attachment))
 
         self._camera.look(asked, robot, deliver)
-        card.watched = PreviewViewer(asked, robot, self._now_ns())
+        card.watch(PreviewViewer(asked, robot, self._now_ns()))
 
     def renew(self, card: Dashboard) -> None:
         """Look once more for whoever looks at a card, if it is time. Returns at once."""
@@ -122,15 +122,14 @@ class CameraPreviews:
         if watched is None or self._camera is None:
             return
         if now_ns >= watched.until_ns:
-            card.watched = None
+            card.look_away()
         elif now_ns >= watched.next_ns and card.picture is not None and not card.pictured_anew:
             watched.wait(now_ns)
             self._look_again(card, watched, self._camera)
 
     def _look_again(self, card: Dashboard, watched: PreviewViewer, camera: CameraPreview) -> None:
         async def deliver(at_ns: int, outbound: Outbound) -> None:
-            if card.watched is watched and not card.last:
-                card.picture = PreviewedCamera(watched.robot, at_ns, outbound.attachment)
+            card.renew_picture(watched, PreviewedCamera(watched.robot, at_ns, outbound.attachment))
 
         with suppress(Refusal):  # the next time, then
             camera.look(watched.asked, watched.robot, deliver, unasked=True)
@@ -149,25 +148,6 @@ CAPTION_UNITS: Final = 1_000
 """UTF-16 units that every messenger takes beneath a picture."""
 BUTTON_BYTES: Final = 64
 """What a button carries on every messenger; a longer list of robots stops everything."""
-
-
-class RefreshPace(NamedTuple):
-    """How often a card may change, and how old it may become.
-
-    Attributes:
-        between_s: From one edit to the next, at the least.
-        refresh_s: After so long it is said anew how it is, though nothing has changed.
-        promise_s: What it says about that, with room for a slow network.
-    """
-
-    between_s: float
-    refresh_s: float
-    promise_s: float
-
-
-PRIVATE: Final = RefreshPace(3.0, 45.0, 60.0)
-GROUP: Final = RefreshPace(15.0, 90.0, 120.0)
-"""Four of the twenty messages and edits that a platform may let a group have in a minute."""
 
 
 class DashboardQueries(msgspec.Struct, frozen=True, kw_only=True):
@@ -285,11 +265,6 @@ class DashboardRendering:
 def in_order(robots: frozenset[RobotId]) -> tuple[RobotId, ...]:
     """Return robots sorted; those that somebody sees are the same set at each look."""
     return tuple(sorted(robots))
-
-
-def pace_of(chat: Chat) -> RefreshPace:
-    """Return how often a card in this chat may change."""
-    return PRIVATE if chat.kind is ChatKind.PRIVATE else GROUP
 
 
 def _rows(
