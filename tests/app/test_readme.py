@@ -6,7 +6,7 @@ import asyncio
 import re
 from pathlib import Path
 
-from rosic.app.config import check_config
+from rosic.app.config import read_config
 from rosic.config.profiles import check_profile, load_profile
 from rosic.testing.telegram import FakeTelegram
 from tests.cli.running import gateway, rosic
@@ -34,7 +34,7 @@ def test_the_configuration_is_right(tmp_path: Path) -> None:
     config = tmp_path / "rosic.toml"
     config.write_text(block("toml"), encoding="utf-8")
     environ = {"ROSIC_TELEGRAM_TOKEN": "123456:abcdefghijklmnopqrstuvwxyz"}
-    assert [str(error) for error in check_config(config, environ=environ)] == []
+    assert [str(error) for error in read_config(config, environ=environ).errors] == []
 
 
 async def test_whoever_has_not_written_to_the_bot_is_named_and_that_is_no_error(

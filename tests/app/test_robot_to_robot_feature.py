@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.config import check_config, load_config
+from rosic.app.config import load_config, read_config
 from rosic.config.profiles import check_profile
 from rosic.core.identity import Address
 from tests.config.profile_text import write
@@ -45,14 +45,14 @@ strategies:
 
 def test_a_robot_is_a_principal_at_its_own_address(tmp_path: Path) -> None:
     path = write(tmp_path, CONFIG, "rosic.toml")
-    assert [str(error) for error in check_config(path)] == []
+    assert [str(error) for error in read_config(path).errors] == []
     [seed] = load_config(path).people
     assert (seed.addresses, seed.roles) == ((Address("robot", "omni"),), ("fellow",))
 
 
 def test_a_robot_that_is_not_there_cannot_be_one(tmp_path: Path) -> None:
     path = write(tmp_path, CONFIG.replace("robot:omni", "robot:rover"), "rosic.toml")
-    [error] = check_config(path)
+    [error] = read_config(path).errors
     assert "omni is to be the robot rover, and there is no such [[robot]]." in str(error)
     assert error.where.endswith("rosic.toml:8")
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
-from rosic.app.config import check_config, load_config
+from rosic.app.config import load_config, read_config
 from rosic.errors import ConfigurationError
 from tests.config.profile_text import GOOD as PROFILE
 from tests.config.profile_text import MARK, marked_line, spoil, write
@@ -401,7 +401,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_the_file_that_is_spoilt_here_was_good(folder: Path) -> None:
-    errors = check_config(write(folder, GOOD, "rosic.toml"), environ=ENVIRON)
+    errors = read_config(write(folder, GOOD, "rosic.toml"), environ=ENVIRON).errors
     assert [str(error) for error in errors] == []
 
 
@@ -411,7 +411,7 @@ def test_what_is_wrong_is_said(case: Case, folder: Path) -> None:
     text = text or spoil(case.old, case.new, GOOD)
     path = write(folder, text, "rosic.toml")
 
-    [error] = check_config(path, environ=ENVIRON)[:1]
+    [error] = read_config(path, environ=ENVIRON).errors[:1]
 
     said = str(error).removeprefix(f"{error.where}: ")
     assert said.startswith(case.sentence)
@@ -438,20 +438,20 @@ def test_a_gateway_needs_something_on_either_side(
 ) -> None:
     others = {"messenger": 'kind = "terminal"', "robot": 'profile = "yumi"'}
     text = "".join(f"[[{name}]]\n{line}\n" for name, line in others.items() if name != table)
-    [error] = check_config(write(tmp_path, text, "rosic.toml"), environ={})
+    [error] = read_config(write(tmp_path, text, "rosic.toml"), environ={}).errors
     assert str(error).removeprefix(f"{error.where}: ").startswith(sentence)
 
 
 def test_what_is_wrong_with_a_profile_is_said_with_its_own_line(folder: Path) -> None:
     text = spoil("link_loss: hold", "link_loss: hodl #!", PROFILE)
     profile = write(folder / "robots", text)
-    [error] = check_config(write(folder, GOOD, "rosic.toml"), environ=ENVIRON)
+    [error] = read_config(write(folder, GOOD, "rosic.toml"), environ=ENVIRON).errors
     assert error.where == f"{profile}:{marked_line(text)}"
 
 
 def test_robots_that_could_not_be_told_apart_are_refused(folder: Path) -> None:
     write(folder / "robots", spoil("words: [buggy]", "words: [omni]", PROFILE))
-    [error] = check_config(write(folder, GOOD, "rosic.toml"), environ=ENVIRON)
+    [error] = read_config(write(folder, GOOD, "rosic.toml"), environ=ENVIRON).errors
     assert '"omni" means both' in str(error)
 
 
@@ -465,7 +465,7 @@ def test_whatever_is_wrong_is_said_and_raises_nothing(number: int, folder: Path)
     for junk in JUNK:
         lines[number] = f"{before.partition(' = ')[0]} = {junk}" if " = " in before else junk
         path = write(folder, "\n".join(lines), "rosic.toml")
-        for error in check_config(path, environ=ENVIRON):
+        for error in read_config(path, environ=ENVIRON).errors:
             assert error.where
 
 
@@ -473,7 +473,7 @@ def test_everything_is_said_at_once(folder: Path) -> None:
     write(folder / "robots", spoil("link_loss: hold", "link_loss: hodl", PROFILE))
     text = spoil('"BOT_TOKEN"', '"BOT_TOKN"', GOOD)
     text = spoil('profile = "omni"', 'profile = "omnii"', text)
-    said = [str(e) for e in check_config(write(folder, text, "rosic.toml"), environ=ENVIRON)]
+    said = [str(e) for e in read_config(write(folder, text, "rosic.toml"), environ=ENVIRON).errors]
     assert len(said) == 3
     for word, sentence in zip(("BOT_TOKN", "link_loss", "omnii"), said, strict=True):
         assert word in sentence
@@ -489,6 +489,6 @@ def test_a_token_that_stands_where_something_else_belongs_is_not_shown(
     here = QUOTED[number]
     for text in (TOKEN, f"telegram:{TOKEN}", f"bot{TOKEN}"):
         spoilt = f'{GOOD[: here.start()]}"{text}"{GOOD[here.end() :]}'
-        for error in check_config(write(folder, spoilt, "rosic.toml"), environ=ENVIRON):
+        for error in read_config(write(folder, spoilt, "rosic.toml"), environ=ENVIRON).errors:
             shown = f"{error} {error.where} {error.hint} {error!r}"
             assert TOKEN.partition(":")[2] not in shown

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rosic.app.config import check_config
+from rosic.app.config import read_config
 from rosic.config.profiles import check_profile, load_profile, shipped_profiles
 from tests.config.profile_text import write
 
@@ -28,7 +28,7 @@ def test_a_configuration_that_is_shown_is_good(text: str, tmp_path: Path) -> Non
     token = write(tmp_path, "secret\n", "token.txt")
     token.chmod(0o600)
     path = write(tmp_path, text, "rosic.toml")
-    errors = check_config(path, environ={"ROSIC_TELEGRAM_TOKEN": "secret"})
+    errors = read_config(path, environ={"ROSIC_TELEGRAM_TOKEN": "secret"}).errors
     assert [str(error) for error in errors] == []
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.config import check_config
+from rosic.app.config import read_config
 from rosic.app.features import command_table
 from rosic.config.json_schema import robot_schema
 from rosic.config.profiles import check_profile, known_units, load_profile
@@ -120,6 +120,6 @@ def test_a_rule_runs_only_as_somebody_whom_the_configuration_names(tmp_path: Pat
             '[[robot]]\nprofile = "rover.yaml"\nlink = "simulated"\n'
             f'[[principal]]\nname = "{name}"\naddress = "terminal:me"\nrole = "admin"\n'
         )
-        said = " ".join(map(str, check_config(config)))
+        said = " ".join(map(str, read_config(config).errors))
         assert ("The rule 'battery_low' of rover runs as Ada, and nobody" in said) is wrong, said
         assert bool(said) is wrong

@@ -138,15 +138,6 @@ def load_config(
     return read.config
 
 
-def check_config(
-    path: Path | str,
-    units: UnitTable | None = None,
-    environ: Mapping[str, str] | None = None,
-) -> list[ConfigurationError]:
-    """Return everything that is wrong, as far as it can be told; nothing if good."""
-    return read_config(path, units, environ).errors
-
-
 def read_config(
     path: Path | str,
     units: UnitTable | None = None,

@@ -42,10 +42,6 @@ class ContainerFactory(Protocol):
     """What the books are made with."""
 
     @property
-    def units(self) -> UnitTable:
-        """Return the units that people may say."""
-
-    @property
     def entropy(self) -> Entropy:
         """Return the source of chance."""
 

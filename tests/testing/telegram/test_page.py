@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from aiohttp import ClientSession
 
-from rosic.app.config import check_config
+from rosic.app.config import read_config
 from rosic.testing.telegram import Control, FakeTelegram
 from rosic.testing.telegram.control_door import VERBS
 from rosic.testing.telegram.door import METHODS
@@ -37,7 +37,7 @@ def test_the_address_and_the_token_for_rosic_are_right(tmp_path: Path) -> None:
     config = tmp_path / "rosic.toml"
     config.write_text(f'{block}[[robot]]\nprofile = "omni"\nlink = "memory"\n', encoding="utf-8")
     environ = {"ROSIC_TELEGRAM_TOKEN": DEFAULT_TOKEN}
-    assert [str(error) for error in check_config(config, environ=environ)] == []
+    assert [str(error) for error in read_config(config, environ=environ).errors] == []
     assert f"ROSIC_TELEGRAM_TOKEN={DEFAULT_TOKEN} rosic run" in block
     [ready] = re.findall(r"^ready (\S+)$", PAGE, re.MULTILINE)
     assert f'api_base = "{ready}/bot"' in block

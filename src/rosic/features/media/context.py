@@ -8,7 +8,7 @@ import msgspec
 
 from rosic.contracts.clock import Clock
 from rosic.core.identity import PrincipalId
-from rosic.core.language import Vocabulary, VocabularyHolder
+from rosic.core.language import VocabularyHolder
 from rosic.core.message import Chat
 from rosic.core.robot.profile import Profile, RobotId
 from rosic.features.media.render_queue import RenderQueue
@@ -38,11 +38,6 @@ class MediaContext(msgspec.Struct, frozen=True, kw_only=True):
     render_queue: RenderQueue
     sampler: TelemetrySampler
     clock: Clock
-
-    @property
-    def vocabulary(self) -> Vocabulary:
-        """What can be said now; not to be kept, as it may be replaced."""
-        return self.vocabularies.current
 
     def age_s(self, at_ns: int) -> float:
         """Return how long ago something was, on the monotonic clock."""

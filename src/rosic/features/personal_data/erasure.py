@@ -91,11 +91,6 @@ class ErasureCommands:
         self._sides = sides
         self._bodies: dict[PrincipalId, _Body] = {}
 
-    def restore(self, facts: Iterable[Fact]) -> None:
-        """Take over what earlier runs wrote."""
-        for fact in facts:
-            self.apply(fact)
-
     def apply(self, fact: Fact) -> None:
         """Let a fact be so. One that cannot be read is done again."""
         try:

@@ -18,7 +18,7 @@ from rosic.errors import Expired, NotUnderstood, OutOfBounds, TooManyRequests
 from rosic.features.robot_to_robot import messages as words
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
     from rosic.core.records import Record
 
@@ -200,11 +200,6 @@ class HelpRequests:
                 self._helps[ident] = msgspec.structs.replace(made, what="")
 
     # ---- what is so ----
-
-    def restore(self, facts: Iterable[Fact]) -> None:
-        """Take over what earlier runs wrote."""
-        for fact in facts:
-            self.apply(fact)
 
     def apply(self, fact: Fact) -> None:
         """Let a fact be so. What was erased keeps its times without its words."""

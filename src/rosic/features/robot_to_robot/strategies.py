@@ -18,7 +18,7 @@ from rosic.errors import NotUnderstood, Refusal, RobotTaken
 from rosic.features.robot_to_robot import messages as words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping
 
     from rosic.core.identity import Caller
     from rosic.core.robot.profile import RobotId
@@ -269,11 +269,6 @@ class Strategies:
             self._reach.tell((who,), text)
 
     # ---- what is so ----
-
-    def restore(self, facts: Iterable[Fact]) -> None:
-        """Take over what earlier runs wrote."""
-        for fact in facts:
-            self.apply(fact)
 
     def apply(self, fact: Fact) -> None:
         """Let a fact be so."""

@@ -19,7 +19,7 @@ from rosic.core.robot.profile import RobotId
 from rosic.errors import TooManyRequests
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import PeerRobot
@@ -138,11 +138,6 @@ class Subscriptions:
         return tuple(
             Fact(kind=KIND, key=key, body=b"") for key, e in self._ears.items() if e.who == who
         )
-
-    def restore(self, facts: Iterable[Fact]) -> None:
-        """Take over what earlier runs wrote."""
-        for fact in facts:
-            self.apply(fact)
 
     def apply(self, fact: Fact) -> None:
         """Let a fact be so. One that cannot be read follows nothing."""
