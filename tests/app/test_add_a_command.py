@@ -16,6 +16,8 @@ PAGE = ROOT / "docs" / "howto" / "add-a-command.md"
 STEP = re.compile(
     r"^([^\n`]*`[^\n]*|and [^\n]*):(?:[^\n]*)\n\n```python\n(.*?)^```", re.MULTILINE | re.DOTALL
 )
+GERMAN = re.compile(r"`(src/[\w/]+\.po)`[^\n]*:\n\n```po\n(.*?)^```", re.MULTILINE | re.DOTALL)
+EMPTY = 'msgstr ""\n'
 COMMANDS = "src/rosic/features/media/commands.py"
 INNER = 4 * " "
 
@@ -52,6 +54,34 @@ def follow(folder: Path) -> set[str]:
     return touched
 
 
+def translate(folder: Path) -> int:
+    """Write the German of the page where it says; return of how many sentences."""
+    [(file, entries)] = GERMAN.findall(PAGE.read_text(encoding="utf-8"))
+    path = folder / file
+    texts = path.read_text(encoding="utf-8")
+    pairs = re.findall(r"(msgid .+\n)(msgstr .+\n)", entries)
+    for sentence, german in pairs:
+        assert texts.count(f"{sentence}{EMPTY}\n") == 1, sentence
+        texts = texts.replace(f"{sentence}{EMPTY}\n", f"{sentence}{german}\n")
+    path.write_text(texts, encoding="utf-8")
+    return len(pairs)
+
+
+def run(folder: Path, *arguments: str) -> str:
+    """Run a module in the copy; return what it printed."""
+    done = subprocess.run(  # noqa: S603 - our own page and tests, in a copy
+        [sys.executable, "-m", *arguments],
+        cwd=folder,
+        env={"PYTHONPATH": f"{folder / 'src'}:{folder}", "PATH": "/usr/bin:/bin"},
+        capture_output=True,
+        text=True,
+        timeout=120 * pace(),
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-2000:]
+    return done.stdout
+
+
 def test_a_command_is_added_in_one_folder(tmp_path: Path) -> None:
     touched = follow(tmp_path)
     assert sorted(touched) == [
@@ -61,19 +91,9 @@ def test_a_command_is_added_in_one_folder(tmp_path: Path) -> None:
         "tests/features/media/test_battery.py",
     ]
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
-    environment = {"PYTHONPATH": f"{tmp_path / 'src'}:{tmp_path}", "PATH": "/usr/bin:/bin"}
-    tests = ("tests/features/media/test_battery.py", "tests/app/test_commands.py")
-    for arguments in (
-        ("-m", "tests.commands"),
-        ("-m", "pytest", "-q", "-p", "no:cacheprovider", *tests),
-    ):
-        done = subprocess.run(  # noqa: S603 - our own page and tests, in a copy
-            [sys.executable, *arguments],
-            cwd=tmp_path,
-            env=environment,
-            capture_output=True,
-            text=True,
-            timeout=120 * pace(),
-            check=False,
-        )
-        assert done.returncode == 0, done.stdout[-4000:] + done.stderr[-2000:]
+    wanting = run(tmp_path, "tests.texts")
+    run(tmp_path, "tests.commands")
+    assert f"texts, {translate(tmp_path)} without a translation" in wanting
+    assert "texts, 0 without a translation" in run(tmp_path, "tests.texts")
+    tests = ("features/media/test_battery.py", "app/test_commands.py", "shape/test_texts.py")
+    run(tmp_path, "pytest", "-q", "-p", "no:cacheprovider", *(f"tests/{test}" for test in tests))
