@@ -114,18 +114,10 @@ class Transactions:
         self._apply(records)
         if self._one.locked():
             self._taken.append(again)
-        writing = asyncio.create_task(self._write(records))
+        writing = asyncio.create_task(_write_or_note(self._store, records))
         self._writing.add(writing)
         writing.add_done_callback(self._writing.discard)
         return await done_within(self._clock, WRITTEN_WITHIN_S, (writing,)) and writing.result()
-
-    async def _write(self, records: tuple[Record, ...]) -> bool:
-        try:
-            await self._store.write(*records)
-        except StoreFault:
-            self._store.note(*records)
-            return False
-        return True
 
     def _apply(self, records: Iterable[Record]) -> None:
         self._let_be_so(records)
@@ -179,12 +171,17 @@ class UnitOfWork:
         """
         records = tuple(records)
         self._apply(records)
-        try:
-            await self._store.write(*records)
-        except StoreFault:
-            self._store.note(*records)
-            return False
-        return True
+        return await _write_or_note(self._store, records)
+
+
+async def _write_or_note(store: Store, records: tuple[Record, ...]) -> bool:
+    """Write down what is so already; return whether it is on disk, and not noted for later."""
+    try:
+        await store.write(*records)
+    except StoreFault:
+        store.note(*records)
+        return False
+    return True
 
 
 # ---- writing after the effect ----
