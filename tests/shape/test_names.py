@@ -32,7 +32,8 @@ def test_what_the_glossary_explains_is_not_listed_as_everybodys_word() -> None:
 
 
 def test_every_old_name_leads_to_one_that_is_there() -> None:
-    assert names.lost_names(names.RENAMED.read_text(encoding="utf-8"), source()) == []
+    lost = names.lost_names(names.RENAMED.read_text(encoding="utf-8"), source())
+    assert lost == [], f"say in {names.RENAMED.name} where it is now"
 
 
 def test_a_row_that_leads_nowhere_is_found() -> None:
