@@ -103,6 +103,11 @@ class Refusal(RosicError):
         self.offers = offers
         return self
 
+    def reported(self) -> Self:
+        """Note that it is in the security report: nobody counts it again."""
+        self.counted = True
+        return self
+
 
 class Unrecognised(Refusal):
     """A stranger, or a key that is revoked or has expired. Nothing about robots is disclosed."""

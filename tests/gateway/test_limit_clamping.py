@@ -54,6 +54,16 @@ async def test_a_default_above_ones_limit_is_lowered_to_it_and_said() -> None:
         assert "as much as your limit allows (distance <= 1 m)" in told
 
 
+async def test_of_several_lines_only_the_one_that_was_lowered_says_so() -> None:
+    async with lab(rules(student=STUDENT), {"Bo": "student"}) as place:
+        await asks(place, "omni move\nomni move 0.5 m")
+        await place.quiet()
+        shown = [told.outbound.text for told in place.chat.told]
+        assert any("1.00 m forward, as much as your limit allows" in text for text in shown)
+        assert any("0.50 m forward" in text for text in shown)
+        assert not any("0.50 m forward, as much" in text for text in shown)
+
+
 async def test_a_task_stays_within_ones_limit_as_an_order_of_ones_own_does() -> None:
     async with lab(rules(student=STUDENT), {"Bo": "student"}) as place:
         await asks(place, "/task omni move")

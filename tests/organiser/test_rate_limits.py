@@ -31,8 +31,8 @@ class RatesOnDisk:
         self.up_s = 0
         person, robot, role = self.limits
         robots = {"omni": robot} if robot else {}
-        roles = {"student": role} if role else {}
-        self.rates = RateLimits(self.clock, person, robots, roles, self.keep, str.upper)
+        self.roles = {"student": role} if role else {}
+        self.rates = RateLimits(self.clock, person, robots, self.roles, self.keep, str.upper)
         self.rates.restore(self.disk.values())
 
     def keep(self, *facts: Fact) -> None:
@@ -61,10 +61,10 @@ class RatesOnDisk:
         return not self.rates.enter(who, self.clock.monotonic_ns())
 
     def robot(self, cost: float = 1.0) -> bool:
-        return self.rates.spend("ada", 1.0, [("omni", cost)], ()) is None
+        return self.rates.spend("ada", 1.0, [("omni", cost)], {}) is None
 
     def role(self, cost: float = 1.0) -> bool:
-        return self.rates.spend("ada", cost, [], ("student",)) is None
+        return self.rates.spend("ada", cost, [], self.roles) is None
 
 
 SLOW = RateLimit(burst=4, per_s=0.1)
@@ -103,18 +103,18 @@ def test_whose_limit_it_is_is_said() -> None:
     )
     assert rates_on_disk.robot()
     assert rates_on_disk.role()
-    said = str(rates_on_disk.rates.spend("ada", 1.0, [("omni", 1.0)], ()))
+    said = str(rates_on_disk.rates.spend("ada", 1.0, [("omni", 1.0)], {}))
     assert said == (
         "OMNI has had as many commands as it takes, from everybody together. "
         "Nothing was done. Again in 100 s."
     )
-    said = str(rates_on_disk.rates.spend("ada", 1.0, [], ("student",)))
+    said = str(rates_on_disk.rates.spend("ada", 1.0, [], rates_on_disk.roles))
     assert said == (
         "Your role has asked for as much as it may: everybody who is student, together. "
         "Nothing was done. Again in 3 h."
     )
-    assert rates_on_disk.rates.spend("ada", 3.0, [], ()) is None
-    said = str(rates_on_disk.rates.spend("ada", 3.0, [], ()))
+    assert rates_on_disk.rates.spend("ada", 3.0, [], {}) is None
+    said = str(rates_on_disk.rates.spend("ada", 3.0, [], {}))
     assert said == "That is more than one person may ask. Again in 2 s."
 
 
@@ -124,7 +124,8 @@ def test_of_several_buckets_all_give_or_none_does() -> None:
     )
 
     def both() -> bool:
-        return rates_on_disk.rates.spend("ada", 1.0, [("omni", 1.0)], ("student",)) is None
+        roles = rates_on_disk.roles
+        return rates_on_disk.rates.spend("ada", 1.0, [("omni", 1.0)], roles) is None
 
     assert both()
     assert not any(both() for _ in range(5))
@@ -134,8 +135,8 @@ def test_of_several_buckets_all_give_or_none_does() -> None:
 def test_what_costs_more_than_a_full_bucket_takes_a_full_one() -> None:
     rates_on_disk = RatesOnDisk(RateLimit(burst=3, per_s=1), robot=RateLimit(burst=2, per_s=1))
     assert rates_on_disk.enter()
-    assert rates_on_disk.rates.spend("ada", 100.0, [("omni", 100.0)], ()) is None
-    assert rates_on_disk.rates.spend("ada", 100.0, [("omni", 100.0)], ()) is not None
+    assert rates_on_disk.rates.spend("ada", 100.0, [("omni", 100.0)], {}) is None
+    assert rates_on_disk.rates.spend("ada", 100.0, [("omni", 100.0)], {}) is not None
 
 
 async def test_a_restart_gives_back_what_was_left_and_what_came_meanwhile() -> None:

@@ -38,8 +38,7 @@ class Counters:
     def refuse(self, kind: str, refusal: R) -> R:
         """Count an attempt and return its refusal, so that nobody counts it again."""
         self.count(kind)
-        refusal.counted = True
-        return refusal
+        return refusal.reported()
 
     def __getitem__(self, kind: str) -> int:
         return self._counts[kind]

@@ -47,6 +47,10 @@ class StoppedRobot:
         """Whether somebody, and nobody else, has stopped it since it was last free."""
         return self.stoppers.keys() == {principal}
 
+    def stopped_their_own(self, principal: PrincipalId) -> None:
+        """Note that somebody's last stop was of an order of theirs, and of nothing else."""
+        self.own = principal
+
     def stop(self, by: PrincipalId, at_ns: int) -> int:
         """Latch and return the new generation."""
         self.generation += 1

@@ -176,9 +176,10 @@ class Agreements:
             offers = tuple(named if o == line.text else o for o in offers)
         selected = self._rooms.container.selected(caller.principal, chat)
         visible = self._rooms.organiser.visible(caller.principal)
-        refusal.offers = self._clamping.offered(
+        possible = self._clamping.offered(
             caller, offers, lambda offer: self._reader.lines(offer, selected, visible)
         )
+        refusal.offering(possible)
 
     # ---- what it comes to ----
 

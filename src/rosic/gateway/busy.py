@@ -86,7 +86,7 @@ class BusyRobots:
             and what of it waits is void; the order of the tap comes next.
         """
         robots = {robot for line in lines if isinstance(line, Do) for robot in line.robots}
-        said.asked += tuple(robots)
+        said.asks(robots)
         if command.startswith(INSTEAD) and robots:
             principal = said.caller.principal
             for entry in self._executor.take_out(principal, robots):

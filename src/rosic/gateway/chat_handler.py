@@ -256,7 +256,7 @@ class ChatHandler:
         elif command.startswith(BEHIND):
             visible = self._rooms.organiser.visible(caller.principal)
             lines = self._reader.lines(command[1:], "", visible)
-            message.text = self._parts.busy.follow(message, command, lines)
+            message.reads(self._parts.busy.follow(message, command, lines))
         return True
 
     def _outdated(self, message: MessageContext, void: Repeated) -> None:

@@ -162,8 +162,8 @@ class LimitClamping(ArgumentClamping):
 
     def admit(
         self, said: MessageContext, line: Do, cid: CommandId, why: OutOfBounds
-    ) -> tuple[Do, list[Request], tuple[Permit, ...]]:
-        """Admit a line with its defaults within its author's limits; `MessageContext.note` says so.
+    ) -> tuple[Do, list[Request], tuple[Permit, ...], str]:
+        """Admit a line with its defaults within its author's limits.
 
         Args:
             said: The message.
@@ -172,21 +172,22 @@ class LimitClamping(ArgumentClamping):
             why: Why it was refused as it was.
 
         Returns:
-            The line as it is carried out, and what becomes of it.
+            The line as it is carried out, what becomes of it, and what is said beside its orders:
+            that a default was lowered.
 
         Raises:
             OutOfBounds: Nothing of it was left open, or that does not help.
             Refusal: Why not; as `Organiser.admit`.
         """
-        line, said.note = self.of(said.caller, line)
-        if not said.note:
+        line, note = self.of(said.caller, line)
+        if not note:
             raise why
         requests = self._requesting.requests(said, line, cid, self._clock.monotonic_ns())
         complete = self._rooms.container.complete
         permits = self._rooms.organiser.admit(
             said.caller, requests, lambda one: complete(one).arguments, said.auth_context
         )
-        return line, requests, permits
+        return line, requests, permits, note
 
 
 class _Open(NamedTuple):

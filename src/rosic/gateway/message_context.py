@@ -9,7 +9,7 @@ from rosic.core.policy.roles import ASSURANCES, Assurance
 from rosic.organiser.organiser import AuthContext
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, PrincipalId
@@ -40,7 +40,6 @@ class MessageContext:
         confirmed: A button said it that asked whether it is meant.
         second: Who else has agreed to it.
         shown_ns: When the button was shown that said it, wall clock; 0: it was typed.
-        note: What is said beside its orders: that a default was lowered; mostly empty.
         text: What is read: as it was typed, or what the button says.
         proven: It was asked whether they have shown a second factor lately, and they have.
         unclear: In a chat of many: one of its lines is no command, and was said to others.
@@ -54,7 +53,6 @@ class MessageContext:
         "confirmed",
         "inbound",
         "messenger",
-        "note",
         "proven",
         "second",
         "shown_ns",
@@ -72,7 +70,6 @@ class MessageContext:
         stepped_up: SteppedUp,
     ) -> None:
         self.act = b""
-        self.note = ""
         self.text = inbound.text
         self.confirmed = self.proven = self.unclear = False
         self.second: PrincipalId | None = None
@@ -87,6 +84,14 @@ class MessageContext:
     def tapped(self, command: str, act: bytes, shown_ns: int) -> None:
         """Take in what a button says, what it agrees to, and when it was shown (wall clock)."""
         self.text, self.act, self.shown_ns = command, act, shown_ns
+
+    def reads(self, command: str) -> None:
+        """Take in what is left of what a button says once its sign was followed."""
+        self.text = command
+
+    def asks(self, robots: Iterable[RobotId]) -> None:
+        """Take in which robots a line of it asks."""
+        self.asked += tuple(robots)
 
     def read_as(self, lines: Sequence[Line], vocabulary: Vocabulary) -> None:
         """Take in what its several lines were read as."""

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 from rosic.core.message import Button
 from rosic.core.messages import headed
 from rosic.core.order import OrderStage, StageReport
-from rosic.core.order_status import ENGLISH, Face, OrderStatus, StatusTexts
+from rosic.core.order_status import ENGLISH
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.message import Chat
+    from rosic.core.order_status import OrderStatus, StatusTexts
 
 
 # What a robot reports while nothing can be said is not worth more.
@@ -43,7 +44,6 @@ class OrderMessage:
     """
 
     __slots__ = (
-        "_face",
         "_statuses",
         "about",
         "adopted",
@@ -73,7 +73,6 @@ class OrderMessage:
         chat: Chat,
         reply_to: str,
         principal: PrincipalId,
-        face: Face,
         words: StatusTexts = ENGLISH,
     ) -> None:
         self.messenger = messenger
@@ -92,7 +91,6 @@ class OrderMessage:
         self.cids: tuple[CommandId, ...] = ()
         self.buttons: tuple[tuple[Button, ...], ...] = ()
         self.after: tuple[tuple[Button, ...], ...] = ()
-        self._face = face
         self._statuses: tuple[OrderStatus, ...] = ()
         self.open = 0
 
@@ -101,14 +99,8 @@ class OrderMessage:
         """Every life has ended, and certainly nobody has read anything of them yet."""
         return not self.open and not self.message and not self.doubted
 
-    def add(self, cid: CommandId, where: str, title: str, at_ns: int) -> OrderStatus:
-        """Show one more life, which begins now."""
-        status = OrderStatus(where, title, self._face, at_ns, self.words)
-        self.show(cid, status)
-        return status
-
     def show(self, cid: CommandId, status: OrderStatus) -> None:
-        """Show a life that was made elsewhere."""
+        """Show one more life."""
         self.cids += (cid,)
         self._statuses += (status,)
         self.open += 1

@@ -10,7 +10,7 @@ from rosic.container.records import ReplyTo
 from rosic.core.i18n import in_language
 from rosic.core.language import Do, LanguageReader
 from rosic.core.message import ChatKind, MessageValidity
-from rosic.core.order_status import ENGLISH, wording_in
+from rosic.core.order_status import ENGLISH, OrderStatus, wording_in
 from rosic.core.synchronised_start import begin_together
 from rosic.errors import OutOfBounds, Refusal
 from rosic.gateway.agreement import Agreements
@@ -173,20 +173,22 @@ class Pipeline:
                     if not isinstance(line, Do):
                         await chat.answer(message, line, cid)
                         continue
-                    asked, requests = line, self._requests(message, line, cid)
+                    asked, note, requests = line, "", self._requests(message, line, cid)
                     try:
                         permits = rooms.organiser.admit(  # CHECKPERMISSIONS
                             caller, requests, self._arguments_of, message.auth_context
                         )
                     except OutOfBounds as over:
-                        asked, requests, permits = self._clamping.admit(message, line, cid, over)
+                        asked, requests, permits, note = self._clamping.admit(
+                            message, line, cid, over
+                        )
                     origin = self._origin(message, asked, requests)
                     orders = await rooms.container.prepare(  # PROCESSCOMMAND
                         permits, requests, origin
                     )
                     permits = ()
                     self._begin(
-                        message, asked, orders, origin, rooms.linker.dispatch
+                        message, asked, note, orders, origin, rooms.linker.dispatch
                     )  # RELAYCOMMAND
                 except BaseException as why:  # noqa: BLE001 - said, or raised again
                     rooms.organiser.abandon(permits)
@@ -238,21 +240,31 @@ class Pipeline:
         self,
         message: MessageContext,
         line: Do,
+        note: str,
         orders: tuple[Order, ...],
         origin: ReplyTo,
         dispatch: Dispatch,
     ) -> None:
-        """Let the orders of a line be relayed, each as soon as its robot has its turn."""
+        """Let the orders of a line be relayed, each as soon as its robot has its turn.
+
+        Args:
+            message: The line is in it.
+            line: As it is carried out.
+            note: What is said beside its orders: that a default was lowered; mostly empty.
+            orders: As the container has claimed them.
+            origin: Where they are answered.
+            dispatch: Relays one.
+        """
         messenger, chat, caller = message.messenger, message.inbound.chat, message.caller
         if chat.kind is not PRIVATE:
             self._chat.spoke_to(message, line)
-        message.asked += line.robots
+        message.asks(line.robots)
         self.command_history.note(caller.principal, chat, line.group or line.robots[0], line.text)
         if len(orders) > 1:
             orders = begin_together(orders, self._clock.monotonic_ns())
         catalogue = self._languages.of(caller.principal)
         words = ENGLISH if catalogue is None else wording_in(catalogue)
-        card = OrderMessage(messenger, chat, origin.message, caller.principal, self.face, words)
+        card = OrderMessage(messenger, chat, origin.message, caller.principal, words)
         card.about = line.group or line.robots[0]
         card.buttons = stop_button(card.about)
         card.after = self.ends[card.about, line.text, catalogue]
@@ -263,9 +275,10 @@ class Pipeline:
         for order in orders:
             shown = self._shown[order.robot]
             what = order.words if catalogue is None else in_language(order.words, catalogue)
-            if message.note:
-                what = f"{what}, {in_language(message.note, catalogue)}"
-            status = card.add(order.cid, shown, f"{shown}: {what}", now_ns)
+            if note:
+                what = f"{what}, {in_language(note, catalogue)}"
+            status = OrderStatus(shown, f"{shown}: {what}", self.face, now_ns, words)
+            card.show(order.cid, status)
             self.followers.note(order.robot, messenger, chat, caller.principal)
             self.executor.begin(order, message, card, status, dispatch)
         self._chat_sender.show(card)

@@ -199,7 +199,7 @@ class StopLane:
         mine = [r for r in robots if r in own and (not board[r].latched or board[r].own == by)]
         halting = self._linker.stop(robots, by)
         for robot in mine:
-            board[robot].own = by
+            board[robot].stopped_their_own(by)
         self._note(robots, by, again)
         return halting
 

@@ -121,7 +121,8 @@ class Calendar(CalendarIndex):
             found = occasions(pattern, now_ns, self.limits)
         except NotUnderstood as refusal:
             offer = words.pattern_typed(robot, pattern)
-            refusal.offers = refusal.offers or ((offer,) if offer else ())
+            if offer and not refusal.offers:
+                refusal.offering((offer,))
             raise
         self._check_start(found[0].start_ns, now_ns, by)
         self._check_start(found[-1].start_ns, now_ns, by)

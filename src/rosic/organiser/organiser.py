@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from rosic.core.policy.permissions import Permissions, PolicyInForce
     from rosic.core.policy.query import Allow, Decision, PolicyKey
+    from rosic.core.rate_limit import RateLimit
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.core.signal import Signal
     from rosic.core.slot import SlotRule
@@ -190,7 +191,7 @@ class Organiser:
         Raises:
             TooManyRequests: Nothing was taken.
         """
-        if refusal := self.rates.spend(caller.principal, 1 + lines, (), ()):
+        if refusal := self.rates.spend(caller.principal, 1 + lines, (), {}):
             raise refusal
 
     def admit(
@@ -267,16 +268,14 @@ class Organiser:
         Raises:
             TooManyRequests: Of a robot, of a role, or of their own; nothing was taken.
         """
-        rates, rights = self.rates, self._policy.rights
-        rates.roles = rights.rates
-        wall_ns, principal = self.wall_ns(), caller.principal
-        roles: dict[str, None] = {}
+        rights, wall_ns, principal = self._policy.rights, self.wall_ns(), caller.principal
+        roles: dict[str, RateLimit] = {}
         if rights.rates:
             for request in requests:
                 found = rights.rated(principal, request.robot, request.skill.id, wall_ns)
-                roles.update(dict.fromkeys(found))
+                roles.update((role, rights.rates[role]) for role in found)
         robots = [(request.robot, request.skill.cost) for request in requests]
-        refusal = rates.spend(principal, max(cost for _, cost in robots), robots, roles)
+        refusal = self.rates.spend(principal, max(cost for _, cost in robots), robots, roles)
         if refusal is not None:
             raise refusal
 

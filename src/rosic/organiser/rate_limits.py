@@ -110,9 +110,10 @@ class RateLimits:
     Attributes:
         person: The limit of each person.
         robots: The limits of robots that have one, each for everybody together.
-        roles: Those of roles, each for everybody who acts under it.
 
     Args:
+        roles: The limits of roles at the start, each for everybody who acts under it: what was
+            left of them goes on filling.
         note: Keeps facts, soon and in order with everything else that is written.
         shown_of: How a robot is shown.
     """
@@ -128,7 +129,7 @@ class RateLimits:
     ) -> None:
         self.person = person
         self.robots = dict(robots)
-        self.roles = roles
+        self._roles = roles
         self._note, self._shown_of = note, shown_of
         self._clock = clock
         self._people: dict[PrincipalId, Bucket] = {}
@@ -156,7 +157,7 @@ class RateLimits:
         principal: PrincipalId,
         cost: float,
         robots: Iterable[tuple[RobotId, float]],
-        roles: Iterable[str],
+        roles: Mapping[str, RateLimit],
     ) -> TooManyRequests | None:
         """Take what permitted orders cost, wholly or not at all; return why not.
 
@@ -164,7 +165,8 @@ class RateLimits:
             principal: Who asks; one was taken from them already.
             cost: What it costs them and their roles.
             robots: What it costs each robot.
-            roles: Under which the orders are given, as far as they have a rate.
+            roles: Under which the orders are given, as far as they have a limit; it is the one in
+                force now.
         """
         now_ns = self._clock.monotonic_ns()
         wanted: list[tuple[str, str, Bucket, float]] = []
@@ -173,8 +175,11 @@ class RateLimits:
             if own is None:
                 own = self._people[principal] = self._bucket(self.person, now_ns)
             wanted.append((PERSON, principal, own, cost - 1))
-        wanted += [(ROBOT, r, b, c) for r, c in robots if (b := self._other(ROBOT, r, now_ns))]
-        wanted += [(ROLE, r, b, cost) for r in roles if (b := self._other(ROLE, r, now_ns))]
+        limited = [(ROBOT, r, limit, c) for r, c in robots if (limit := self.robots.get(r))]
+        limited += [(ROLE, role, limit, cost) for role, limit in roles.items()]
+        wanted += [
+            (k, name, self._other(k, name, limit, now_ns), c) for k, name, limit, c in limited
+        ]
         takes = [(b, min(c, b.limit.burst - (kind == PERSON))) for kind, _, b, c in wanted]
         for (kind, name, _, _), (bucket, price) in zip(wanted, takes, strict=True):
             wait_s = bucket.wait_s(now_ns, price)
@@ -186,18 +191,11 @@ class RateLimits:
             self._mark()
         return None
 
-    def _other(self, kind: str, name: str, now_ns: int) -> Bucket | None:
+    def _other(self, kind: str, name: str, limit: RateLimit, now_ns: int) -> Bucket:
         bucket = self._others.get((kind, name))
         if bucket is None:
-            limit = self._limit(kind, name)
-            if limit is not None:
-                bucket = self._others[kind, name] = self._bucket(limit, now_ns)
+            bucket = self._others[kind, name] = self._bucket(limit, now_ns)
         return bucket
-
-    def _limit(self, kind: str, name: str) -> RateLimit | None:
-        if kind == PERSON:
-            return self.person
-        return (self.robots if kind == ROBOT else self.roles).get(name)
 
     def _bucket(self, limit: RateLimit, now_ns: int) -> Bucket:
         """Make a bucket for somebody who has none: it is full, unless a crash left that open."""
@@ -264,6 +262,11 @@ class RateLimits:
                 self._empty_ns = now_ns - max(0, wall_ns - emptied_ns)
         if self._empty_ns is None and saved is not None:
             self._fill(saved, now_ns, max(0, wall_ns - saved.at_ns) / 1e9)
+
+    def _limit(self, kind: str, name: str) -> RateLimit | None:
+        if kind == PERSON:
+            return self.person
+        return (self.robots if kind == ROBOT else self._roles).get(name)
 
     def _fill(self, saved: BucketFill, now_ns: int, passed_s: float) -> None:
         for kind, name, lacks in saved.missing:

@@ -12,6 +12,7 @@ from rosic.container.records import ReplyTo
 from rosic.core.alerts.rule import PAUSE, REALLOCATE
 from rosic.core.identity import command_id
 from rosic.core.order import Request
+from rosic.core.order_status import OrderStatus
 from rosic.core.records import Decided
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotPermitted, RobotBusy, TakeOver, TooManyRequests
@@ -208,12 +209,13 @@ class AlertActions:
         title = str(words.order_title(f"{shown}: {request.text}", rule))
         origin = ReplyTo(messenger.name, chat, "", title)
         [order] = await self._rooms.container.prepare(permits, [request], origin)
-        card = OrderMessage(messenger, chat, "", caller.principal, hands.face)
+        card = OrderMessage(messenger, chat, "", caller.principal)
         card.buttons = words.stop_button(rule.robot)
         catalogue = hands.chat_sender.languages.of(caller.principal)
         card.after = hands.ends[rule.robot, request.text, catalogue]
         titled = str(words.order_title(f"{shown}: {order.words}", rule))
-        status = card.add(order.cid, shown, titled, self._clock.wall_ns())
+        status = OrderStatus(shown, titled, hands.face, self._clock.wall_ns())
+        card.show(order.cid, status)
         hands.executor.begin(
             order, AutomatedRequester(caller), card, status, self._rooms.linker.dispatch
         )

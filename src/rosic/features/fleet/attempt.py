@@ -207,7 +207,7 @@ class TaskAttempts:
         hands, robot = self._hands, request.robot
         catalogue = hands.chat_sender.languages.of(caller.principal)
         wording = ENGLISH if catalogue is None else wording_in(catalogue)
-        card = OrderMessage(*where, "", caller.principal, hands.face, wording)
+        card = OrderMessage(*where, "", caller.principal, wording)
         card.about = robot
         card.buttons = stop_button(robot)
         card.after = hands.ends[robot, request.text, catalogue]

@@ -370,9 +370,7 @@ class MultiRobotCommands:
         catalogue = hands.chat_sender.languages.of(asked.caller.principal)
         wording = ENGLISH if catalogue is None else wording_in(catalogue)
         who = asked.caller.principal
-        card = OrderMessage(
-            asked.messenger, chat, reply_id(asked.inbound), who, hands.face, wording
-        )
+        card = OrderMessage(asked.messenger, chat, reply_id(asked.inbound), who, wording)
         card.about = meant.name
         card.buttons = stop_button(meant.name.replace(JOINED, " "))
         card.after = hands.ends[meant.name, meant.again, catalogue]
