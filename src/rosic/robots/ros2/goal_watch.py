@@ -256,7 +256,7 @@ class GoalWatch:
         """
         call, shown, silent_s = self._call, self._call.side.shown, self.silent_s()
         if silent_s > call.side.measured.silence_s:
-            call.unsettled = True
+            call.in_doubt()
             await call_off(goal, CANCEL_UNHEARD_WITHIN_S)
             raise RobotUnreachable(
                 said(

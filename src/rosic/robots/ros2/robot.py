@@ -230,7 +230,7 @@ class Ros2Robot:
     async def close(self) -> None:
         """Bring what is under way to rest, then leave the graph."""
         if self._call is not None:
-            self._call.cut_off = True
+            self._call.cut_off()
             if self._call.left:
                 self._halted(await self._to_rest(limit_s=CLOSING_REST_S))
         self._opened_ns = None
@@ -382,8 +382,7 @@ class Ros2Robot:
 
     def _halted(self, resting: RestResult) -> None:
         if self._call is not None:
-            self._call.rest = resting
-            self._call.halted.set()
+            self._call.stopped(resting)
 
     async def resume(self, generation: int) -> None:
         """Undo the latch, which is kept here; its own stop is released first, if that holds."""

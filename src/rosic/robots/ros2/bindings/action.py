@@ -149,7 +149,7 @@ class ActionSkill:
             ) from fault
         finally:
             if not end.done():
-                call.loose = AbandonedGoal(goal, link.ready)
+                call.given_up(AbandonedGoal(goal, link.ready))
             end.cancel()
             halted.cancel()
         if call.halted.is_set():

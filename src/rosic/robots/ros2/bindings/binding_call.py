@@ -114,19 +114,16 @@ class BindingCall:
 
     Attributes:
         left: It has passed the gate: from here on the robot may move.
-        cut_off: It is being ended without a stop, as ROSIC closes: the robot is brought to rest and
-            may say that its goal came to nothing before anybody has cancelled that.
         halted: Set when a stop has done what it could; ``rest`` then says what came of it.
         loose: Its goal, given up without a word of how it ended: it may go on.
-        unsettled: It was broken off and the robot not seen at rest since: once it is heard again
-            it is brought to rest first.
+        unsettled: Whether the robot rests is not known: once it is heard again it is brought to
+            rest first.
     """
 
     def __init__(self, order: Order, tell: Tell, side: RobotSide, patience_s: float) -> None:
         self.order = order
         self.side = side
         self.left = False
-        self.cut_off = False
         self.unsettled = False
         self.loose: AbandonedGoal | None = None
         self.halted = asyncio.Event()
@@ -134,6 +131,7 @@ class BindingCall:
         self._tell = tell
         self._patience_s = patience_s
         self._received = False
+        self._is_cut_off = False
         self._progress = OrderProgress()
 
     async def there(self, ready: Callable[[], bool], what: str, *, together: bool = False) -> None:
@@ -192,11 +190,32 @@ class BindingCall:
 
     def allowed(self) -> bool:
         """Tell whether it may go on: no stop has come, and nobody is cutting it off."""
-        return not self.cut_off and self.side.gate.still_allows(self.order)
+        return not self._is_cut_off and self.side.gate.still_allows(self.order)
+
+    def cut_off(self) -> None:
+        """It is being ended without a stop, as ROSIC closes.
+
+        The robot is brought to rest, and may say that its goal came to nothing before anybody has
+        cancelled that.
+        """
+        self._is_cut_off = True
+
+    def stopped(self, rest: RestResult) -> None:
+        """A stop has done what it could, and this came of it."""
+        self.rest = rest
+        self.halted.set()
+
+    def given_up(self, goal: AbandonedGoal) -> None:
+        """Nobody waits for the end of its goal any more; it may go on."""
+        self.loose = goal
+
+    def in_doubt(self) -> None:
+        """The robot was not seen at rest, though nothing moves it on purpose any more."""
+        self.unsettled = True
 
     def interrupted(self, broken: MotionBreak) -> None:
         """It is broken off. That is said at once: coming to rest may take its time."""
-        self.unsettled = True
+        self.in_doubt()
         self.side.measured.cut()
         _log.warning("%s: order %d is broken off: %s", self.order.robot, self.order.n, broken)
         self.running(None, over(broken))

@@ -133,7 +133,7 @@ class TopicSkill:
         """Zero did not bring it to rest, or that was not seen: apply everything else."""
         resting = await call.side.stop_controller.apply()
         if not resting.confirmed:
-            call.unsettled = True
+            call.in_doubt()
             raise in_doubt(call.side.shown, "", resting)
         if call.side.stop_controller.own is None or resting.declined or resting.unanswered:
             return Outcome(

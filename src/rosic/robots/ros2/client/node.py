@@ -64,7 +64,7 @@ class ChatInterfaceNode:
             registry = TypeRegistry(wanted)
             if self._runtime is None:
                 self._runtime = await self._opened(registry)
-            self._runtime.types = registry
+            self._runtime.know(registry)
             self._types = wanted
             self._watchers.append(watcher)
             if self._looking is None:

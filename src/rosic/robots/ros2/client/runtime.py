@@ -84,6 +84,10 @@ class RosRuntime(RosConnection):
         await thread.start()
         return cls(types, thread, node_name=node_name, now_ns=now_ns)
 
+    def know(self, types: TypeRegistry) -> None:
+        """Use these types from now on; what is open stays open."""
+        self.types = types
+
     async def close(self) -> None:
         """Leave the graph. Whoever still waits for an answer gets `NoAnswer`. May be repeated."""
         await self.thread.close()
