@@ -11,6 +11,8 @@ DEAD_MAN = "tests/core/test_deadman.py"
 
 PURSUED = "tests/linker/test_pursuit.py"
 FROZEN = "tests/real/ros2/test_frozen_goal.py"
+ACTIONS = "tests/real/ros2/test_actions.py"
+BINDINGS = "tests/real/ros2/test_robot_bindings.py"
 HALVES = "tests/real/ros2/test_halves.py"
 MOVES = "tests/gateway/test_broken_stops.py"
 REBIRTHS = "tests/robots/ros2/test_endpoint_identity.py"
@@ -57,6 +59,22 @@ OF_BREAKS = (
         caught_by=(
             f"{DEAD_MAN}::test_a_break_is_final",
             f"{STILL}::test_a_drive_ends_for_good_and_says_for_how_long_it_drove",
+        ),
+    ),
+    Fault(
+        name="I6 a goal whose acceptance was not heard goes on",
+        file="robots/ros2/bindings/action.py",
+        guard="            call.unanswered()\n",
+        without="",
+        caught_by=(f"{ACTIONS}::test_a_robot_whose_acceptance_was_not_heard_is_brought_to_rest",),
+    ),
+    Fault(
+        name="I6 what a service did not answer to goes on",
+        file="robots/ros2/bindings/service.py",
+        guard="        binding_call.unanswered()\n",
+        without="",
+        caught_by=(
+            f"{BINDINGS}::test_what_a_service_did_not_answer_is_brought_to_rest_before_anything_else",
         ),
     ),
     Fault(

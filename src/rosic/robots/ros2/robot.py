@@ -293,10 +293,11 @@ class Ros2Robot:
             raise
         finally:
             self._call = None
-            if call.loose is not None and self._opened_ns is not None:
-                self._loose.add(call.loose)
-            if call.unsettled:
-                self._settling.begin()
+            if self._opened_ns is not None:  # closing has brought it to rest, and follows nothing
+                if call.loose is not None:
+                    self._loose.add(call.loose)
+                if call.unsettled:
+                    self._settling.begin()
 
     async def _release(self) -> None:
         """Release what holds it since a motion was ended without that anybody stopped it.

@@ -98,6 +98,7 @@ class ActionSkill:
         except NotSent as fault:
             raise call.offline() from fault
         except NoAnswer as fault:
+            call.unanswered()
             raise RobotUnreachable(
                 said(
                     "{shown} has not answered for {accept_within_s:g} s.",

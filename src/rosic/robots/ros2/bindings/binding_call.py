@@ -213,6 +213,11 @@ class BindingCall:
         """The robot was not seen at rest, though nothing moves it on purpose any more."""
         self.unsettled = True
 
+    def unanswered(self) -> None:
+        """It was sent, and nothing came back: the robot may be about it, now or later."""
+        if self.order.skill.actuates:
+            self.in_doubt()
+
     def interrupted(self, broken: MotionBreak) -> None:
         """It is broken off. That is said at once: coming to rest may take its time."""
         self.in_doubt()

@@ -105,6 +105,7 @@ async def ask(
     except NotSent as fault:
         raise binding_call.offline() from fault
     except NoAnswer as fault:
+        binding_call.unanswered()
         raise RobotUnreachable(
             said(
                 "{shown} has not answered for {timeout_s:g} s.",
