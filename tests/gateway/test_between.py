@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,8 @@ from tests.gateway.test_rights import rules, who
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+
+    from rosic.core.records import Record
 
 HOUR_S, DAY_S = 3_600, 86_400
 A_SECOND_LEFT_S = 59.0
@@ -155,3 +158,44 @@ async def test_a_right_that_ends() -> None:
         place.clock.jump_wall(2.0)  # nobody has had time to see that it ended
         assert "ended" in await written(place)
         assert place.acted() == 0
+
+
+class FirstSlowStore(SlowStore):
+    """Keeps the first claim waiting, and no other."""
+
+    def __init__(self) -> None:
+        super().__init__(Claimed)
+        self._first = True
+
+    async def write(self, *records: Record) -> None:
+        """Write them, the first claim once the test is ready."""
+        ready = self.ready
+        if any(isinstance(record, Claimed) for record in records):
+            self._first, first = False, self._first
+            self.ready = ready if first else _at_once()
+        try:
+            await super().write(*records)
+        finally:
+            self.ready = ready
+
+
+@pytest.mark.parametrize("line", ["omni wave\nkuka1 wave\ncf1 wave", "/broadcast swarm wave"])
+async def test_nothing_more_of_a_message_begins_once_its_author_is_locked(line: str) -> None:
+    """Its first line waits for the disk meanwhile."""
+    store = FirstSlowStore()
+    async with Place(store).open() as place:
+        place.chat.say(line, account=BO, chat=BO)
+        await place.quiet()
+        assert "locked" in await place.say("/lock Bo")
+        store.ready.set()
+        await place.quiet()
+        await place.clock.advance(0.1)
+        assert not any(robot.acted for robot in map(place.robot, ("omni", "kuka1", "cf1", "cf2")))
+        told = "\n".join(told.outbound.text for told in place.chat.told)
+        assert "Your access is locked" in told
+
+
+def _at_once() -> asyncio.Event:
+    ready = asyncio.Event()
+    ready.set()
+    return ready

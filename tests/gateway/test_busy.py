@@ -89,6 +89,18 @@ async def test_stop_then_this_ends_ones_own_and_latches_nothing() -> None:
         assert "The next command takes its place. This was not done." in told
 
 
+async def test_stop_then_this_ends_nothing_when_the_rules_have_changed_since() -> None:
+    async with Place().open() as place:
+        place.robot("omni").work_s = 10_000.0
+        await place.say("omni move 1 m", account=BO, chat=BO)
+        await place.say("omni move 2 m", account=BO, chat=BO)
+        button = place.button("Stop, then this")
+        await place.say("/grant Vi operator cf1 for 1h")
+        told = await place.tap(*button, account=BO)
+        assert "Nothing was done" in told
+        assert place.gateway.rooms.linker.current("omni") is not None, "what runs goes on"
+
+
 async def test_of_somebody_elses_it_says_whose_and_ends_nothing() -> None:
     async with Place().open() as place:
         await _at_work(place)

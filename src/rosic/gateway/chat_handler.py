@@ -256,6 +256,7 @@ class ChatHandler:
         elif command.startswith(BEHIND):
             visible = self._rooms.organiser.visible(caller.principal)
             lines = self._reader.lines(command[1:], "", visible)
+            self._agreements.check(caller, lines, message.act)  # before anything is ended for it
             message.reads(self._parts.busy.follow(message, command, lines))
         return True
 

@@ -220,6 +220,8 @@ class Organiser:
         """
         now_ns = self._clock.monotonic_ns()
         rights, principal = self._policy.rights, caller.principal
+        if principal in self.locked:  # since the message was taken: its lines may wait for a disk
+            self.check_unlocked(caller)
         acting: list[tuple[Lease | None, int]] = []
         cost = 0.0
         for request in requests:
@@ -374,6 +376,7 @@ class Organiser:
             NotPermitted: The right is gone.
             OutsideSlot, SlotTaken, RobotTaken, TimeInDoubt: The robot is not theirs any more.
         """
+        self.check_unlocked(caller)
         decision = self.decision(caller, order.robot, order.skill.id, order.arguments, auth_context)
         if isinstance(decision, Deny):
             raise self._refusing.denial(decision)
