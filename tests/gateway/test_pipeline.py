@@ -389,11 +389,19 @@ class FailingWatcher:
         raise LookupError(order.robot)
 
 
+def no_robot(robot: str) -> None:
+    """Know no robot."""
+    raise LookupError(robot)
+
+
 async def test_an_order_goes_on_and_ends_whoever_that_follows_it_fails() -> None:
-    watcher = FailingWatcher()
+    first, second = FailingWatcher(), FailingWatcher()
     async with Place().open() as place:
-        place.gateway.pipeline.executor.watch_orders(watcher)
+        executor = place.gateway.pipeline.executor
+        executor.hear_ends(no_robot, wanted=True)
+        executor.watch_orders(first)
+        executor.watch_orders(second)
         for number in (1, 2):
             assert "done" in await place.say("omni move 1 m")
             assert place.acted() == number
-    assert watcher.heard == ["began omni", "ended omni: done"] * 2
+    assert first.heard == second.heard == ["began omni", "ended omni: done"] * 2

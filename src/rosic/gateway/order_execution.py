@@ -307,15 +307,7 @@ class OrderExecutor:
     def ended(self, running: RunningOrder, outcome: Outcome) -> None:
         """Write down how an order ended; once that is on disk it is told."""
         self._organiser.settle(running.order.permit)
-        try:
-            if running.begun and outcome.code == StillMoves.code:
-                self.still_moves.emit(running.order)
-            for hear in self._hear_ends:
-                hear(running.order.robot)
-            for watcher in self._watchers if running.begun else ():
-                watcher.ended(running.order, outcome)
-        except Exception:
-            log.exception(FOLLOWS_NOT)
+        self._tell_end(running, outcome)
         if outcome.ending is OrderEnding.CANCELLED:
             who = self._organiser.why_stopped.by_another(running.order)
             note = joined("; ", filter(None, (outcome.note, who)))
@@ -326,6 +318,24 @@ class OrderExecutor:
         self._container.conclude(running.order, outcome, running.words, at_ns, running.concluded)
         if outcome.ending is UNKNOWN or outcome.code in BROKEN_OFF:
             self._linker.void(running.order.robot, AFTER_A_BREAK)  # nothing goes on by itself (I6)
+
+    def _tell_end(self, running: RunningOrder, outcome: Outcome) -> None:
+        """Tell whoever follows orders. One who fails keeps nobody else from hearing of it."""
+        order = running.order
+        for hear in self._hear_ends:
+            try:
+                hear(order.robot)
+            except Exception:
+                log.exception(FOLLOWS_NOT)
+        if not running.begun:
+            return
+        for watcher in self._watchers:
+            try:
+                watcher.ended(order, outcome)
+            except Exception:
+                log.exception(FOLLOWS_NOT)
+        if outcome.code == StillMoves.code:
+            self.still_moves.emit(order)
 
     def shown_in(
         self, where: tuple[str, str], message: str, principal: PrincipalId = ""

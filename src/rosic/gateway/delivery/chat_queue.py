@@ -270,10 +270,11 @@ def weight_of(item: Item) -> SendPriority:
 
 def outbound_of(card: OrderMessage, *, endings: bool) -> Outbound:
     """Return a card as it should read now, with or without how lives ended."""
+    weight = OUTCOME if card.untold else FEEDBACK if card.message and not card.adopted else QUESTION
     return Outbound(
         chat=card.chat,
         text=card.text(endings=endings),
         reply_to=card.reply_to,
         buttons=card.buttons if card.open else card.after if endings else (),
-        weight=OUTCOME if card.untold else weight_of(card),
+        weight=weight,
     )
