@@ -9,6 +9,7 @@ from rosic.container.shared_data import (
     LONGEST_VALUE,
     SharedData,
     SharedDataQuota,
+    SharedDataRights,
     SharedValue,
 )
 from rosic.core.records import Fact, Letter
@@ -28,11 +29,13 @@ class Rack:
         self.shelf = self.a_shelf()
 
     def a_shelf(self) -> SharedData:
-        shelf = SharedData(self.clock, SeededEntropy(len(self.facts)), self.quota)
-        shelf.is_robot = lambda owner: owner in {OMNI, "hidden"}
-        shelf.sees = lambda _, robot: robot == OMNI
-        shelf.works_with = lambda who, _: who == ADA
-        return shelf
+        rights = SharedDataRights(
+            is_robot=lambda owner: owner in {OMNI, "hidden"},
+            sees=lambda _, robot: robot == OMNI,
+            works_with=lambda who, _: who == ADA,
+            shown=str,
+        )
+        return SharedData(self.clock, SeededEntropy(len(self.facts)), rights, self.quota)
 
     def so(self, facts: tuple[Fact, ...]) -> None:
         for fact in facts:

@@ -173,7 +173,7 @@ async def test_a_script_is_read_at_the_pace_it_is_carried_out() -> None:
     async def wait() -> None:
         order.append(f"waited, {len(script.lines)} to come")
 
-    messenger.pace = wait
+    messenger.pace_by(wait)
     running = asyncio.create_task(messenger.run(receive))
     await asyncio.wait_for(messenger.ended.wait(), 60 * pace())
 

@@ -127,7 +127,8 @@ def set_from_outside(name: str, tree: ast.Module) -> list[str]:
 
     Not counted is what has no owner that could do it better:
 
-    - what a function has made itself by a call, and may still finish;
+    - what a function has made itself by a call, and may still finish: not in the composition
+      root, where whatever is set later is something that should have been an argument (I18);
     - fields of a record (nothing but fields) that the same module defines: it is that module's own
       way to keep things together, and no other module is surprised;
     - messages of ROS and sheets of a workbook, whose types are others' and have no methods for it.
@@ -141,7 +142,7 @@ def set_from_outside(name: str, tree: ast.Module) -> list[str]:
     for function in ast.walk(tree):
         if not isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
             continue
-        made = _made(function)
+        made = set() if name.startswith(f"{COMPOSITION}.") else _made(function)
         found.extend(
             f"{name}:{target.lineno} {ast.unparse(target)}"
             for target in _set(function)

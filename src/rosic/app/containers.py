@@ -10,7 +10,7 @@ from rosic.container.archive import NOBODY, Archive, MessageAuthor
 from rosic.container.files import FileQuota, FileStore
 from rosic.container.preferences import KIND as PREFERENCE
 from rosic.container.preferences import PreferenceBook, SpeedLimits
-from rosic.container.shared_data import SharedData
+from rosic.container.shared_data import SharedData, SharedDataRights
 from rosic.core.language import skills_of
 from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.scope import FLEET, GRANT
@@ -85,11 +85,13 @@ def data_context_of(
     """Return the books, empty still."""
     organiser, clock, profiles = around.organiser, around.clock, around.profiles
     preferences = around.preferences
-    shelf = SharedData(clock, parts.entropy)
-    shelf.is_robot = profiles.__contains__
-    shelf.shown = lambda owner: profiles[owner].shown if owner in profiles else YOU
-    shelf.sees = lambda who, robot: robot in organiser.visible(who)
-    shelf.works_with = lambda who, robot: organiser.holder(robot) == who
+    rights = SharedDataRights(
+        is_robot=profiles.__contains__,
+        sees=lambda who, robot: robot in organiser.visible(who),
+        works_with=lambda who, robot: organiser.holder(robot) == who,
+        shown=lambda owner: profiles[owner].shown if owner in profiles else YOU,
+    )
+    shelf = SharedData(clock, parts.entropy, rights)
     return ContainerContext(
         preferences=preferences,
         shelf=shelf,

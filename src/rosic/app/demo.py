@@ -93,7 +93,7 @@ async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: 
     await gateway.open()
     script = None if is_terminal(sys.stdin) else DemoScript(gateway, messenger, clock)
     if script is not None:
-        messenger.pace = script.line
+        messenger.pace_by(script.line)
     # Whoever closes the pipe knows that nothing reaches them any more.
     telling = logging.getLogger("rosic.telling")
     unread = lambda _record: not messenger.gone  # noqa: E731 - removed by its identity

@@ -221,8 +221,8 @@ class Gateway(RunningGateway):
     def _speaking(self) -> tuple[ChatSender, Notifier]:
         """Make what speaks to people, and what it takes to stop robots and to say so."""
         parts, authoriser = self._parts, self.rooms.authoriser
-        self.languages = languages = ChatLanguages(catalogue, LANGUAGES)
-        languages.at = partial(whose, authoriser)
+        languages = ChatLanguages(catalogue, LANGUAGES, partial(whose, authoriser))
+        self.languages = languages
         gone: Deferred[[Item, ChatGone], None] = Deferred(nobody_to_tell)
         self._chat_sender = chat_sender = ChatSender(
             self.rooms.container, parts.clock, gone, languages

@@ -7,7 +7,7 @@ it can be asked for. Names and values are sealed in the container of whoever kee
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
 import msgspec
 
@@ -81,8 +81,20 @@ _read_content = msgspec.msgpack.Decoder(_Content).decode
 _read_quota = msgspec.msgpack.Decoder(SharedDataQuota).decode
 
 
-def _nobody(_: PrincipalId, __: Owner) -> bool:
-    return False
+class SharedDataRights(NamedTuple):
+    """What the rest of the gateway says of owners; see I18: who decides is never absent.
+
+    Attributes:
+        is_robot: Whether an owner is a robot.
+        sees: Whether somebody may read a robot. Asked of robots alone.
+        works_with: Whether somebody has a robot now, and so may store data with it.
+        shown: How an owner is called.
+    """
+
+    is_robot: Callable[[Owner], bool]
+    sees: Callable[[PrincipalId, Owner], bool]
+    works_with: Callable[[PrincipalId, Owner], bool]
+    shown: Callable[[Owner], str]
 
 
 class SharedData:
@@ -91,21 +103,22 @@ class SharedData:
     Args:
         clock: Says when something was stored.
         entropy: Makes ids: a name must not be guessable from what stands in the open.
+        rights: Decides who reads and who stores.
+        quota: What one container may keep, where nothing else is said of it.
 
     Attributes:
-        sees: Whether somebody may read a robot. Asked of robots alone.
-        works_with: Whether somebody has a robot now, and so may store data with it.
-        shown: How an owner is called.
+        is_robot, sees, works_with, shown: See `SharedDataRights`.
         lending: Who lets whom read what of their own.
     """
 
     def __init__(
-        self, clock: Clock, entropy: Entropy, quota: SharedDataQuota | None = None
+        self,
+        clock: Clock,
+        entropy: Entropy,
+        rights: SharedDataRights,
+        quota: SharedDataQuota | None = None,
     ) -> None:
-        self.sees: Callable[[PrincipalId, Owner], bool] = _nobody
-        self.works_with: Callable[[PrincipalId, Owner], bool] = _nobody
-        self.is_robot: Callable[[Owner], bool] = lambda _: False
-        self.shown: Callable[[Owner], str] = str
+        self.is_robot, self.sees, self.works_with, self.shown = rights
         self._clock = clock
         self._entropy = entropy
         self._quota = quota or SharedDataQuota()

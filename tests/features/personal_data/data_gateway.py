@@ -13,7 +13,7 @@ from rosic.config.profiles import known_units
 from rosic.container.archive import NOBODY, Archive, MessageAuthor
 from rosic.container.files import FileStore
 from rosic.container.preferences import PreferenceBook, SpeedLimits
-from rosic.container.shared_data import SharedData
+from rosic.container.shared_data import SharedData, SharedDataRights
 from rosic.core.identity import Address, Caller, Principal
 from rosic.core.language import CommandLine, skills_of
 from rosic.core.message import Chat, ChatKind, Inbound
@@ -117,10 +117,13 @@ class Ward(Place):
         self.book = PreferenceBook(
             clock, SpeedLimits(skills, unit_converter(known_units())), LANGUAGES
         )
-        self.shelf = SharedData(clock, SeededEntropy(9))
-        self.shelf.is_robot = rooms.profiles.__contains__
-        self.shelf.sees = lambda who, robot: robot in organiser.visible(who)
-        self.shelf.works_with = lambda who, robot: organiser.holder(robot) == who
+        rights = SharedDataRights(
+            is_robot=rooms.profiles.__contains__,
+            sees=lambda who, robot: robot in organiser.visible(who),
+            works_with=lambda who, robot: organiser.holder(robot) == who,
+            shown=str,
+        )
+        self.shelf = SharedData(clock, SeededEntropy(9), rights)
         self.data_context = ContainerContext(
             preferences=self.book,
             shelf=self.shelf,

@@ -27,19 +27,26 @@ def _english(_code: str) -> None:
     return None
 
 
+def _nobody(_address: Address) -> None:
+    return None
+
+
 class ChatLanguages:
     """Everybody's catalogue. Whoever reads English costs one look-up that finds nothing.
 
     Args:
         load: Reads a catalogue; asked once for each language that somebody wants.
         known: What there is, by code; nothing else is ever asked of ``load``.
-
-    Attributes:
         at: Returns who writes from an address; None: nobody known.
     """
 
-    def __init__(self, load: Load = _english, known: Mapping[str, object] | None = None) -> None:
-        self.at: Callable[[Address], PrincipalId | None] = _nobody
+    def __init__(
+        self,
+        load: Load = _english,
+        known: Mapping[str, object] | None = None,
+        at: Callable[[Address], PrincipalId | None] = _nobody,
+    ) -> None:
+        self._at = at
         self._load = load
         self._known = known or {}
         self._catalogues: dict[str, Catalogue | None] = {}
@@ -66,7 +73,7 @@ class ChatLanguages:
         """
         if not locale and not self._readers:
             return None
-        principal = self.at(address)
+        principal = self._at(address)
         if principal is None:
             return self.spoken(locale)
         if locale:  # of whoever has come in by this very message, nothing was heard yet
@@ -75,7 +82,7 @@ class ChatLanguages:
 
     def of_address(self, address: Address) -> Catalogue | None:
         """Return the catalogue of whoever is at an address; English for a stranger."""
-        principal = self.at(address) if self._readers else None
+        principal = self._at(address) if self._readers else None
         return None if principal is None else self.of(principal)
 
     def spoken(self, locale: str) -> Catalogue | None:
@@ -146,7 +153,3 @@ def labelled(buttons: _Rows, catalogue: Catalogue | None) -> _Rows:
         )
         for row in buttons
     )
-
-
-def _nobody(_address: Address) -> None:
-    return None

@@ -139,7 +139,6 @@ class TerminalMessenger:
         interrupted: Set by each Ctrl-C; see `take_interrupts`.
         ended: Set when there is nothing more to read. `run` goes on: others may still talk.
         gone: What is shown reaches nobody any more; `ended` is set then, too.
-        pace: Awaited after each line, before the next is read; for scripts.
     """
 
     platform = "terminal"
@@ -164,7 +163,7 @@ class TerminalMessenger:
         self.interrupted = asyncio.Event()
         self.ended = asyncio.Event()
         self.gone = False
-        self.pace: Callable[[], Awaitable[None]] | None = None
+        self._pace: Callable[[], Awaitable[None]] | None = None
         self.account = str(os.getuid()) if account is None else account
         self._clock = clock
         self._plain = plain
@@ -183,6 +182,10 @@ class TerminalMessenger:
     def know(self, profiles: Iterable[Profile], commands: Iterable[Command]) -> None:
         """Complete these commands, and the names and skills of these robots, from now on."""
         self._completer = Completer(profiles, commands)
+
+    def pace_by(self, done: Callable[[], Awaitable[None]]) -> None:
+        """Read each line only once what the one before it began is done: for scripts."""
+        self._pace = done
 
     async def run(self, receive: Receive) -> None:
         """Listen until cancelled. See the contract."""
@@ -206,9 +209,9 @@ class TerminalMessenger:
                 continue
             self._interrupts = 0
             inbound = self._inbound(line)
-            if self.pace is not None:
+            if self._pace is not None:
                 await receive(inbound)
-                await self.pace()
+                await self._pace()
             elif is_urgent(inbound.text or inbound.nonce or ""):
                 group.create_task(_received(receive, inbound))
             elif self._waiting.full():
