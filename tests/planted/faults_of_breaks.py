@@ -11,9 +11,8 @@ DEAD_MAN = "tests/core/test_deadman.py"
 
 PURSUED = "tests/linker/test_pursuit.py"
 FROZEN = "tests/real/ros2/test_frozen_goal.py"
-ACTIONS = "tests/real/ros2/test_actions.py"
-BINDINGS = "tests/real/ros2/test_robot_bindings.py"
 HALVES = "tests/real/ros2/test_halves.py"
+UNANSWERED = "tests/real/ros2/test_unanswered.py"
 MOVES = "tests/gateway/test_broken_stops.py"
 REBIRTHS = "tests/robots/ros2/test_endpoint_identity.py"
 
@@ -66,7 +65,9 @@ OF_BREAKS = (
         file="robots/ros2/bindings/action.py",
         guard="            call.unanswered()\n",
         without="",
-        caught_by=(f"{ACTIONS}::test_a_robot_whose_acceptance_was_not_heard_is_brought_to_rest",),
+        caught_by=(
+            f"{UNANSWERED}::test_a_robot_whose_acceptance_was_not_heard_is_brought_to_rest",
+        ),
     ),
     Fault(
         name="I6 what a service did not answer to goes on",
@@ -74,7 +75,7 @@ OF_BREAKS = (
         guard="        binding_call.unanswered()\n",
         without="",
         caught_by=(
-            f"{BINDINGS}::test_what_a_service_did_not_answer_is_brought_to_rest_before_anything_else",
+            f"{UNANSWERED}::test_what_a_service_did_not_answer_is_brought_to_rest_before_anything_else",
         ),
     ),
     Fault(

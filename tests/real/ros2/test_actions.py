@@ -7,15 +7,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.errors import RobotUnreachable
-from rosic.robots.ros2.bindings import action
 from rosic.robots.ros2.client.services import wait_until
 from rosic.robots.ros2.errors import BadValue, NoAnswer, NotSent
 from rosic.robots.ros2.messages.decode import compile_path
-from rosic.system import SystemClock
 from tests.pace import pace
-from tests.real.ros2.goal_driver import omni
-from tests.real.ros2.simulated import opened, until
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.client.actions import ActionLink
@@ -134,20 +129,6 @@ async def test_a_send_that_is_cancelled_calls_its_goal_off(
 
 
 @pytest.mark.usefixtures("interfaces")
-async def test_a_robot_whose_acceptance_was_not_heard_is_brought_to_rest(
-    mover: RosProcess, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The goal may be under way: DDS drops an answer to a client that its server does not know."""
-    monkeypatch.setattr(action, "ACCEPT_WITHIN_S", 0.3)
-    mover.say("hesitate")
-    await asyncio.to_thread(mover.expect, "ok hesitate")
-    async with opened(omni(), SystemClock()) as robot:
-        await until(lambda: all(link.ready() for link in robot._stop_controller.calls))
-        with pytest.raises(RobotUnreachable, match=r"^Omni has not answered for 0\.3 s\.$"):
-            await robot.do("move", {"distance": 1.0})
-        await asyncio.to_thread(mover.expect, "stopped", timeout_s=10 * pace())
-
-
 async def test_an_action_that_nobody_offers_is_not_asked(runtime: RosRuntime) -> None:
     nobody = await runtime.action("/omni/move", MOVE)
     assert not nobody.ready()

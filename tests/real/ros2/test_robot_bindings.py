@@ -193,45 +193,6 @@ async def test_a_service_that_does_not_answer_leaves_doubt(peer: RosProcess) -> 
     await asyncio.to_thread(peer.expect, "slow done")
 
 
-SLOW: dict[str, object] = {
-    "service": {
-        "name": "/omni/slow",
-        "type": "std_srvs/srv/SetBool",
-        "request": {"data": False},
-        "timeout_s": 0.05,
-    }
-}
-STOP: dict[str, object] = {"service": "/omni/stop", "type": "std_srvs/srv/Trigger"}
-
-
-async def test_what_a_service_did_not_answer_is_brought_to_rest_before_anything_else(
-    peer: RosProcess,
-) -> None:
-    robot = omni(SLOW, stop=STOP)
-    await robot.open(lambda _text: None)
-    try:
-        await until(lambda: all(link.ready() for link in robot._stop_controller.calls))
-        with pytest.raises(RobotUnreachable, match=r"Omni has not answered for 0.05 s"):
-            await robot.do("do", {})
-        await asyncio.to_thread(peer.expect, "stopped", timeout_s=10 * pace())
-    finally:
-        await robot.close()
-
-
-async def test_nothing_is_stopped_because_a_question_was_not_answered(peer: RosProcess) -> None:
-    robot = omni({**SLOW, "class": "observe"}, stop=STOP)
-    await robot.open(lambda _text: None)
-    try:
-        await until(lambda: all(link.ready() for link in robot._stop_controller.calls))
-        peer.lines.clear()
-        with pytest.raises(RobotUnreachable):
-            await robot.do("do", {})
-        await asyncio.to_thread(peer.expect, "slow done", timeout_s=60 * pace())
-        assert "stopped" not in peer.lines
-    finally:
-        await robot.close()
-
-
 CODED: dict[str, object] = {
     "name": "/omni/code",
     "type": "action_msgs/srv/CancelGoal",
