@@ -212,7 +212,8 @@ async def test_who_has_too_many_answers_waiting_reads_how_many_were_left_out() -
 
 async def test_whom_a_busy_group_has_answered_is_remembered_within_bounds() -> None:
     async with paced() as (place, chat):
-        queue = ChatQueue(None, lambda _: None, shared=True)
+        sender = place.gateway.pipeline._chat_sender
+        queue = ChatQueue(sender, chat.name, place.clock, None, shared=True)
         for number in range(2 * ASKERS_REMEMBERED):
             for asker in (f"p{number}", f"p{number}"):
                 asked = Outbound(chat=Chat("memory", GROUP), text=asker)
@@ -221,4 +222,3 @@ async def test_whom_a_busy_group_has_answered_is_remembered_within_bounds() -> N
             queue.items.popleft()
             queue.items.append(OutgoingMessage(chat, Outbound(chat=Chat("memory", GROUP), text="")))
         assert len(queue.answered) <= ASKERS_REMEMBERED
-        del place

@@ -94,6 +94,7 @@ async def test_a_fault_of_the_messenger_that_nobody_foresaw_does_not_silence_a_c
         place.chat.edit = fail  # type: ignore[assignment,method-assign]
         await place.say("omni move 1 m")
         await place.clock.advance(60.0)
+        assert any("done" in told.outbound.text for told in place.chat.told), "never told"
         told = await place.say("omni wave")
         assert "done" in told, "this chat is never answered again"
 

@@ -249,9 +249,9 @@ FAULTS = (
     Fault(
         name="I7 an ending is told before it is on disk",
         file="gateway/order_execution.py",
-        guard="conclude(running.order, outcome, running.words, at_ns, running.concluded)",
+        guard="conclude(running.order, outcome, words, at_ns, running.concluded)",
         without=(
-            "conclude(running.order, outcome, running.words, at_ns, lambda: None)"
+            "conclude(running.order, outcome, words, at_ns, lambda: None)"
             "\n        running.concluded()"
         ),
         caught_by=(f"{WAY}::test_an_ending_is_not_told_before_it_is_on_disk",),

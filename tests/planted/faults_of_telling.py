@@ -129,9 +129,9 @@ OF_TELLING = (
     ),
     Fault(
         name="L1 a life that was perhaps told is told again unmarked",
-        file="gateway/delivery/sender.py",
-        guard="card.doubted = fault.perhaps_sent",
-        without="pass",
+        file="gateway/order_status.py",
+        guard="        self.doubted = True\n",
+        without="        pass\n",
         caught_by=(f"{SPEAKING}::test_what_may_stand_there_already_is_said_again_with_a_mark",),
     ),
     Fault(

@@ -84,6 +84,7 @@ class OrderStatus:
     Attributes:
         where: The robot, as people read it.
         title: ``omni: move, 0.50 m left``.
+        result: How its outcome reads, once there is one; shown from `end` on.
         words: In the language of whoever reads it.
     """
 
@@ -94,6 +95,7 @@ class OrderStatus:
         "_fraction",
         "_note",
         "_steps",
+        "result",
         "title",
         "where",
         "words",
@@ -110,7 +112,7 @@ class OrderStatus:
         self._steps = ""
         self._fraction: float | None = None
         self._note = ""
-        self._ending = ""
+        self._ending = self.result = ""
 
     def step(self, report: StageReport, at_ns: int) -> bool:
         """Take a report in. Return whether a person would want to see it now."""
@@ -130,15 +132,17 @@ class OrderStatus:
         return news and bool(self.progress())  # what says neither what nor how far is no news
 
     def wording(self, outcome: Outcome, at_ns: int) -> str:
-        """Return how an outcome reads, ``done 14:02:13: object held``; the life goes on."""
+        """Take in its outcome. Return how it reads: ``done 14:02:13: object held``."""
         time_of_day, words = self._face(at_ns), self.words
         word = words.ended[outcome.ending]
         note = _noted(outcome.note, words.catalogue) if outcome.note else ""
         if outcome.ending is UNKNOWN:
-            return f"{word} ({time_of_day}). {note or words.look}"
-        if outcome.ending is REFUSED:
-            return note or word
-        return f"{word} {time_of_day}: {note}" if note else f"{word} {time_of_day}"
+            self.result = f"{word} ({time_of_day}). {note or words.look}"
+        elif outcome.ending is REFUSED:
+            self.result = note or word
+        else:
+            self.result = f"{word} {time_of_day}: {note}" if note else f"{word} {time_of_day}"
+        return self.result
 
     def end(self, words: str) -> None:
         """The life is over; what comes later does not change it."""

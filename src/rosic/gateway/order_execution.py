@@ -17,7 +17,7 @@ from rosic.errors import OrderVoid, Refusal, RobotUnreachable, StillMoves
 from rosic.linker.linker import Linker, PolicyMoved
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Coroutine
+    from collections.abc import Callable, Collection, Coroutine, Iterable
 
     from rosic.container.container import Containers
     from rosic.contracts.clock import Clock
@@ -68,10 +68,9 @@ class RunningOrder:
         shown: How it reads on its card.
         dispatch: Relays it.
         begun: It has been relayed.
-        words: How it ended, once it has.
     """
 
-    __slots__ = ("_executor", "begun", "card", "dispatch", "order", "said", "shown", "words")
+    __slots__ = ("_executor", "begun", "card", "dispatch", "order", "said", "shown")
 
     def __init__(
         self,
@@ -87,13 +86,12 @@ class RunningOrder:
         self.said = said
         self.card = card
         self.begun = False
-        self.words = ""
         self.shown = shown
         self._executor = executor
 
     def tell(self, report: StageReport) -> None:
         """Take a report in, but none after the end; a robot's words are made inert."""
-        if self.words:
+        if self.shown.result:
             return
         if report.note:
             report = StageReport(report.stage, report.fraction, inert_words(report.note))
@@ -101,13 +99,58 @@ class RunningOrder:
         if card.step(self.shown, report, executor.wall_ns()):
             executor.chat_sender.update(card)
 
+    async def relay(
+        self, worker: RobotWorker, watchers: Iterable[OrderWatcher], organiser: Organiser
+    ) -> Outcome:
+        """RELAYCOMMAND: return what the robot did, whatever happens.
+
+        Args:
+            worker: Of its robot, whose task this is.
+            watchers: Hear that it begins.
+            organiser: Admits it once more where the policy has moved.
+        """
+        self.begun, order = True, self.order
+        for watcher in watchers:
+            try:
+                watcher.began(order)
+            except Exception:
+                log.exception(FOLLOWS_NOT)
+        try:
+            try:
+                outcome = await self.dispatch(order, self.tell)
+            except PolicyMoved:
+                outcome = await self._relay_anew(organiser)
+            return inert(outcome) if outcome.note else outcome
+        except Refusal as refusal:
+            return refused(refusal)
+        except asyncio.CancelledError:
+            reason, worker.cut_off = worker.cut_off, SHUT_DOWN
+            return Outcome(OrderEnding.CANCELLED, reason)
+        except RobotUnreachable as fault:
+            log.warning("order %d of %s: %s", order.n, order.robot, fault)
+            note = said("{fault} Please look.", fault=fault.sentence)
+            return Outcome(OrderEnding.UNKNOWN, note, code=fault.code)
+        except Exception:
+            log.exception("order %d of %s", order.n, order.robot)
+            return Outcome(OrderEnding.UNKNOWN, WENT_WRONG, code="fault")
+
+    async def _relay_anew(self, organiser: Organiser) -> Outcome:
+        """Admit it once more under the present policy, and relay it; its turn is kept."""
+        while True:
+            permit = organiser.readmit(self.said.caller, self.order, self.said.auth_context())
+            try:
+                renewed = msgspec.structs.replace(self.order, permit=permit)
+                return await self.dispatch(renewed, self.tell)
+            except PolicyMoved:
+                continue
+
     def void(self, refusal: OrderVoid) -> None:
         """It is over before it began."""
         self._executor.ended(self, refused(refusal))
 
     def concluded(self) -> None:
         """Its outcome is on disk, or waits to be: from here on a card may show it."""
-        self.card.end(self.order.cid, self.shown, self.words)
+        self.card.end(self.order.cid, self.shown, self.shown.result)
         self._executor.chat_sender.show(self.card)
         self._executor.leave(self.order.permit.principal)
 
@@ -230,11 +273,10 @@ class OrderExecutor:
             if self._closing:
                 running.void(OrderVoid(NEVER_BEGUN))
                 return
-            running.begun = True
             if self._newest is not None:
                 self._newest[robot] = running
             worker.relaying = True
-            outcome = await self._relay(worker, running)
+            outcome = await running.relay(worker, self._watchers, self._organiser)
             worker.relaying = False
             if worker.rested is not None:
                 worker.rested.set()
@@ -252,44 +294,6 @@ class OrderExecutor:
                 assert isinstance(waiting, RunningOrder)  # noqa: S101 - nothing else is put there
                 worker.running = waiting
                 del waiting
-
-    async def _relay(self, worker: RobotWorker, running: RunningOrder) -> Outcome:
-        """RELAYCOMMAND: return what the robot did, whatever happens."""
-        order = running.order
-        for watcher in self._watchers:
-            try:
-                watcher.began(order)
-            except Exception:
-                log.exception(FOLLOWS_NOT)
-        try:
-            try:
-                outcome = await running.dispatch(order, running.tell)
-            except PolicyMoved:
-                outcome = await self._relay_anew(running)
-            return inert(outcome) if outcome.note else outcome
-        except Refusal as refusal:
-            return refused(refusal)
-        except asyncio.CancelledError:
-            reason, worker.cut_off = worker.cut_off, SHUT_DOWN
-            return Outcome(OrderEnding.CANCELLED, reason)
-        except RobotUnreachable as fault:
-            log.warning("order %d of %s: %s", order.n, order.robot, fault)
-            note = said("{fault} Please look.", fault=fault.sentence)
-            return Outcome(OrderEnding.UNKNOWN, note, code=fault.code)
-        except Exception:
-            log.exception("order %d of %s", order.n, order.robot)
-            return Outcome(OrderEnding.UNKNOWN, WENT_WRONG, code="fault")
-
-    async def _relay_anew(self, running: RunningOrder) -> Outcome:
-        """Admit an order once more under the present policy, and relay it; its turn is kept."""
-        while True:
-            said = running.said
-            permit = self._organiser.readmit(said.caller, running.order, said.auth_context())
-            try:
-                renewed = msgspec.structs.replace(running.order, permit=permit)
-                return await running.dispatch(renewed, running.tell)
-            except PolicyMoved:
-                continue
 
     def watch_orders(self, watcher: OrderWatcher, *, wanted: bool = True) -> None:
         """Let somebody hear when a robot begins an order and when it has ended, each time once.
@@ -313,9 +317,8 @@ class OrderExecutor:
             note = joined("; ", filter(None, (outcome.note, who)))
             outcome = msgspec.structs.replace(outcome, note=note)
         at_ns = self.wall_ns()
-        running.words = running.shown.wording(outcome, at_ns)
-        running.card.ending = True
-        self._container.conclude(running.order, outcome, running.words, at_ns, running.concluded)
+        words = running.shown.wording(outcome, at_ns)
+        self._container.conclude(running.order, outcome, words, at_ns, running.concluded)
         if outcome.ending is UNKNOWN or outcome.code in BROKEN_OFF:
             self._linker.void(running.order.robot, AFTER_A_BREAK)  # nothing goes on by itself (I6)
 

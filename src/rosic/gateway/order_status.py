@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
-from rosic.core.message import Button
+from rosic.core.message import Button, Outbound, SendPriority
 from rosic.core.messages import headed
 from rosic.core.order import OrderStage, StageReport
 from rosic.core.order_status import ENGLISH
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 # What a robot reports while nothing can be said is not worth more.
 LINES_AT_MOST = 100
 
+OUTCOME, QUESTION, FEEDBACK = SendPriority.OUTCOME, SendPriority.QUESTION, SendPriority.FEEDBACK
+
 
 class OrderMessage:
     """One message and the lives in it.
@@ -30,7 +33,6 @@ class OrderMessage:
         message: The platform's id, once it was sent.
         adopted: It is to take the place of ``message``, the question that was answered.
         dirty: It differs from what the chat shows.
-        due: It is shown anew at the next tick, as it is then.
         lines: For a messenger that cannot edit: what is to be said, line by line.
         untold: Orders that ended and whose author has not read it here.
         cids: The orders whose lives are shown here.
@@ -38,7 +40,6 @@ class OrderMessage:
         buttons: Beneath it while anything in it goes on.
         after: Beneath it once all of it has ended.
         open: How many lives have not ended; at 0 nothing more will be said here.
-        ending: An ending is on its way to the disk, or there.
         doubted: A message that said the ending may have arrived, or not.
         words: In the language of whoever is answered.
     """
@@ -53,8 +54,6 @@ class OrderMessage:
         "cids",
         "dirty",
         "doubted",
-        "due",
-        "ending",
         "in_place",
         "lines",
         "message",
@@ -85,7 +84,7 @@ class OrderMessage:
         self.about = ""
         self.adopted = False
         self.words = words
-        self.dirty = self.due = self.doubted = self.ending = False
+        self.dirty = self.doubted = False
         self.lines: tuple[str, ...] = ()
         self.untold: tuple[CommandId, ...] = ()
         self.cids: tuple[CommandId, ...] = ()
@@ -110,12 +109,12 @@ class OrderMessage:
     def step(self, status: OrderStatus, report: StageReport, at_ns: int) -> bool:
         """Take a report in. Return whether the chat is to hear of it.
 
-        Not while the first message is still to be sent, or the next edit due: that will show it.
+        Not while the first message is still to be sent: that will show it.
         """
         news = status.step(report, at_ns)
         if self.in_place:
             self.dirty = True
-            return not self.due and self.message != "" and not self.adopted
+            return self.message != "" and not self.adopted
         if news and (report.stage is not OrderStage.RUNNING or len(self.lines) < LINES_AT_MOST):
             self.lines += (status.line(report),)
         return bool(self.lines)
@@ -129,13 +128,76 @@ class OrderMessage:
         if not self.in_place:
             self.lines += (headed(status.where, words),)
 
-    def text(self, *, endings: bool) -> str:
-        """Return the message as it should read now, with or without how lives ended."""
+    @property
+    def ending(self) -> bool:
+        """An ending is on its way to the disk, or there."""
+        return any(map(_RESULT, self._statuses))
+
+    @property
+    def weight(self) -> SendPriority:
+        """How important it is now: more once one of its lives has ended."""
+        if self.untold:
+            return OUTCOME
+        return FEEDBACK if self.message and not self.adopted else QUESTION
+
+    def read(self, *, endings: bool) -> Outbound:
+        """Return the message as it should read now: from here on only what is newer is to be shown.
+
+        Args:
+            endings: With how lives ended.
+        """
+        self.dirty = not endings and bool(self.untold)
         if len(self._statuses) == 1:
-            return self._statuses[0].text(ending=endings)
-        return "\n".join([status.text(ending=endings) for status in self._statuses])
+            text = self._statuses[0].text(ending=endings)
+        else:
+            text = "\n".join([status.text(ending=endings) for status in self._statuses])
+        return Outbound(
+            chat=self.chat,
+            text=text,
+            reply_to=self.reply_to,
+            buttons=self.buttons if self.open else self.after if endings else (),
+            weight=OUTCOME
+            if self.untold
+            else FEEDBACK
+            if self.message and not self.adopted
+            else QUESTION,
+        )
+
+    def stands_in(self, message: str) -> None:
+        """Take in which message shows it."""
+        self.message = message
+
+    def adopt(self, question: str) -> None:
+        """Take the place of a question that was answered, if there is one."""
+        self.message, self.adopted = question, question != ""
+
+    def take_place(self) -> str:
+        """Return the question whose place it takes now; if that fails it has its own message."""
+        question, self.message, self.adopted = self.message, "", False
+        return question
+
+    def doubt(self) -> None:
+        """It may stand in the chat already, for ever."""
+        self.doubted = True
+
+    def not_edited(self, *, gone: bool) -> None:
+        """It is to be shown all the same: in a new message if a person has deleted the old one."""
+        self.dirty = True
+        if gone:
+            self.message = ""
+
+    def line_said(self) -> None:
+        """The first of its lines was said."""
+        self.lines = self.lines[1:]
+
+    def settle(self) -> tuple[CommandId, ...]:
+        """Return whose endings count as told now; nothing of it is left to be said."""
+        self.dirty, self.lines = False, ()
+        told, self.untold = self.untold, ()
+        return told
 
 
+_RESULT = attrgetter("result")
 ACCEPTED = StageReport(OrderStage.ACCEPTED)
 
 

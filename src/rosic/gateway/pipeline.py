@@ -270,7 +270,7 @@ class Pipeline:
         card.after = self.ends[card.about, line.text, catalogue]
         if message.confirmed and messenger.edits and len(message.asked) == len(orders):
             # The question that was answered becomes the message of the order that it asked about.
-            card.message, card.adopted = message.inbound.under, bool(message.inbound.under)
+            card.adopt(message.inbound.under)
         now_ns = self._clock.wall_ns()
         for order in orders:
             shown = self._shown[order.robot]

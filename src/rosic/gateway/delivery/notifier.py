@@ -122,8 +122,8 @@ class Notifier:
         for principal in dict.fromkeys(people):
             for messenger, chat in self._chats(principal):
                 outbound = Outbound(chat=chat, text=notice.text, weight=weight)
-                note = OutgoingMessage(messenger, outbound)
-                note.edit_of = notice.instead_of.get(note.where_to, "")
+                edit_of = notice.instead_of.get((messenger.name, chat.id), "")
+                note = OutgoingMessage(messenger, outbound, edit_of=edit_of)
                 self._offer(principal, note, notice)
                 if lasts:
                     self._outbox.say(principal, note, notice.matter)
@@ -152,9 +152,8 @@ class Notifier:
             for row in notice.buttons
         )
         offering = msgspec.structs.replace(note.outbound, buttons=bound)
-        note.outbound = translated(offering, self._chat_sender.languages.of(who))
-        if notice.landed is not None:
-            note.landed = partial(notice.landed, messenger, chat)
+        landed = None if notice.landed is None else partial(notice.landed, messenger, chat)
+        note.offer(translated(offering, self._chat_sender.languages.of(who)), landed)
 
     def pass_on(
         self, people: Iterable[PrincipalId], text: str, besides: tuple[str, str], *, hops: int
@@ -282,7 +281,7 @@ class UndeliverableHandler:
 def _what_matters(item: Item) -> str:
     """Return what somebody waits for; empty for what only shows how things go."""
     if isinstance(item, OrderMessage):
-        return item.text(endings=True) if item.untold else ""
+        return item.read(endings=True).text if item.untold else ""
     weighs = bool(item.to) or item.outbound.weight <= SendPriority.ALARM
     return item.outbound.text if weighs else ""
 

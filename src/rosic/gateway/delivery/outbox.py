@@ -81,7 +81,7 @@ class Outbox:
         """
         if len(self._owed) < OWED_AT_MOST:
             key, fact = self._fact(to, note.messenger, note.outbound, matter)
-            note.then, note.to = partial(self.said, key), to
+            note.owe(to, partial(self.said, key))
             self._store.keep(fact, partial(self._chat_sender.say, note))
         else:
             self._chat_sender.say(note)

@@ -15,20 +15,19 @@ import msgspec
 
 from rosic.contracts.messenger import turn_of
 from rosic.core import messages
-from rosic.core.i18n import in_language, joined
+from rosic.core.i18n import in_language
 from rosic.core.identity import Address
 from rosic.core.message import ChatKind, Outbound
 from rosic.core.signal import Signal
 from rosic.errors import ChatGone, MessageGone, MessengerFault
 from rosic.gateway.delivery.chat_queue import (
+    FIRST_WAIT_S,
     ChatQueue,
     Item,
     OutgoingMessage,
     edit_or_send,
     matters,
-    outbound_of,
     place_of,
-    weight_of,
 )
 from rosic.gateway.delivery.translation import ChatLanguages
 from rosic.gateway.order_status import OrderMessage
@@ -43,6 +42,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger, Turn
     from rosic.core.i18n import Catalogue
+    from rosic.core.identity import PrincipalId
 
 TRIES = 6
 ASIDE_S = 60.0
@@ -50,7 +50,6 @@ ASIDE_AT_MOST = 10_000
 # Between two edits that only show progress. Seldom enough to leave room for the ending where a
 # platform takes one message a second from a chat.
 PROGRESS_EVERY_S = 2.0
-FIRST_WAIT_S = 0.5
 QUEUES_AT_MOST = 10_000
 
 log = logging.getLogger("rosic.telling")
@@ -96,18 +95,20 @@ class ChatSender:
             self._urgent.add(task)
             task.add_done_callback(self._urgent.discard)
         else:
-            self._enqueue((note.messenger.name, note.outbound.chat.id), note)
+            self._queue(note.where_to, note).put(note)
 
     def show(self, card: OrderMessage) -> None:
         """Bring a chat up to date with a card."""
-        self._enqueue(card.where, card)
+        queue = self._queues.get(card.where)
+        if queue is None:
+            queue = self._queue(card.where, card)
+        queue.put(card)
 
     def update(self, card: OrderMessage) -> None:
         """Show progress: line by line at once, or by an edit when the next one is due."""
         if card.lines:
-            self._enqueue(card.where, card)
+            self.show(card)
         elif card.dirty:
-            card.due = True
             self._due[card] = None
             if self._ticking is None:
                 self._ticking = asyncio.create_task(self._tick())
@@ -118,9 +119,8 @@ class ChatSender:
             await self._clock.sleep(PROGRESS_EVERY_S)
             due, self._due = self._due, {}
             for card in due:
-                card.due = False
                 if card.dirty and card.open:
-                    self._enqueue(card.where, card)
+                    self.show(card)
         self._ticking = None
 
     def _turn_of(self, messenger: Messenger) -> Turn | None:
@@ -129,94 +129,38 @@ class ChatSender:
             self._turns[name] = turn_of(messenger)
         return self._turns[name]
 
-    def _enqueue(self, where: tuple[str, str], item: Item) -> None:
+    def _queue(self, where: tuple[str, str], item: Item) -> ChatQueue:
+        """Return the queue of a chat in which something is to be said."""
         queue = self._queues.get(where)
         if queue is None:
             self._retire()
             messenger, chat = place_of(item)
             queue = self._queues[where] = ChatQueue(
+                self,
+                where[0],
+                self._clock,
                 self._turn_of(messenger),
-                self._count_as_told,
                 shared=chat.kind is not ChatKind.PRIVATE,
             )
-        items = queue.items
-        if items:
-            if items[-1] is item:
-                queue.hasten(item)
-                return  # it will be read when it is its turn, as it is then
-            if not queue.make_room(item, where[0]):
-                return
-        items.append(item)
-        if queue.task is None:
-            queue.task = asyncio.create_task(self._run(queue))
-        elif queue.wake is not None and not queue.wake.done():
-            queue.wake.set_result(None)
-        elif queue.asking is not None:
-            queue.hasten(item)
+        return queue
 
     def _retire(self) -> None:
         """Keep the number of queues bounded: the oldest ones that are empty go."""
         if len(self._queues) < QUEUES_AT_MOST:
             return
         for where, queue in list(self._queues.items())[: QUEUES_AT_MOST // 2]:
-            if queue.task is not None and queue.wake is not None and not queue.wake.done():
+            if queue.task is not None and queue.is_asleep:
                 queue.task.cancel()
                 del self._queues[where]
-
-    async def _run(self, queue: ChatQueue) -> None:
-        loop, turn = asyncio.get_running_loop(), queue.turn
-        while True:
-            while queue.items:
-                if turn is not None:
-                    await self._wait_for_turn(queue, turn)
-                alone = len(queue.items) == 1 and not queue.answered
-                item = queue.items.popleft() if alone else self._take(queue)
-                try:
-                    if turn is None and isinstance(item, OrderMessage) and item.in_place:
-                        await self._show_in_place(item, None)
-                    else:
-                        await self._speak_once(item, queue if turn is not None else None)
-                except ChatGone as why:
-                    self._let_go(item, why)
-                except MessengerFault as fault:
-                    log.warning("not told yet: %s", fault)
-                    await self._speak_again(item)
-                except Exception:
-                    log.exception("not told: a fault of the messenger")
-                    await self._speak_again(item)
-                del item  # or it would lie about until something else is said here
-            queue.wake = loop.create_future()
-            await queue.wake
-            queue.wake = None
-
-    async def _wait_for_turn(self, queue: ChatQueue, turn: Turn) -> None:
-        """Wait until the most important thing in a chat may be said, for as long as it takes."""
-        _, chat = place_of(queue.items[0])
-        while True:
-            queue.weight = min(map(weight_of, queue.items))
-            queue.asking = asyncio.ensure_future(turn(chat, queue.weight))
-            try:
-                await queue.asking
-            except asyncio.CancelledError:
-                me = asyncio.current_task()
-                if me is None or me.cancelling():
-                    raise
-            except MessengerFault as fault:
-                log.warning("no turn yet: %s", fault)
-                await self._clock.sleep(FIRST_WAIT_S)
-            else:
-                return
-            finally:
-                queue.asking = None
 
     async def _speak(self, item: Item, *, tries: int = TRIES) -> None:
         """Say one thing, or lay it aside: one message that is not taken silences no chat."""
         wait_s = FIRST_WAIT_S * 2 ** (TRIES - tries)
         for _ in range(tries):
             try:
-                await self._speak_once(item)
+                await self.speak_once(item)
             except ChatGone as why:
-                self._let_go(item, why)
+                self.let_go(item, why)
                 return
             except MessengerFault as fault:
                 log.warning("not told yet: %s", fault)
@@ -231,37 +175,26 @@ class ChatSender:
             self._aside.add(task)
             task.add_done_callback(self._aside.discard)
 
-    def _let_go(self, item: Item, why: ChatGone) -> None:
+    def let_go(self, item: Item, why: ChatGone) -> None:
         """Nobody is there to be told any more: it counts as told, and is tried no further."""
         self._gone(item, why)
-        if isinstance(item, OrderMessage):
-            item.dirty, item.lines = False, ()
-            told, item.untold = item.untold, ()
-        else:
+        if not isinstance(item, OrderMessage):
             if item.then is not None:
                 item.then()
-            self._count_as_told(item)
-            return
-        if told:
+            self.count_as_told(item)
+        elif told := item.settle():
             self._containers.told(*told)
 
-    def _count_as_told(self, note: OutgoingMessage) -> None:
+    def count_as_told(self, note: OutgoingMessage) -> None:
+        """Note that whoever asked for it has nothing more to hear."""
         if note.cid is not None:
             self._containers.told(note.cid, *note.also)
 
-    def _take(self, queue: ChatQueue) -> Item:
-        """Take out what is said next; an answer says how many before it were left out."""
-        item = queue.take()
-        if not queue.left_out or isinstance(item, OrderMessage):
-            return item
-        count = queue.left_out.pop(item.asker, 0)
-        if count:
-            text = joined("\n", (messages.left_out(count), item.outbound.text))
-            plain = in_language(text, self.languages.of(item.asker))
-            item.outbound = msgspec.structs.replace(item.outbound, text=plain)
-        return item
+    def plain(self, text: str, reader: PrincipalId) -> str:
+        """Return a sentence as somebody reads it."""
+        return in_language(text, self.languages.of(reader))
 
-    async def _speak_again(self, item: Item) -> None:
+    async def speak_again(self, item: Item) -> None:
         """Go on after a first try that failed."""
         await self._clock.sleep(FIRST_WAIT_S)
         await self._speak(item, tries=TRIES - 1)
@@ -269,12 +202,10 @@ class ChatSender:
     async def _speak_later(self, item: Item) -> None:
         """Try what matters again after a while, behind what was said meanwhile."""
         await self._clock.sleep(ASIDE_S)
-        if isinstance(item, OrderMessage):
-            self._enqueue(item.where, item)
-        else:
-            self._enqueue((item.messenger.name, item.outbound.chat.id), item)
+        where = item.where if isinstance(item, OrderMessage) else item.where_to
+        self._queue(where, item).put(item)
 
-    async def _speak_once(self, item: Item, queue: ChatQueue | None = None) -> None:
+    async def speak_once(self, item: Item, queue: ChatQueue | None = None) -> None:
         """Say one thing, with whatever may be said in one turn.
 
         Args:
@@ -288,7 +219,7 @@ class ChatSender:
         elif queue is not None and queue.items and item.is_over_unseen:
             await self._show_at_once(item)
         else:
-            await self._show_in_place(item, queue)
+            await self.show_in_place(item, queue)
 
     async def _say(self, note: OutgoingMessage) -> None:
         try:
@@ -296,16 +227,14 @@ class ChatSender:
         except MessengerFault as fault:
             # An edit may be made twice; a message that is sent twice says so.
             if fault.perhaps_sent and not note.edit_of and not note.doubted:
-                note.doubted = True
                 address = Address(note.outbound.chat.platform, note.outbound.chat.id)
-                note.outbound = _marked(note.outbound, self.languages.of_address(address))
+                note.doubt(_marked(note.outbound, self.languages.of_address(address)))
             raise
         if not message:
             return
         self.on_buttons.emit(note, message)
         self.reply_targets.note(note.messenger.name, note.outbound.chat, message, note.about)
-        if note.cid is not None:
-            self._containers.told(note.cid, *note.also)
+        self.count_as_told(note)
         if note.landed is not None:
             note.landed(message)
         if note.then is not None:
@@ -316,10 +245,9 @@ class ChatSender:
             text, last = card.lines[0], len(card.lines) == 1 and not card.open
             buttons = card.after if last else ()
             await card.messenger.send(Outbound(chat=card.chat, text=text, buttons=buttons))
-            card.lines = card.lines[1:]
+            card.line_said()
         if not card.open and card.untold:
-            self._containers.told(*card.untold)
-            card.untold = ()
+            self._containers.told(*card.settle())
 
     async def _show_at_once(self, card: OrderMessage) -> None:
         """Say a life that is over in one message, where more waits than the platform takes.
@@ -328,16 +256,15 @@ class ChatSender:
         die before it is noted as told, the next says it again, marked (`gateway/recovery.py`).
         """
         try:
-            card.message = await card.messenger.send(outbound_of(card, endings=True))
+            card.stands_in(await card.messenger.send(card.read(endings=True)))
         except MessengerFault as fault:
-            card.doubted = fault.perhaps_sent
+            if fault.perhaps_sent:
+                card.doubt()
             raise
         self.reply_targets.note(card.messenger.name, card.chat, card.message, card.about)
-        card.dirty = False
-        self._containers.told(*card.untold)
-        card.untold = ()
+        self._containers.told(*card.settle())
 
-    async def _show_in_place(self, card: OrderMessage, queue: ChatQueue | None) -> None:
+    async def show_in_place(self, card: OrderMessage, queue: ChatQueue | None) -> None:
         """Send once, write down which message it is, and say an ending only by editing it.
 
         So an ending is said exactly once, whenever this process may die: what was not noted as
@@ -346,44 +273,33 @@ class ChatSender:
         if not card.message or card.adopted:
             await self._place(card)
             if queue is not None and card.dirty:
-                queue.items.appendleft(card)  # an edit is another turn
+                queue.put_back(card)
                 return
         if not card.dirty:
             return
-        shown = self._with_endings(card)
-        ended, card.untold = card.untold, ()
-        card.dirty = card.due = False
+        shown = card.read(endings=True)
+        if card.doubted:
+            shown = _marked(shown, self.languages.of(card.principal))
         self._due.pop(card, None)  # a life that is over would lie there until the tick
         try:
             await card.messenger.edit(card.message, shown)
-        except MessengerFault as fault:
-            card.dirty = True
-            card.untold = ended + card.untold
-            if isinstance(fault, MessageGone):
-                card.message = ""  # the person deleted it; the life goes on in a new one
+        except Exception as fault:
+            card.not_edited(gone=isinstance(fault, MessageGone))
             raise
-        if card.dirty or card.open:
-            # A later run knows only lives that are not noted as told, and says them together.
-            card.untold = ended + card.untold
-        elif ended:
-            self._containers.told(*ended)
-
-    def _with_endings(self, card: OrderMessage) -> Outbound:
-        outbound = outbound_of(card, endings=True)
-        if not card.doubted:
-            return outbound
-        return _marked(outbound, self.languages.of(card.principal))
+        # A later run knows only lives that are not noted as told, and says them together.
+        if card.untold and not card.dirty and not card.open:
+            self._containers.told(*card.settle())
 
     async def _place(self, card: OrderMessage) -> None:
         """Show a life for the first time, and write down which message shows it."""
-        card.dirty = bool(card.untold)
         if card.adopted:
             await self._adopt(card)
         else:
             try:
-                card.message = await card.messenger.send(outbound_of(card, endings=False))
+                card.stands_in(await card.messenger.send(card.read(endings=False)))
             except MessengerFault as fault:
-                card.doubted = card.doubted or fault.perhaps_sent  # it may stand there for ever
+                if fault.perhaps_sent:
+                    card.doubt()
                 raise
         self.reply_targets.note(card.messenger.name, card.chat, card.message, card.about)
         if card.ending:
@@ -394,12 +310,10 @@ class ChatSender:
 
     async def _adopt(self, card: OrderMessage) -> None:
         """Show a card for the first time where it was asked for."""
-        outbound = outbound_of(card, endings=False)
-        adopted, card.adopted = card.message, False
-        card.message = ""  # should this fail, it is said in a message of its own
-        self.on_buttons.emit(OutgoingMessage(card.messenger, outbound), adopted)
-        await card.messenger.edit(adopted, outbound)
-        card.message = adopted
+        outbound, question = card.read(endings=False), card.take_place()
+        self.on_buttons.emit(OutgoingMessage(card.messenger, outbound), question)
+        await card.messenger.edit(question, outbound)
+        card.stands_in(question)
 
     async def flush(self, seconds: float) -> None:
         """Wait until everything is said, or the time is over; then fall silent."""
@@ -417,7 +331,7 @@ class ChatSender:
     def quiet(self) -> bool:
         """Whether everything has been said."""
         speaking = any(
-            queue.items or queue.wake is None or queue.wake.done()
+            queue.items or not queue.is_asleep
             for queue in self._queues.values()
             if queue.task is not None
         )
