@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
     from rosic.core.policy.permissions import Permissions, PolicyInForce
     from rosic.core.policy.query import Allow, Decision, PolicyKey
-    from rosic.core.rate_limit import RateLimit
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.core.signal import Signal
     from rosic.core.slot import SlotRule
@@ -271,11 +270,9 @@ class Organiser:
             TooManyRequests: Of a robot, of a role, or of their own; nothing was taken.
         """
         rights, wall_ns, principal = self._policy.rights, self.wall_ns(), caller.principal
-        roles: dict[str, RateLimit] = {}
-        if rights.rates:
-            for request in requests:
-                found = rights.rated(principal, request.robot, request.skill.id, wall_ns)
-                roles.update((role, rights.rates[role]) for role in found)
+        limited = requests if rights.rates else ()
+        rated = (rights.rated(principal, r.robot, r.skill.id, wall_ns) for r in limited)
+        roles = {role: rights.rates[role] for found in rated for role in found}
         robots = [(request.robot, request.skill.cost) for request in requests]
         refusal = self.rates.spend(principal, max(cost for _, cost in robots), robots, roles)
         if refusal is not None:
