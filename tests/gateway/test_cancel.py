@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from typing import TYPE_CHECKING
 
 import pytest
 from msgspec.structs import replace
@@ -14,7 +15,12 @@ from rosic.errors import RecordUnavailable
 from rosic.robots.memory import MemoryRobot
 from tests.gateway.place import BO, VI, Place, SlowStore, profile
 
+if TYPE_CHECKING:
+    from rosic.core.records import Record
+
 LONG_S = 10_000.0
+SWARM = tuple(profile(f"cf{number}", groups=("swarm",)) for number in range(1, 41))
+"""So many that others have their turn while a line to all of them is worked out."""
 
 
 def _latched(place: Place) -> list[str]:
@@ -107,6 +113,85 @@ async def test_an_order_on_its_way_to_the_disk_does_not_begin() -> None:
         assert place.acted() == 0
         await place.say("omni move 1 m")
         assert place.acted() == 1
+
+
+class SecondSlow(SlowStore):
+    """Its disk takes its time with the second record of its kind, and with none before."""
+
+    def __init__(self, slow: type) -> None:
+        super().__init__(slow)
+        self.ready.set()
+        self._count = 0
+
+    async def write(self, *records: Record) -> None:
+        """Let go of ``ready`` when the second comes."""
+        self._count += any(isinstance(record, self._slow) for record in records)
+        if self._count == 2:
+            self._count += 1
+            self.ready.clear()
+        await super().write(*records)
+
+
+async def test_nobody_of_a_broadcast_begins_that_waits_for_the_disk_of_one() -> None:
+    store = SecondSlow(Claimed)
+    place = Place(store, fleet=SWARM)
+    async with place.open():
+        place.chat.say("/broadcast swarm move 1 m")
+        await place.quiet()
+        assert not store.ready.is_set()
+        await place.clock.advance(0.001)
+        place.chat.say("cancel")
+        await place.quiet()
+        store.ready.set()
+        await place.quiet()
+        await place.clock.advance(1.0)
+        assert sum(map(place.acted, place.gateway.robots)) == 0
+        assert "2 of 40 robots are asked" in place.last()[1].text
+        assert "You cancelled this before it could begin" in place.last()[1].text
+        await place.say("/broadcast swarm move 1 m")
+        assert sum(map(place.acted, place.gateway.robots)) == 40
+
+
+@pytest.mark.parametrize("turns", [12, 20])
+@pytest.mark.parametrize("line", ["/together swarm move 1 m", "/broadcast swarm move 1 m"])
+async def test_many_that_are_looked_at_when_a_cancel_comes_do_not_begin(
+    line: str, turns: int
+) -> None:
+    place = Place(fleet=SWARM)
+    async with place.open():
+        await _cancelled_after(turns, line, place)
+        assert sum(map(place.acted, place.gateway.robots)) == 0
+
+
+@pytest.mark.parametrize("turns", [2, 3, 4, 5])
+async def test_a_task_that_is_worked_out_when_a_cancel_comes_is_not_given(turns: int) -> None:
+    place = Place(fleet=SWARM)
+    async with place.open():
+        await _cancelled_after(turns, "/task swarm move 1 m then move 2 m then wave", place)
+        assert sum(map(place.acted, place.gateway.robots)) == 0
+        assert await place.say("/tasks") == "No task is open."
+
+
+async def test_what_a_cancel_of_others_leaves_is_given() -> None:
+    place = Place(fleet=SWARM)
+    async with place.open():
+        await _cancelled_after(3, "/task swarm move 1 m then wave", place, "cancel cf1")
+        assert sum(map(place.acted, place.gateway.robots)) == 1
+
+
+async def _cancelled_after(turns: int, line: str, place: Place, cancel: str = "cancel") -> None:
+    """Say a line, and let a cancel come so many turns of the event loop later."""
+    for robot in place.gateway.robots:
+        place.robot(robot).work_s = LONG_S
+    await place.clock.advance(0.001)
+    place.chat.say(line)
+    for _ in range(turns):
+        await asyncio.sleep(0)
+    assert sum(map(place.acted, place.gateway.robots)) == 0
+    place.chat.say(cancel)
+    await place.quiet()
+    for _ in range(4):
+        await place.clock.advance(0.5)
 
 
 async def test_what_was_received_before_and_is_read_after_it_is_void() -> None:

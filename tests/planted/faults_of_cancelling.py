@@ -85,6 +85,23 @@ OF_CANCELLING = (
         caught_by=(f"{CANCEL}::test_what_was_received_before_and_is_read_after_it_is_void",),
     ),
     Fault(
+        name="what is admitted after a cancel that came while it was worked out begins",
+        file="gateway/cancel.py",
+        guard="if all(self._cancels.get(robot, 0) < cancelled(who, robot) for robot in robots):",
+        without="if False:",
+        caught_by=(
+            f"{CANCEL}::test_many_that_are_looked_at_when_a_cancel_comes_do_not_begin",
+            f"{CANCEL}::test_a_task_that_is_worked_out_when_a_cancel_comes_is_not_given",
+        ),
+    ),
+    Fault(
+        name="the others of a broadcast begin after a cancel",
+        file="features/fleet/multi_robot.py",
+        guard="                before.check((robot,))\n",
+        without="",
+        caught_by=(f"{CANCEL}::test_nobody_of_a_broadcast_begins_that_waits_for_the_disk_of_one",),
+    ),
+    Fault(
         name="a cancel leaves tasks, which take the next robot",
         file="features/fleet/__init__.py",
         guard="    pipeline.cancels.also(pausing.cancel)\n",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import Counter
-from collections.abc import Awaitable, Callable, Collection
+from collections.abc import Awaitable, Callable, Collection, Iterable
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
 from msgspec.structs import replace
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import Caller
     from rosic.core.message import Inbound
     from rosic.core.order import Order
+    from rosic.core.stop_registry import StopRegistry
     from rosic.gateway.commands import CommandContext, CommandRegistry
     from rosic.gateway.components import Components
     from rosic.gateway.order_execution import OrderExecutor
@@ -72,6 +73,31 @@ class CancelledRobot(NamedTuple):
     robot: RobotId
     at_rest: bool | None
     seconds: float
+
+
+class CancelGeneration:
+    """How often somebody had cancelled when they asked for something: a later cancel is for it too.
+
+    To be made before anything is waited for, and asked once nothing more is. What is admitted
+    carries this in its permit (`Permit.cancels`); this is for the time before that.
+    """
+
+    def __init__(
+        self, board: StopRegistry, principal: PrincipalId, robots: Iterable[RobotId]
+    ) -> None:
+        self._board = board
+        self._principal = principal
+        self._cancels = {robot: board.cancelled(principal, robot) for robot in robots}
+
+    def check(self, robots: Collection[RobotId]) -> None:
+        """See that one of some robots at least is not among those of a cancel since then.
+
+        Raises:
+            OrderVoid: All of them are: nothing of it is done.
+        """
+        cancelled, who = self._board.cancelled, self._principal
+        if all(self._cancels.get(robot, 0) < cancelled(who, robot) for robot in robots):
+            raise OrderVoid(CANCELLED_BEFORE)
 
 
 class CancelLane:

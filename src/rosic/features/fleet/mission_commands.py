@@ -34,6 +34,7 @@ from rosic.features.fleet.mission_schedule import KIND as TIMES
 from rosic.features.fleet.mission_schedule import PLANS_AT_MOST, MissionChat, MissionPlan
 from rosic.features.fleet.task_commands import ANY, ASSIGN, check_room
 from rosic.features.fleet.task_parser import PermittedSteps, able
+from rosic.gateway.cancel import CancelGeneration
 from rosic.gateway.commands import Reply
 from rosic.gateway.requests import check_command_fresh
 
@@ -265,8 +266,15 @@ class MissionCommands:
     ) -> tuple[str, int]:
         """Give all tasks of a mission at once; each waits for those before it."""
         self._dispatching.origins.check(cid)
+        before = CancelGeneration(self._rooms.board, who, self._rooms.profiles)
         tasks = await self._capable(who, meant)
-        given = await self._dispatching.give(cid, lambda: self._made(who, meant, cid, tasks))
+
+        def made() -> Given:
+            for _, found in tasks:
+                before.check(found.robots)
+            return self._made(who, meant, cid, tasks)
+
+        given = await self._dispatching.give(cid, made)
         return given[0][0].mission, len(given)
 
     def _laid_out(

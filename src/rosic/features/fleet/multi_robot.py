@@ -27,6 +27,7 @@ from rosic.features.fleet.attempt import AwaitedOrder
 from rosic.features.fleet.messages import wants_a_person
 from rosic.features.fleet.monitor import why_not_ready
 from rosic.features.fleet.task_parser import check_units, step_for
+from rosic.gateway.cancel import CancelGeneration
 from rosic.gateway.commands import Reply
 from rosic.gateway.message_context import MessageContext
 from rosic.gateway.order_execution import SHUT_DOWN
@@ -145,12 +146,15 @@ class MultiRobotCommands:
             Refusal: Why one of them may not; none has moved.
         """
         meant = self._meant(asked, "together")
+        before = self._cancel_generation(asked, meant)
         steps = [await self._step(meant, robot) for robot in meant.robots]
         self._check_units(asked, meant, meant.robots[0])
         states = {robot: self.why_not_ready(asked, robot) for robot in meant.robots}
         if any(states.values()):
             return self._none(meant, states)
         said = self._said(asked)
+        for robot in meant.robots:
+            before.check((robot,))
         requests = self._requests(said, asked, meant, steps)
         permits = self._admitted(asked, said, requests)
         orders = await self._prepare(asked, meant, permits, requests)
@@ -226,6 +230,7 @@ class MultiRobotCommands:
             NotUnderstood: No such group, or a number that may be in feet or in metres.
         """
         meant, said = self._meant(asked, "broadcast"), self._said(asked)
+        before = self._cancel_generation(asked, meant)
         self._ask_units(asked, meant)
         orders: list[Order] = []
         left_out: dict[str, list[RobotId]] = {}
@@ -234,6 +239,7 @@ class MultiRobotCommands:
         for robot in meant.robots:
             await asyncio.sleep(0)  # a stop is not to wait for a line to many
             try:
+                before.check((robot,))
                 orders += await self._one(asked, said, meant._replace(robots=(robot,)))
             except RobotBusy as refusal:
                 busy.append(robot)
@@ -286,6 +292,9 @@ class MultiRobotCommands:
             raise NotUnderstood(words.HOW_TO)
         again = f"/{verb} {asked.rest.strip()}"
         return ResolvedRobots(name, tuple(robots), " ".join(line.split()), again)
+
+    def _cancel_generation(self, asked: CommandContext, meant: ResolvedRobots) -> CancelGeneration:
+        return CancelGeneration(self._rooms.board, asked.caller.principal, meant.robots)
 
     def _said(self, asked: CommandContext) -> MessageContext:
         now_ns = self._clock.monotonic_ns()

@@ -25,6 +25,7 @@ from rosic.features.fleet.task_parser import (
     read_wish,
     readings,
 )
+from rosic.gateway.cancel import CancelGeneration
 from rosic.gateway.commands import Reply
 from rosic.gateway.requests import check_command_fresh
 
@@ -130,6 +131,7 @@ class TaskCommands:
             NotPermitted: Not theirs to ask for.
             OutOfBounds: A value, a number or a time that makes no sense.
             Expired: Robots would move because of it, and it was not sent just now.
+            OrderVoid: It was cancelled meanwhile.
             TooManyRequests: There are too many.
         """
         first, *rest = asked.rest.split() or [""]
@@ -150,6 +152,7 @@ class TaskCommands:
         organiser, who = self._rooms.organiser, asked.caller.principal
         wish = read_wish(asked.rest, organiser.wall_ns(), organiser.calendar.zone(who))
         wanted, robots, used = self._target(wish, who)
+        before = CancelGeneration(self._rooms.board, who, robots)
         lines = wish.lines(used)
         organiser.charge_work(asked.caller, readings(robots, lines) / READINGS_OF_ONE)
         steps = PermittedSteps(self._rooms, who)
@@ -159,9 +162,12 @@ class TaskCommands:
         if asked.inbound.nonce is None:
             typed = partial(wish.typed, used)
             check_units(self._rooms, self._languages.of(who), found.robots[0], lines, typed)
-        [(task, said)] = await self.dispatching.give(
-            asked.cid, lambda: self._made(asked, wish, wanted, lines, found)
-        )
+
+        def made() -> Given:
+            before.check(found.robots)
+            return self._made(asked, wish, wanted, lines, found)
+
+        [(task, said)] = await self.dispatching.give(asked.cid, made)
         names = [self._telling.shown(robot) for robot in task.among]
         until_ns = task.until_ns
         by = organiser.moment(who, until_ns) if until_ns else ""
