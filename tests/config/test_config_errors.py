@@ -379,6 +379,12 @@ CASES = [
         '[[care]]\nscopes = ["rovr:move"]\nconfirm = true\n\n[role.student]',
         "No robot or group is called 'rovr'.",
     ),
+    Case(
+        "care that nothing asks for",
+        "[role.student]",
+        '[[care]]\nscopes = ["*:resume"] #!\nconfirm = true\n\n[role.student]',
+        "'*:resume' is no skill: confirm, step_up and second_person are asked for skills alone.",
+    ),
     Case("role name", "[role.student]", '["role"."Stu dent"]', "'Stu dent' is not a name."),
 ]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 CANCEL = "tests/gateway/test_cancel.py"
+ASKED = "tests/gateway/test_asked_care.py"
 OWN_STOP = "tests/gateway/test_own_stop.py"
 CONTINUING = "tests/gateway/test_continuing.py"
 SEVERAL = "tests/gateway/test_resuming_several.py"
@@ -121,6 +122,22 @@ OF_CANCELLING = (
         guard="self._rooms.authoriser.buttons.void(who, CONFIRMED)",
         without="pass",
         caught_by=(f"{CANCEL}::test_a_question_that_waits_for_an_answer_is_void",),
+    ),
+    Fault(
+        name="I18 who stopped their own order resumes it over a channel that is too weak",
+        file="gateway/resume.py",
+        guard="            if not own or auth_context.channel < least:\n",
+        without="            if not own:\n",
+        caught_by=(
+            f"{ASKED}::test_what_a_resume_wants_holds_for_ones_own_stop_and_not_for_the_operator",
+        ),
+    ),
+    Fault(
+        name="I18 care is accepted that nothing asks for",
+        file="core/policy/validation.py",
+        guard="                yield from _never_asked(place, text, care)\n",
+        without="                pass\n",
+        caught_by=(f"{ASKED}::test_what_care_accepts_is_asked_for_and_the_rest_is_refused",),
     ),
     Fault(
         name="whoever may move a robot may resume it, whoever stopped it",

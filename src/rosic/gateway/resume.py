@@ -189,13 +189,18 @@ class ResumeHandler:
     def _check_may(self, asked: MessageContext, robot: RobotId) -> None:
         """See that somebody may resume a robot: by right, or as it was their own order's stop.
 
+        What a resume wants of the conversation it wants of either.
+
         Raises:
             NotPermitted: They may not; the robot stays stopped.
         """
+        auth_context = asked.auth_context()
         try:
-            self._organiser.check_word(asked.caller, robot, RESUME, asked.auth_context())
+            self._organiser.check_word(asked.caller, robot, RESUME, auth_context)
         except NotPermitted:
-            if not stopped_own(self._organiser, self._board, asked.caller.principal, robot):
+            own = stopped_own(self._organiser, self._board, asked.caller.principal, robot)
+            least = self._organiser.rights.caution(robot, RESUME).assurance
+            if not own or auth_context.channel < least:
                 raise
 
     def may(self, principal: PrincipalId, robot: RobotId) -> bool:

@@ -22,7 +22,8 @@ def test_the_default_roles_and_a_good_junior_are_without_mistake() -> None:
     book = RoleRules(
         roles={**DEFAULT_ROLES, "junior": JUNIOR},
         care=(
-            SkillPrecondition(scopes=("arms:grasp", "kuka1:resume", "fleet:lock"), step_up=True),
+            SkillPrecondition(scopes=("arms:grasp", "*:*"), step_up=True),
+            SkillPrecondition(scopes=("kuka1:resume", "omni:move"), assurance="local"),
         ),
         preempt=("*", "arms", "omni"),
     )
@@ -156,10 +157,7 @@ def test_roles_that_lie_too_deep_are_refused() -> None:
         (SkillPrecondition(scopes=("omni:grasp",), confirm=True), "omni has no skill 'grasp'."),
         (
             SkillPrecondition(scopes=("omni:r*",), confirm=True),
-            (
-                "'omni:r*' touches no skill. "
-                "A wildcard stands for a robot's own skills; name read, resume or grant."
-            ),
+            ("'omni:r*' touches no skill. A wildcard stands for a robot's own skills alone."),
         ),
         (
             SkillPrecondition(scopes=("omni:move",), assurance="no"),

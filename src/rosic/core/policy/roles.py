@@ -102,8 +102,8 @@ class SkillPrecondition(
     """Skills that want more than the right to them, whoever asks.
 
     Attributes:
-        scopes: Skills. A wildcard stands for the robot's own skills; ``read``, ``resume`` and
-            ``grant`` must be named.
+        scopes: Skills. A wildcard stands for the robot's own skills. ``resume`` may be named where
+            nothing but an assurance is wanted; other rights are never asked about.
         confirm: A button has to be tapped first.
         step_up: A second factor was shown lately.
         second_person: Somebody else who may do the same has agreed.

@@ -62,6 +62,8 @@ class Scope(msgspec.Struct, frozen=True):
 
 GRANT = "grant"
 """The right to give rights on a robot. No wildcard stands for it; ``fleet:grant`` is all of it."""
+NO_SKILLS = (READ, RESUME, FILES, *AMONG, GRANT)
+"""What every robot has besides its skills."""
 FLEET = "fleet"
 """Stands where a robot would: rights about the place itself. No wildcard stands for it."""
 FLEET_VERBS = (GRANT, "archive", "assign", "invite", "lock", "people", "policy", "slots")
@@ -85,7 +87,7 @@ class Fleet(msgspec.Struct, frozen=True):
         if robot == FLEET:
             return self.verbs
         skills = self.skills.get(robot)
-        return () if skills is None else (*skills, READ, RESUME, FILES, *AMONG, GRANT)
+        return () if skills is None else (*skills, *NO_SKILLS)
 
     def means(self, said: str, robot: RobotId) -> bool:
         """Whether ``robots`` would return this one; asked of one, it looks at no other."""

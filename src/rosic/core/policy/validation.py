@@ -12,7 +12,7 @@ from rosic.core.i18n import capital, joined, said
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.policy.limits import LimitMismatch, LimitRule, fit_limits, parse_limit
 from rosic.core.policy.roles import ASSURANCES, DEEPEST, chains, loops
-from rosic.core.policy.scope import FLEET, Scope, words_given, words_meant
+from rosic.core.policy.scope import FLEET, NO_SKILLS, RESUME, Scope, words_given, words_meant
 from rosic.core.rate_limit import parse_rate
 
 if TYPE_CHECKING:
@@ -136,9 +136,32 @@ def _care(here: Place, care: SkillPrecondition, fleet: Fleet) -> Iterator[RoleMi
                 yield RoleMistake(
                     place,
                     said("{text!r} touches no skill.", text=text),
-                    said("A wildcard stands for a robot's own skills; name read, resume or grant."),
+                    said("A wildcard stands for a robot's own skills alone."),
                 )
+            else:
+                yield from _never_asked(place, text, care)
     yield from _assurance((*here, "assurance"), care.assurance)
+
+
+def _never_asked(place: Place, text: str, care: SkillPrecondition) -> Iterator[RoleMistake]:
+    """Find what no part of the gateway would ask for: it would read as if it protected (I18)."""
+    scope = Scope.parse(text)
+    if scope.robot != FLEET and scope.skill not in NO_SKILLS:
+        return
+    hint = said(
+        "Name a robot's skills; besides them only resume is asked about, for its assurance alone."
+    )
+    if care.needs:
+        alone = said(
+            "{text!r} is no skill: confirm, step_up and second_person are asked for skills alone.",
+            text=text,
+        )
+        yield RoleMistake(place, alone, hint)
+    elif scope.robot == FLEET or scope.skill != RESUME:
+        few = said(
+            "{text!r} is no skill: an assurance is asked for skills and resume alone.", text=text
+        )
+        yield RoleMistake(place, few, hint)
 
 
 def _unknown_role(place: Place, role: str, roles: Iterable[str]) -> RoleMistake:
