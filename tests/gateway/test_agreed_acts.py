@@ -285,6 +285,39 @@ async def test_what_has_changed_is_said(what: str, how: str, why: str) -> None:
         assert not Noting.done
 
 
+@pytest.mark.parametrize(
+    ("changed", "why"),
+    [
+        ("", ""),
+        ("/grant Bo operator omni for 2h", NOT_THE_SAME),
+        ("/robot retire cf2", NOT_THE_SAME),
+        ("/grant Bo viewer omni for 2h", OTHER_RULES),
+    ],
+)
+async def test_a_task_is_for_those_who_could_do_it_when_it_was_agreed_to(
+    changed: str, why: str
+) -> None:
+    small = Role(scopes=("*:read", "cf1:*", "cf2:*"))
+    async with lab(rules(small=small), {"Bo": "small"}) as place:
+        await asks(place, "/task any move 1 m")
+        await place.clock.advance(1.0)
+        await place.tap(*place.button("Again"), account=BO)
+        assert "Task: any move 1 m?" in place.last()[1].text
+        button = place.button("Do it")
+        await place.say("stop cf1", account=ADA, chat=ADA)
+        if changed:
+            await place.say(changed, account=ADA, chat=ADA)
+        Noting.done.clear()
+        told = await place.tap(*button, account=BO)
+        await place.clock.advance(1.0)
+        await place.quiet()
+        if why:
+            assert why in told
+            assert not Noting.done
+        else:
+            assert [robot for robot, _, _ in Noting.done] == ["cf2"]
+
+
 async def test_an_agreement_counts_for_its_own_act_alone() -> None:
     """Even if its number came to stand in a button that is bound to something else."""
     async with lab(rules(SECOND)) as place:

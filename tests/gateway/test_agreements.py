@@ -88,7 +88,18 @@ async def test_what_was_bound_to_an_act_is_not_bound_to_another() -> None:
 
 
 @pytest.mark.parametrize(
-    "command", ["status", "?omni move 1 m", "/use omni", "omni move 99 m", "leave it", "omni"]
+    "command",
+    [
+        "status",
+        "?omni move 1 m",
+        "/use omni",
+        "omni move 99 m",
+        "leave it",
+        "omni",
+        "/task go 1",
+        "/task omni move 99 m",
+        "/task nobody move 1 m",
+    ],
 )
 async def test_what_lets_no_robot_do_anything_is_bound_to_nothing(command: str) -> None:
     async with table() as at:
@@ -257,3 +268,14 @@ async def test_together_is_bound_to_what_each_of_them_does() -> None:
         }
         assert len({one.act, *others}) == 5
         assert at.bound("/together swarm move 1 m").act == at.bound("swarm move 1 m").act
+
+
+async def test_a_task_is_bound_to_every_step_of_each_who_may_do_it() -> None:
+    async with table() as at:
+        acts = [
+            at.bound(f"/task {what}").act
+            for what in ("cf1 move 1 m", "cf1 move 2 m", "cf1 move 1 m then wave", "any move 1 m")
+        ]
+        assert all(acts)
+        assert len(set(acts)) == 4
+        assert at.bound("/task cf1 move 1 m priority 2").act == acts[0]

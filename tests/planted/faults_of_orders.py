@@ -87,6 +87,13 @@ OF_ORDERS = (
         caught_by=(f"{AGREED}::test_what_has_changed_is_said",),
     ),
     Fault(
+        name="I16 a task is bound to nothing of what its robots do",
+        file="gateway/agreement.py",
+        guard="elif isinstance(line, CommandLine) and line.verb == TASK:",
+        without="elif False:",
+        caught_by=(f"{AGREED}::test_a_task_is_for_those_who_could_do_it_when_it_was_agreed_to",),
+    ),
+    Fault(
         name="I16 what two agreed to is not compared with what is done",
         file="gateway/confirmation.py",
         guard="or request.act.command != text or request.act.digest != act:",

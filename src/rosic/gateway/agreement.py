@@ -22,9 +22,9 @@ from rosic.gateway.order_label import label_of
 from rosic.gateway.replies import ASK_FIRST, MARKS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
-    from rosic.core.identity import Caller
+    from rosic.core.identity import Caller, PrincipalId
     from rosic.core.language import LanguageReader, Line
     from rosic.core.message import Button, Chat
     from rosic.core.robot.profile import RobotId
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from rosic.gateway.limit_clamping import LimitClamping
 
 TOGETHER: Final = frozenset({"together", "broadcast"})
+TASK: Final = "task"
 JOINED: Final = "+"
 
 
@@ -67,10 +68,24 @@ class ResolvedAct(NamedTuple):
 
 
 class Agreements:
-    """Binds buttons to what they would do, and sees at the tap that it is still the same."""
+    """Binds buttons to what they would do, and sees at the tap that it is still the same.
 
-    def __init__(self, rooms: Components, reader: LanguageReader, clamping: LimitClamping) -> None:
+    Args:
+        rooms: The four of them.
+        reader: What a text says.
+        clamping: Keeps what nobody said within somebody's limits.
+        task_steps: Returns what a task lets each robot do that may carry it out for somebody.
+    """
+
+    def __init__(
+        self,
+        rooms: Components,
+        reader: LanguageReader,
+        clamping: LimitClamping,
+        task_steps: Callable[[str, PrincipalId], Sequence[Do]],
+    ) -> None:
         self._rooms = rooms
+        self._task_steps = task_steps
         self._clamping = clamping
         self._reader = reader
 
@@ -87,7 +102,7 @@ class Agreements:
 
     def together(self, line: CommandLine, caller: Caller) -> str:
         """Return what a command to several robots comes to now; empty: to nothing."""
-        parts = self._all((line,), caller)
+        parts = self._all((line,), caller) if line.verb in TOGETHER else ()
         name = line.rest.strip().partition(" ")[0]
         return self._shown("" if JOINED in name else name, parts) if parts else ""
 
@@ -196,6 +211,9 @@ class Agreements:
     def _parts(self, line: Line, caller: Caller) -> Iterator[ActPart]:
         if isinstance(line, CommandLine) and line.verb in TOGETHER:
             yield from self._together(line, caller)
+        elif isinstance(line, CommandLine) and line.verb == TASK:
+            for step in self._task_steps(line.rest, caller.principal):
+                yield from self._possible(step, caller)
         elif isinstance(line, Do):
             line, _ = self._clamping.of(caller, line)
             for robot, skill in zip(line.robots, line.skills, strict=True):

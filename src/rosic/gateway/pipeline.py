@@ -90,7 +90,7 @@ class Pipeline:
         self._chat_locks = ChatLocks()
         self._requesting = RequestFactory(rooms, clock)
         self._clamping = LimitClamping(rooms, self._requesting, clock)
-        self.agreements = Agreements(rooms, reader, self._clamping)
+        self.agreements = Agreements(rooms, reader, self._clamping, hooks.task_steps)
         self._replies = replies = Replies(rooms, chat_sender, clock, self.agreements.bind)
         self._expiring = ButtonExpiry(chat_sender, clock, rooms.authoriser.buttons)
         self.resuming = resuming = stop_lane.resuming

@@ -86,6 +86,7 @@ class FleetFeature(Feature):
         self._take_over()
         tasks = TaskCommands(rooms, self.dispatching, self.telling, orders.chat_sender.languages)
         tasks.register(kernel.commands)
+        kernel.pipeline.hooks.task_steps.bind(tasks.steps)
         zone = zone_named(kernel.site.zone)
         self._timetable = MissionSchedule(kernel.changes, kernel.reach, clock, zone)
         self._timetable.restore(kernel.memory.facts.get(TIMES, ()))

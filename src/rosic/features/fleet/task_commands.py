@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet import events as e
-from rosic.core.fleet.task import HELD, OVER, RESTING, Task, TaskNeed, TaskReason, TaskState
+from rosic.core.fleet.task import (
+    HELD,
+    OVER,
+    RESTING,
+    FleetMembership,
+    Task,
+    TaskNeed,
+    TaskReason,
+    TaskState,
+)
 from rosic.core.i18n import joined
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.messages import no_robot_or_group
 from rosic.core.policy.scope import FLEET
 from rosic.core.records import Decided
-from rosic.errors import NotPermitted, NotUnderstood, TooManyRequests
+from rosic.errors import NotPermitted, NotUnderstood, Refusal, TooManyRequests
 from rosic.features.fleet import messages as words
 from rosic.features.fleet.alternatives import refused
 from rosic.features.fleet.dispatch_state import TaskText
@@ -34,8 +44,8 @@ if TYPE_CHECKING:
 
     from rosic.core.fleet.state import FleetState
     from rosic.core.identity import PrincipalId
+    from rosic.core.language import Do
     from rosic.core.robot.profile import RobotId
-    from rosic.errors import Refusal
     from rosic.features.fleet.alternatives import MissingPart
     from rosic.features.fleet.dispatcher import Given, TaskDispatcher
     from rosic.features.fleet.integration import TaskNotifications
@@ -144,6 +154,34 @@ class TaskCommands:
             task = self._named(asked, first)
             return Reply(self.line(task, asked.caller.principal), words.choices(task))
         return await self._give(asked)
+
+    def steps(self, rest: str, who: PrincipalId) -> list[Do]:
+        """Return what a task lets each robot do that may carry it out; nothing for what is no task.
+
+        Args:
+            rest: As typed after the verb.
+            who: Whoever gives it.
+
+        Raises:
+            Refusal: It is not given: it is said badly, or for nobody.
+        """
+        first, *more = rest.split() or [""]
+        if not more or (first.casefold() in self._acts and len(more) == 1 and more[0].isdecimal()):
+            return []
+        organiser = self._rooms.organiser
+        wish = read_wish(rest, organiser.wall_ns(), organiser.calendar.zone(who))
+        _, robots, used = self._target(wish, who)
+        lines = wish.lines(used)
+        readings(robots, lines)
+        permitted = PermittedSteps(self._rooms, who)
+        found: list[Do] = []
+        for robot in robots:
+            if self.dispatching.fleet.standing(robot) is FleetMembership.RETIRED:
+                continue
+            with suppress(Refusal):
+                permitted.all(robot, lines)
+                found += [permitted.reader.read(robot, line) for line in lines]
+        return found
 
     async def _give(self, asked: CommandContext) -> Reply:
         check_command_fresh(asked.inbound, f"/task {asked.rest}")
