@@ -105,9 +105,9 @@ OF_TASKS = (
     ),
     Fault(
         name="I8 a task is carried out although whoever gave it may not any more",
-        file="features/fleet/attempt.py",
-        guard="        caller = self.check_author(task.author)\n",
-        without="        caller = self._rooms.authoriser.stand_for(task.author)\n",
+        file="organiser/organiser.py",
+        guard="        if principal in self.locked:  # since",
+        without="        if False:  # since",
         caught_by=(f"{TASKS}::test_whoever_is_locked_lets_no_robot_do_anything",),
     ),
     Fault(

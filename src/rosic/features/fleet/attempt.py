@@ -121,16 +121,6 @@ class TaskAttempts:
         self._clock = clock
         self._clamping = LimitClamping(rooms, RequestFactory(rooms, clock), clock)
 
-    def check_author(self, author: PrincipalId) -> Caller:
-        """Return whoever a task acts for.
-
-        Raises:
-            Refusal: They have no access any more, or are locked.
-        """
-        caller = self._rooms.authoriser.stand_for(author)
-        self._rooms.organiser.check_unlocked(caller)
-        return caller
-
     async def attempt(
         self, task: Task, doing: BeginAttempt, said: TaskText, asker: TaskRequester
     ) -> TaskAttempt | None:
@@ -149,7 +139,7 @@ class TaskAttempts:
             Refusal: Why not. No robot has moved because of it.
         """
         rooms = self._rooms
-        caller = self.check_author(task.author)
+        caller = rooms.authoriser.stand_for(task.author)
         # What nobody said stays within their limits, as in an order of their own.
         step = step_for(rooms, doing.robot, said.lines[doing.step])
         line, note = self._clamping.of(caller, step)
