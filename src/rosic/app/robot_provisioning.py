@@ -88,7 +88,13 @@ class RobotProvisioning:
         self._closing = False
         gateway.access.changes.keep(KIND, lambda _fact: None)  # its effect follows: `_add_robot`
 
-    async def add(self, draft: ProfileDraft, by: PrincipalId, role: str = "") -> str:
+    async def add(
+        self,
+        draft: ProfileDraft,
+        by: PrincipalId,
+        role: str = "",
+        check_right: Callable[[], None] | None = None,
+    ) -> str:
         """Add a robot. Return what is said of it: that it is here, and what it can do.
 
         Whoever asked may go away; it goes on.
@@ -98,13 +104,14 @@ class RobotProvisioning:
             by: Who adds it.
             role: In which it speaks with the other robots, under a key of its own; empty: it does
                 not.
+            check_right: Raises while they may not; asked again right before it is written down.
 
         Raises:
             Refusal: Why not. Nothing was changed, and whatever was opened is closed.
         """
         if self._closing:
             raise NotUnderstood(words.CLOSING)
-        task = asyncio.create_task(self._add(AddRobotRequest(draft, role), by))
+        task = asyncio.create_task(self._add(AddRobotRequest(draft, role), by, check_right))
         self._adding.add(task)
         task.add_done_callback(self._adding.discard)
         return await asyncio.shield(task)
@@ -144,13 +151,15 @@ class RobotProvisioning:
 
     # ---- what can fail ----
 
-    async def _add(self, wanted: AddRobotRequest, by: PrincipalId) -> str:
+    async def _add(
+        self, wanted: AddRobotRequest, by: PrincipalId, check_right: Callable[[], None] | None
+    ) -> str:
         async with self._one:
             stops, _ = self._gateway.rooms.board.newest()
             profile, advice = await self.check(wanted.draft, wanted.role)
             newcomer = await self._make(profile)
             await self._open(newcomer.robot)
-            stopped = await self._decide(newcomer, wanted, by, stops)
+            stopped = await self._decide(newcomer, wanted, by, stops, check_right)
         log.info("%s was added", profile.id)
         speaks = (words.speaks(profile.shown, wanted.role),) if wanted.role else ()
         return self._answer(profile, (*speaks, *advice), stopped=stopped)
@@ -178,12 +187,18 @@ class RobotProvisioning:
         return admitted(peer, self._gateway.access.time, self._parts.entropy, by)[2]
 
     async def _decide(
-        self, newcomer: PendingRobot, wanted: AddRobotRequest, by: PrincipalId, stops: int
+        self,
+        newcomer: PendingRobot,
+        wanted: AddRobotRequest,
+        by: PrincipalId,
+        stops: int,
+        check_right: Callable[[], None] | None,
     ) -> bool:
         """Write it down, then let it be so. Return whether it was stopped at once.
 
         Raises:
-            RecordUnavailable: Nothing has changed, and the adapter is closed.
+            NotPermitted: They may not any more. Nothing has changed, and the adapter is closed.
+            RecordUnavailable: Likewise.
         """
         gateway, profile, here = self._gateway, newcomer.profile, False
         decided = Decided(
@@ -196,6 +211,8 @@ class RobotProvisioning:
         try:
             async with gateway.access.changes.turn() as turn:
                 outlook = await gateway.authority.foresee((*gateway.profiles.values(), profile))
+                if check_right is not None:  # opening took its time: access may have ended
+                    check_right()
                 somebody = self._somebody(profile.id, wanted.role, by)
                 await turn.write((decided, fact_of(profile.id, wanted.draft), *somebody))
                 here = True

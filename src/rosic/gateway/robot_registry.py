@@ -18,7 +18,7 @@ from rosic.core.robot.profile import Profile
 from rosic.core.signal import Signal
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from rosic.core.identity import PrincipalId
     from rosic.core.language import Vocabulary
@@ -83,8 +83,14 @@ class RobotAdder(Protocol):
         """
         ...
 
-    async def add(self, draft: ProfileDraft, by: PrincipalId, role: str = "") -> str:
-        """Add a robot. Return what is said of it.
+    async def add(
+        self,
+        draft: ProfileDraft,
+        by: PrincipalId,
+        role: str = "",
+        check_right: Callable[[], None] | None = None,
+    ) -> str:
+        """Add a robot, if ``check_right`` still lets them then. Return what is said of it.
 
         Raises:
             Refusal: Why not. Nothing was changed.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from rosic.container.files import content_of
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.container.files import StoredFile
-    from rosic.core.identity import PrincipalId
+    from rosic.core.identity import Caller, PrincipalId
     from rosic.core.message import Button
     from rosic.core.robot.profile import Profile
     from rosic.gateway.commands import CommandContext
@@ -71,11 +72,8 @@ class AddRobotFromChat:
         """
         check_private(asked)
         principal = asked.caller.principal
-        if not self._may(principal):
-            raise NotPermitted(words.MAY_NOT)
         name, role, shown = _read(said)
-        if role and not self._may(principal, FOR_GOOD_NS):
-            raise NotPermitted(words.ROLE_FOR_GOOD)
+        self._check_right(principal, role)
         filed = self._data_context.files.find(principal, name)
         draft = await self._draft(filed)
         profile, advice = await self._robot_adder().check(draft, role)
@@ -87,7 +85,20 @@ class AddRobotFromChat:
             return Reply(text, words.confirm_buttons(filed.name, role, digest))
         if shown != digest:
             raise NotUnderstood(words.CHANGED, offers=(words.add_command(filed.name, role),))
-        return Reply(await self._robot_adder().add(draft, principal, role), about=profile.id)
+        added = await self._robot_adder().add(
+            draft, principal, role, partial(self._check_still, asked.caller, role)
+        )
+        return Reply(added, about=profile.id)
+
+    def _check_right(self, principal: PrincipalId, role: str) -> None:
+        if not self._may(principal):
+            raise NotPermitted(words.MAY_NOT)
+        if role and not self._may(principal, FOR_GOOD_NS):
+            raise NotPermitted(words.ROLE_FOR_GOOD)
+
+    def _check_still(self, caller: Caller, role: str) -> None:
+        self._organiser.check_unlocked(caller)
+        self._check_right(caller.principal, role)
 
     def _may(self, principal: PrincipalId, at_ns: int | None = None) -> bool:
         organiser = self._organiser
