@@ -290,6 +290,23 @@ def test_who_and_what_is_unknown_is_said() -> None:
     assert "say which play" in rosic("demo", "--fast").err
 
 
+def test_a_ctrl_c_in_a_play_brings_its_robots_to_rest_and_a_second_one_ends_it(
+    tmp_path: Path,
+) -> None:
+    with rosic_at(["demo", "class", "--interactive"], tmp_path) as seat:
+        seat.wait_for("Ctrl-D leaves.")
+        seat.type("kuka1 grasp force=10")
+        seat.wait_for("approaching 0 %")
+        seat.type("", end="\x03")
+        seat.wait_for("iiwa at rest")
+        seat.wait_for("Ctrl-C again ends ROSIC.")
+        while seat.process.poll() is None:  # one that comes while something is drawn is lost here
+            seat.type("", end="\x03")
+            seat.look(0.5)
+        assert seat.ended() == 0
+    assert "1 order accepted: 1 cancelled." in seat.shown
+
+
 def test_whoever_leaves_while_something_moves_reads_its_end_before_the_summary(
     tmp_path: Path,
 ) -> None:

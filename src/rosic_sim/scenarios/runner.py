@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import msgspec
 
 from rosic.app.admin.dispatch import AdminDispatcher
-from rosic.app.closing import close_in_time, on_signals, read_at
+from rosic.app.closing import close_in_time, mind_console, on_signals, read_at
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.app.people import ConfiguredPerson
 from rosic.app.runtime import PIPED, face_of, until_done, until_quiet
@@ -105,7 +105,7 @@ class UserTerminal(TerminalMessenger):
         """Complete what is said there; what is piped in goes on when a line of it has ended."""
         self.know(gateway.rooms.profiles.values(), gateway.rooms.vocabulary.commands)
         if not is_terminal(sys.stdin):
-            self.pace = partial(_line_over, gateway, self._clock)
+            self.pace_by(partial(_line_over, gateway, self._clock))
 
     async def run(self, receive: Receive) -> None:
         """Listen from then on."""
@@ -310,7 +310,11 @@ async def _sit_down(
     curtain.plain("\n".join(f"  {hint}" for hint in stage.play.hints))
     curtain.plain(f"{NUMBERED}\nAlso: status, help. Deutsch: /language de. Ctrl-D leaves.")
     seat.taken.set()
-    await ending.over
+    minding = asyncio.create_task(mind_console(seat, stage.gateway, seat.ended.set, ()))
+    try:
+        await ending.over
+    finally:
+        minding.cancel()
     alone = is_terminal(sys.stdin) or seat.gone
     if not alone:
         return await _finish(stage, ending.signalled)
