@@ -24,9 +24,9 @@ _WORD = re.compile(r"(?<![\w/:*-])[A-Za-zÄÖÜäöüß]{2,}(?![\w:*])")
 _FIELD = re.compile(r"\{[^}]*\}")
 # What is typed, after a slash and between quotation marks, says nothing of what the code says.
 _TYPED = re.compile(r"/\S+(?: [^\s.,·)]+)*|\"[^\"]*\"")
-# In both languages, or names of this place.
+# In both languages (a right has the name by which it is given), or names of this place.
 _NAMES = frozenset(
-    "ada bo vi omni yumi kuka iiwa crazyflie stop clip admin english".split()  # noqa: SIM905
+    "ada bo vi omni yumi kuka iiwa crazyflie stop clip admin english read".split()  # noqa: SIM905
 )
 _QUOTED = re.compile(r"\"([^\"]*)\"")
 # Words of profiles: German sentences have them where they show what to type.
