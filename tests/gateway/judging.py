@@ -94,6 +94,8 @@ def stops_dominate(log: list[Event]) -> None:  # noqa: C901, PLR0915 - one story
     kept: dict[str, tuple[int, bool]] = {}
     said: dict[bytes, int] = {}
     revoked: set[str] = set()
+    # Who had no access when the stop file was told that a robot is let go: by then it is decided.
+    without: dict[str, set[str]] = {}
     for at, event in enumerate(log):
         if isinstance(event, Said):
             for cid in cids_of(event):
@@ -105,6 +107,7 @@ def stops_dominate(log: list[Event]) -> None:  # noqa: C901, PLR0915 - one story
             latched.add(event.robot)
         elif isinstance(event, Kept):
             kept[event.robot] = (event.generation, event.latched)
+            without[event.robot] = set(revoked)
         elif isinstance(event, Started):
             for robot, (*_, holds) in event.gates.items():
                 generation, was_latched = kept.get(robot, (0, False))
@@ -115,7 +118,8 @@ def stops_dominate(log: list[Event]) -> None:  # noqa: C901, PLR0915 - one story
                     del stopped[robot]
         elif isinstance(event, Unlatched):
             since, _ = stopped.get(event.robot, (0, 0))
-            reasons = [one for one in log[since:at] if undoes(one, event.robot, revoked)]
+            ended = without.get(event.robot, revoked)
+            reasons = [one for one in log[since:at] if undoes(one, event.robot, ended)]
             assert reasons, f"I5: nobody who may asked for it after the stop: {event}"
             latched.discard(event.robot)
         elif isinstance(event, Acted) and event.actuates:

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
+from rosic.app.admin.api import AdminVerb
 from rosic.core.policy.roles import Grant
-from rosic.core.records import Claimed
+from rosic.core.records import Claimed, Resumed
 from rosic.core.robot.profile import Slots
 from rosic.organiser.refusals import CLOCK_SET_BACK
-from tests.gateway.place import ADA, BO, FLEET, VI, Place, SlowStore
+from tests.gateway.place import ADA, BO, FLEET, VI, Place, SlowStore, ask_as_operator
 from tests.gateway.test_rights import rules, who
 
 if TYPE_CHECKING:
@@ -199,3 +200,18 @@ def _at_once() -> asyncio.Event:
     ready = asyncio.Event()
     ready.set()
     return ready
+
+
+async def test_whose_right_to_resume_ends_while_it_is_written_resumes_nothing() -> None:
+    store = SlowStore(Resumed)
+    async with Place(store).open() as place:
+        await place.say("stop omni")
+        await place.clock.advance(1.0)
+        place.chat.say("resume omni", account=BO, chat=BO)
+        await place.quiet()
+        await ask_as_operator(place.gateway, AdminVerb.REVOKE, "Bo")
+        store.ready.set()
+        await place.quiet()
+        await place.clock.advance(0.1)
+        assert place.robot("omni").gate.latched
+        assert "is stopped" in await place.say("omni wave")
