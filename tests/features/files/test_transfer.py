@@ -5,11 +5,12 @@ from __future__ import annotations
 import asyncio
 import hashlib
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from msgspec.structs import replace
 
+from rosic.container.files import pieces_of
 from rosic.robots.ros2.profile import Ros2Files
 from tests.features.files.test_upload import MAP, NOTE, send
 from tests.features.personal_data.data_gateway import Ward, a_ward
@@ -17,7 +18,7 @@ from tests.gateway.place import ADA, BO, FLEET, VI
 from tests.pace import pace
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncGenerator, AsyncIterator
     from pathlib import Path
 
 
@@ -80,6 +81,33 @@ async def test_a_file_goes_to_a_robot_after_a_question(tmp_path: Path) -> None:
         assert (decided.by, decided.about) == (ward.id_of(ADA), "omni")
         assert decided.digest == hashlib.sha256(MAP).digest()
         assert ward.acted() == 0
+
+
+@pytest.mark.parametrize("line", ["stop omni", "/lock Bo"])
+async def test_what_ends_while_a_file_is_written_keeps_it_from_the_robot(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str
+) -> None:
+    """It lies under a name that nobody looks at until the last moment, and is asked once more."""
+    async with place(tmp_path) as ward:
+
+        def ended() -> bool:
+            board, locks = ward.gateway.rooms.board, ward.gateway.access.locks
+            return board["omni"].latched or locks.locked(ward.id_of(BO))
+
+        async def pieces(*of: Any) -> AsyncGenerator[bytes]:  # noqa: ANN401 - handed on
+            ward.chat.say(line, account=ADA, chat=ADA)
+            async with asyncio.timeout(60 * pace()):
+                while not ended():  # noqa: ASYNC110 - nobody is told
+                    await asyncio.sleep(0.005)
+            async for piece in pieces_of(*of):
+                yield piece
+
+        monkeypatch.setattr("rosic.features.files.transfer.pieces_of", pieces)
+        await send(ward, account=BO)
+        await asked(ward, "/files send map.png to omni", BO)
+        told = await tapped(ward, "Put it there", BO)
+        assert held(tmp_path) == set(), told
+        assert "lies in the inbox" not in told
 
 
 async def test_a_question_is_good_once_and_for_its_asker(tmp_path: Path) -> None:

@@ -247,8 +247,9 @@ class FileTransfer:
         shown = self._profiles[robot].shown
         if takes.inbox:
             pieces = progress.counted(pieces_of(data_context.container_store, filed))
+            allowed = self._while_allowed(pieces, asked.caller, robot, filed)
             try:
-                done = await self._folders.put(robot, filed.name, pieces, filed.digest)
+                done = await self._folders.put(robot, filed.name, allowed, filed.digest)
             except RobotUnreachable as fault:
                 raise RobotOffline(fault.sentence) from fault
             if not done:
@@ -263,14 +264,28 @@ class FileTransfer:
             digest=filed.digest,
             content=content,
         )
-        return Reply(await self._delivered(robot, robot_file))
+        return Reply(await self._delivered(asked.caller, robot, filed, robot_file))
 
-    async def _delivered(self, robot: RobotId, robot_file: FileForRobot) -> str:
+    async def _while_allowed(
+        self, pieces: AsyncGenerator[bytes], caller: Caller, robot: RobotId, filed: StoredFile
+    ) -> AsyncGenerator[bytes]:
+        """Yield a file's pieces; after the last of them it appears, so it is asked once more.
+
+        Raises:
+            Refusal: It may not be there any more. Nothing is.
+        """
+        async with aclosing(pieces):
+            async for piece in pieces:
+                yield piece
+        self._check(caller, robot, filed)
+
+    async def _delivered(
+        self, caller: Caller, robot: RobotId, filed: StoredFile, robot_file: FileForRobot
+    ) -> str:
         """Hand it to the robot's side, once, and return what came of it."""
         shown = self._profiles[robot].shown
         try:
-            if self._board[robot].latched:
-                raise RobotStopped(words.is_stopped(shown))
+            self._check(caller, robot, filed)
             receipt = await self._deliver(robot, robot_file)
         except RobotUnreachable as fault:
             return joined(" ", [fault.sentence, words.perhaps(robot_file.name, shown)])
@@ -284,6 +299,7 @@ class FileTransfer:
     def _check(self, caller: Caller, robot: RobotId, filed: StoredFile) -> None:
         profile = self._profiles[robot]
         takes = self._files_of(robot)
+        self._organiser.check_unlocked(caller)
         self._organiser.check_word(caller, robot, FILES)
         if not takes.takes:
             raise NotUnderstood(words.takes_none(profile.shown))
