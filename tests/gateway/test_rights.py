@@ -158,6 +158,9 @@ async def test_a_senior_takes_over_where_that_is_allowed() -> None:
         assert "omni is Bo's now. You may take it over; they are told." in told
         told = await place.say("take over omni")
         assert "omni is yours now. Bo was told." in told
+        assert place.gateway.rooms.organiser.holder("omni") == who(place, "Ada"), (
+            "before it is used"
+        )
         assert "Ada takes omni over now." in told
         assert "stopped before it ended" in told, "what Bo's order did has ended"
         place.robot("omni").work_s = 0.0

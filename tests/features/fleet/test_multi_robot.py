@@ -15,7 +15,7 @@ from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.robot import SimulatedRobot
 from rosic_sim.robots.simulation_loop import simulation_of
 from tests.features.fleet.test_tasks import WAREHOUSE, Worker, heard
-from tests.gateway.place import Place
+from tests.gateway.place import BO, BrokenStore, Place
 
 if TYPE_CHECKING:
     from rosic.contracts.robot import Tell
@@ -206,3 +206,15 @@ async def test_the_moment_is_agreed_once_it_is_on_disk(command: str) -> None:
         await here.clock.advance(5.0)
         disk.place = None
         assert at_work(here) == set(NAMES), shown(here)
+
+
+async def test_what_could_not_be_written_leaves_the_robots_to_others() -> None:
+    """All of a common start are asked for before it is written: none is kept by it."""
+    store = BrokenStore()
+    async with Place(store).open() as place:
+        store.broken = True
+        told = await place.say("/together swarm wave", account=BO, chat=BO)
+        assert "nothing may move" in told
+        store.broken = False
+        organiser = place.gateway.rooms.organiser
+        assert [organiser.holder(robot) for robot in ("cf1", "cf2")] == [None, None]

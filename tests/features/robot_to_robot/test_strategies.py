@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.app.admin.api import AdminVerb
 from rosic.features.robot_to_robot.strategies import ANSWER_WITHIN_S, IDLE_WITHIN_S
 from rosic.stores.memory import MemoryStore
 from tests.features.robot_to_robot.peers import PeerRobots, with_strategies
-from tests.gateway.place import ADA, BO, VI
+from tests.gateway.place import ADA, BO, VI, ask_as_operator
 
 if TYPE_CHECKING:
     from typing import Any
@@ -108,6 +109,19 @@ async def test_when_idle_it_waits_until_the_robot_carries_out_nothing() -> None:
         await here.clock.advance(1)
         assert (await asked(here))["name"] == "careful"
         assert "has taken on" in await answered(here)
+
+
+async def test_whose_access_has_ended_by_that_moment_adjusts_nothing() -> None:
+    async with place().open() as here:
+        here.robot("omni").work_s = 3_600.0
+        await say(here, "omni wave")
+        await here.clock.advance(1)
+        await say(here, "/strategy omni careful")
+        await ask_as_operator(here.gateway, AdminVerb.REVOKE, "Bo")
+        await here.clock.advance(5)
+        await here.quiet()
+        assert here.gateway.rooms.linker.current("omni") is None
+        assert here.heard("omni", "strategy") == []
 
 
 async def test_a_moment_that_does_not_come_is_said_and_nothing_is_sent() -> None:
