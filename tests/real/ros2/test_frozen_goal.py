@@ -95,5 +95,6 @@ def test_a_goal_that_was_accepted_while_its_gateway_was_frozen_is_called_off(
     gateway.process.send_signal(GO_ON)
     ended = gateway.expect("ended", timeout_s=WITHIN_S)
     assert not ended.startswith("done"), ended
-    assert "broken off because ROSIC itself stood still for " in ended
+    # DDS may drop an acceptance that comes to a client which its server has not found yet.
+    assert "ROSIC itself stood still for " in ended or "has not answered for" in ended
     peer.expect("called off after", timeout_s=WITHIN_S)
