@@ -117,6 +117,9 @@ TO_MANY = [
     "/task any " + " then ".join(["move 9 m"] * 64),
     "/task herd " + " then ".join(["move"] * 64),
     "/task herd " + " then ".join([*["move 1 m"] * 62, "mvoe 1 m"]),
+    "/task herd " + " then ".join([*[f"move 1.{n:02} m" for n in range(32)], "mvoe 1 m"]),
+    "/task herd " + " then ".join([*[f"move 1.{n:02} m" for n in range(16)], "move 1"]),
+    "/task herd " + " then ".join([*[f"move 1.{n:02} m" for n in range(32)], "move 9 m"]),
     "\n".join(["/task herd skill1x1 then skilx 1"] * 5),
     "/broadcast herd skill1x1",
     "/broadcast herd mvoe 1 m",
@@ -142,6 +145,23 @@ def test_no_line_that_is_about_many_robots_makes_a_step_long(text: str) -> None:
 
     async def act(place: Receiving) -> None:
         await none_is_long(place, ADA, [text])
+
+    run(act, herd(60))
+
+
+def test_no_task_that_is_asked_about_makes_a_step_long() -> None:
+    """Both readings of it are offered, each bound to what it lets sixty robots do."""
+
+    async def act(place: Receiving) -> None:
+        await place.longest(place.message(ADA, "/settings units imperial"))
+        await none_is_long(
+            place,
+            ADA,
+            [
+                "/task herd " + " then ".join(f"move 1.{n:02}" for n in range(many))
+                for many in (3, 9, 33)
+            ],
+        )
 
     run(act, herd(60))
 

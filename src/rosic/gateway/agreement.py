@@ -51,6 +51,18 @@ class ActPart(NamedTuple):
     words: str
 
 
+class TaskSteps(NamedTuple):
+    """What a task, as typed, lets robots do that may carry it out for somebody.
+
+    Attributes:
+        read: Each step of each robot that was looked at.
+        unread: Robots that were not: a task for many is not read for all of them in one step.
+    """
+
+    read: Sequence[Do]
+    unread: Sequence[RobotId] = ()
+
+
 class ResolvedAct(NamedTuple):
     """What some words come to, for one person, now.
 
@@ -74,7 +86,7 @@ class Agreements:
         rooms: The four of them.
         reader: What a text says.
         clamping: Keeps what nobody said within somebody's limits.
-        task_steps: Returns what a task lets each robot do that may carry it out for somebody.
+        task_steps: Returns what a task lets robots do that may carry it out for somebody.
     """
 
     def __init__(
@@ -82,7 +94,7 @@ class Agreements:
         rooms: Components,
         reader: LanguageReader,
         clamping: LimitClamping,
-        task_steps: Callable[[str, PrincipalId], Sequence[Do]],
+        task_steps: Callable[[str, PrincipalId], TaskSteps],
     ) -> None:
         self._rooms = rooms
         self._task_steps = task_steps
@@ -212,8 +224,11 @@ class Agreements:
         if isinstance(line, CommandLine) and line.verb in TOGETHER:
             yield from self._together(line, caller)
         elif isinstance(line, CommandLine) and line.verb == TASK:
-            for step in self._task_steps(line.rest, caller.principal):
+            steps = self._task_steps(line.rest, caller.principal)
+            for step in steps.read:
                 yield from self._possible(step, caller)
+            for robot in steps.unread:
+                yield ActPart(robot, "", {}, "")
         elif isinstance(line, Do):
             line, _ = self._clamping.of(caller, line)
             for robot, skill in zip(line.robots, line.skills, strict=True):
@@ -244,7 +259,8 @@ class Agreements:
         return done + policy.to_bytes(8, "big")
 
     def _shown(self, group: str, parts: Sequence[ActPart]) -> str:
-        """Return robots and values as people read them."""
+        """Return robots and values as people read them; of a robot that was not read, nothing."""
+        parts = [part for part in parts if part.words] or parts
         names = [self._rooms.profiles[part.robot].shown for part in parts]
         if len({part.words for part in parts}) == 1 and len(parts) > 1:
             listed = ", ".join(names[:NAMED_AT_MOST]) + ", ..." * (len(names) > NAMED_AT_MOST)

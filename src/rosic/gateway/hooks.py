@@ -5,18 +5,18 @@ What decides is there from the first moment; what only adds something is said la
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.identity import Caller, PrincipalId
 from rosic.core.message import Button, Chat
 from rosic.core.signal import Deferred, Signal
 from rosic.errors import Refusal
+from rosic.gateway.agreement import TaskSteps
 from rosic.gateway.commands import CommandRegistry
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
-    from rosic.core.language import Do
     from rosic.core.language.command import CommandTable
     from rosic.core.message import Inbound
     from rosic.core.robot.profile import RobotId
@@ -39,7 +39,7 @@ class PipelineHooks:
         newcomer: Answers somebody unknown who may have brought a code; None: it was no code.
         enclosed: Takes in files that people send.
         outdated: Hears, in private, of a tap on a button that is no good any more.
-        task_steps: What a task, as typed, lets each robot do that may carry it out for somebody.
+        task_steps: What a task, as typed, lets robots do that may carry it out for somebody.
         view_buttons: Buttons for what can be seen of a robot, for its menu.
 
     Args:
@@ -71,7 +71,7 @@ class PipelineHooks:
         self.newcomer: Deferred[[Messenger, Inbound, str], Awaitable[Reply | None]]
         self.newcomer = Deferred(_no_code)
         self.enclosed: Deferred[[Messenger, Inbound, Caller], None] = Deferred(_left)
-        self.task_steps: Deferred[[str, PrincipalId], Sequence[Do]] = Deferred(_no_steps)
+        self.task_steps: Deferred[[str, PrincipalId], TaskSteps] = Deferred(_no_steps)
         self.view_buttons: Deferred[[RobotId], list[Button]] = Deferred(_unseen)
         self.outdated: Signal[[PrincipalId]] = Signal()
 
@@ -85,9 +85,9 @@ def _left(_messenger: Messenger, _inbound: Inbound, _caller: Caller) -> None:
     """Take no file: there is nowhere to keep it."""
 
 
-def _no_steps(_rest: str, _who: PrincipalId) -> tuple[Do, ...]:
+def _no_steps(_rest: str, _who: PrincipalId) -> TaskSteps:
     """Let no task do anything: nobody takes any."""
-    return ()
+    return TaskSteps(())
 
 
 def _unseen(_robot: RobotId) -> list[Button]:

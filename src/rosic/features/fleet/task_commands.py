@@ -35,6 +35,7 @@ from rosic.features.fleet.task_parser import (
     read_wish,
     readings,
 )
+from rosic.gateway.agreement import TaskSteps
 from rosic.gateway.cancel import CancelGeneration
 from rosic.gateway.commands import Reply
 from rosic.gateway.requests import check_command_fresh
@@ -60,6 +61,8 @@ OF_ONE_AT_MOST: Final = 500
 SHOWN_AT_MOST: Final = 20
 READINGS_OF_ONE: Final = 200
 """So many readings of a step cost somebody as much of their rate as one more line."""
+STEPS_READ_AT_MOST: Final = 128
+"""So many are worked out for a button of a task: all of a large one would hold the loop (I15)."""
 ANY: Final = frozenset({ANYBODY, "anybody", "anyone", "irgendwer"})
 ASSIGN: Final = "assign"
 
@@ -155,8 +158,11 @@ class TaskCommands:
             return Reply(self.line(task, asked.caller.principal), words.choices(task))
         return await self._give(asked)
 
-    def steps(self, rest: str, who: PrincipalId) -> list[Do]:
-        """Return what a task lets each robot do that may carry it out; nothing for what is no task.
+    def steps(self, rest: str, who: PrincipalId) -> TaskSteps:
+        """Return what a task lets robots do that may carry it out; nothing for what is no task.
+
+        Robots are read until it would take too long for one step of the event loop. Who may do what
+        for somebody is in the number of the rules as well, for whoever binds a button to this.
 
         Args:
             rest: As typed after the verb.
@@ -167,21 +173,21 @@ class TaskCommands:
         """
         first, *more = rest.split() or [""]
         if not more or (first.casefold() in self._acts and len(more) == 1 and more[0].isdecimal()):
-            return []
+            return TaskSteps(())
         organiser = self._rooms.organiser
         wish = read_wish(rest, organiser.wall_ns(), organiser.calendar.zone(who))
         _, robots, used = self._target(wish, who)
         lines = wish.lines(used)
         readings(robots, lines)
-        permitted = PermittedSteps(self._rooms, who)
+        permitted, standing = PermittedSteps(self._rooms, who), self.dispatching.fleet.standing
+        serving = [robot for robot in robots if standing(robot) is not FleetMembership.RETIRED]
+        looked_at = max(1, STEPS_READ_AT_MOST // len(lines))
         found: list[Do] = []
-        for robot in robots:
-            if self.dispatching.fleet.standing(robot) is FleetMembership.RETIRED:
-                continue
+        for robot in serving[:looked_at]:
             with suppress(Refusal):
                 permitted.all(robot, lines)
                 found += [permitted.reader.read(robot, line) for line in lines]
-        return found
+        return TaskSteps(found, serving[looked_at:])
 
     async def _give(self, asked: CommandContext) -> Reply:
         check_command_fresh(asked.inbound, f"/task {asked.rest}")
