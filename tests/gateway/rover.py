@@ -12,7 +12,7 @@ from rosic.core.records import Decided
 from rosic.errors import ConfigurationError, Refusal
 from rosic.features.alerts import AlertFeature
 from rosic.features.robot_to_robot import RobotToRobotFeature
-from rosic.gateway.robot_registry import ProfileDraft
+from rosic.gateway.robot_registry import ProfileDraft, owner_may
 from rosic.robots.memory import MemoryRobot
 from tests.gateway.place import Place, SlowStore
 
@@ -55,7 +55,7 @@ def draft(text: str = ROVER, **changes: str) -> ProfileDraft:
 
 async def add(place: Place, some: ProfileDraft | None = None) -> str:
     """Add a robot as the operator does, and return what was said."""
-    return await place.gateway.robot_adder.add(some or draft(), OPERATOR)
+    return await place.gateway.robot_adder.add(some or draft(), OPERATOR, owner_may)
 
 
 class Reluctant(MemoryRobot):

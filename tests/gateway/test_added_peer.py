@@ -8,6 +8,7 @@ import pytest
 
 from rosic.core.identity import OPERATOR, ROBOT, Address
 from rosic.features.robot_to_robot.digest import EVERY_S
+from rosic.gateway.robot_registry import owner_may
 from rosic.stores.memory import MemoryStore
 from tests.features.robot_to_robot.peers import PeerRobots
 from tests.gateway.place import BO, PEOPLE
@@ -31,13 +32,13 @@ def rover_is_somebody(here: PeerRobots) -> bool:
 async def test_it_speaks_under_a_key_of_its_own_and_still_does_after_a_restart() -> None:
     store = MemoryStore()
     async with Alone(store).open() as here:
-        told = await here.gateway.robot_adder.add(draft(), OPERATOR, "fellow")
+        told = await here.gateway.robot_adder.add(draft(), OPERATOR, owner_may, "fellow")
         assert "Rover 3 may speak with the other robots, as fellow." in told
         await here.say("/shared rover follow", account=BO)
         assert (await here.says("rover", "share", topic="road", data="wet"))["ok"] is True
         await here.clock.advance(EVERY_S + 1.0)  # somebody looks after it, though nobody did before
         assert any("Rover 3 shares road" in t.outbound.text for t in here.chat.told)
-        again = await refused(here.gateway.robot_adder.add(draft(), OPERATOR, "fellow"))
+        again = await refused(here.gateway.robot_adder.add(draft(), OPERATOR, owner_may, "fellow"))
         assert "is called rover here already" in again
         await here.say("/lock rover")
         await here.clock.advance(31.0)
@@ -68,7 +69,7 @@ async def test_a_role_that_is_none_or_a_name_that_somebody_has_changes_nothing(
 ) -> None:
     async with Alone().open() as here:
         before = len(list(here.gateway.rooms.authoriser.directory.people()))
-        adding = here.gateway.robot_adder.add(text, OPERATOR, role)
+        adding = here.gateway.robot_adder.add(text, OPERATOR, owner_may, role)
         assert why in await refused(adding)
         assert len(list(here.gateway.rooms.authoriser.directory.people())) == before
         assert len(here.gateway.robots) == 4

@@ -8,13 +8,16 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.message import Chat, ChatKind, MessageValidity
+from rosic.core.order import OrderEnding, Outcome
 from rosic.core.rate_limit import RateLimit
 from rosic.core.records import Concluded
+from rosic.errors import StillMoves
 from rosic.gateway.unfollowed_messages import NOT_FOLLOWED
 from tests.gateway.place import ADA, BO, STRANGER, VI, Place, SlowStore, line_by_line
 
 if TYPE_CHECKING:
-    from rosic.core.order import Order, Outcome
+    from rosic.contracts.robot import Tell
+    from rosic.core.order import Order
 
 MINUTE_NS = 60_000_000_000
 
@@ -405,3 +408,20 @@ async def test_an_order_goes_on_and_ends_whoever_that_follows_it_fails() -> None
             assert "done" in await place.say("omni move 1 m")
             assert place.acted() == number
     assert first.heard == second.heard == ["began omni", "ended omni: done"] * 2
+
+
+async def test_an_end_is_told_whoever_that_hears_of_a_robot_that_still_moves_fails() -> None:
+    heard: list[Order] = []
+
+    def fails(order: Order) -> None:
+        heard.append(order)
+        raise LookupError(order.robot)
+
+    async def execute(_order: Order, _tell: Tell) -> Outcome:
+        return Outcome(OrderEnding.UNKNOWN, "omni still moves.", code=StillMoves.code)
+
+    async with Place().open() as place:
+        place.gateway.pipeline.executor.still_moves.connect(fails)
+        place.robot("omni").execute = execute  # type: ignore[method-assign, assignment]
+        assert "omni still moves." in await place.say("omni move 1 m")
+    assert len(heard) == 1

@@ -92,8 +92,8 @@ class RobotProvisioning:
         self,
         draft: ProfileDraft,
         by: PrincipalId,
+        check_right: Callable[[], None],
         role: str = "",
-        check_right: Callable[[], None] | None = None,
     ) -> str:
         """Add a robot. Return what is said of it: that it is here, and what it can do.
 
@@ -102,9 +102,9 @@ class RobotProvisioning:
         Args:
             draft: Its profile.
             by: Who adds it.
+            check_right: Raises while they may not; asked again right before it is written down.
             role: In which it speaks with the other robots, under a key of its own; empty: it does
                 not.
-            check_right: Raises while they may not; asked again right before it is written down.
 
         Raises:
             Refusal: Why not. Nothing was changed, and whatever was opened is closed.
@@ -152,7 +152,7 @@ class RobotProvisioning:
     # ---- what can fail ----
 
     async def _add(
-        self, wanted: AddRobotRequest, by: PrincipalId, check_right: Callable[[], None] | None
+        self, wanted: AddRobotRequest, by: PrincipalId, check_right: Callable[[], None]
     ) -> str:
         async with self._one:
             stops, _ = self._gateway.rooms.board.newest()
@@ -192,7 +192,7 @@ class RobotProvisioning:
         wanted: AddRobotRequest,
         by: PrincipalId,
         stops: int,
-        check_right: Callable[[], None] | None,
+        check_right: Callable[[], None],
     ) -> bool:
         """Write it down, then let it be so. Return whether it was stopped at once.
 
@@ -211,8 +211,7 @@ class RobotProvisioning:
         try:
             async with gateway.access.changes.turn() as turn:
                 outlook = await gateway.authority.foresee((*gateway.profiles.values(), profile))
-                if check_right is not None:  # opening took its time: access may have ended
-                    check_right()
+                check_right()  # opening took its time: access may have ended
                 somebody = self._somebody(profile.id, wanted.role, by)
                 await turn.write((decided, fact_of(profile.id, wanted.draft), *somebody))
                 here = True

@@ -338,7 +338,10 @@ class OrderExecutor:
             except Exception:
                 log.exception(FOLLOWS_NOT)
         if outcome.code == StillMoves.code:
-            self.still_moves.emit(order)
+            try:
+                self.still_moves.emit(order)
+            except Exception:
+                log.exception(FOLLOWS_NOT)
 
     def shown_in(
         self, where: tuple[str, str], message: str, principal: PrincipalId = ""

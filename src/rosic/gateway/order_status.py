@@ -151,7 +151,7 @@ class OrderMessage:
             text = self._statuses[0].text(ending=endings)
         else:
             text = "\n".join([status.text(ending=endings) for status in self._statuses])
-        return Outbound(
+        return Outbound(  # its weight is `weight`, without a call on the way of every order
             chat=self.chat,
             text=text,
             reply_to=self.reply_to,

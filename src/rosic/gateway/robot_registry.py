@@ -72,6 +72,10 @@ class ProfileDraft(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit
 _encode = msgspec.msgpack.Encoder().encode
 
 
+def owner_may() -> None:
+    """Let the owner of the machine add a robot: whoever runs it needs no right (`OPERATOR`)."""
+
+
 class RobotAdder(Protocol):
     """Adds robots to a gateway that runs."""
 
@@ -87,8 +91,8 @@ class RobotAdder(Protocol):
         self,
         draft: ProfileDraft,
         by: PrincipalId,
+        check_right: Callable[[], None],
         role: str = "",
-        check_right: Callable[[], None] | None = None,
     ) -> str:
         """Add a robot, if ``check_right`` still lets them then. Return what is said of it.
 

@@ -27,6 +27,7 @@ from rosic.core.identity import OPERATOR
 from rosic.core.order import RestReport
 from rosic.core.policy.limits import unit_converter
 from rosic.errors import NotUnderstood
+from rosic.gateway.robot_registry import owner_may
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Iterator, Sequence
@@ -317,7 +318,8 @@ class AdminDispatcher:
         """
         if ask.verb is AdminVerb.ADD_ROBOT:
             wanted = body_of(ask, AddRobotRequest)
-            return (await self._gateway.robot_adder.add(wanted.draft, OPERATOR, wanted.role),)
+            adder = self._gateway.robot_adder
+            return (await adder.add(wanted.draft, OPERATOR, owner_may, wanted.role),)
         if ask.verb is AdminVerb.RESUME:
             return (await self.resume(ask.names),)
         if self._admin is None:

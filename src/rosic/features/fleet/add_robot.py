@@ -86,7 +86,7 @@ class AddRobotFromChat:
         if shown != digest:
             raise NotUnderstood(words.CHANGED, offers=(words.add_command(filed.name, role),))
         added = await self._robot_adder().add(
-            draft, principal, role, partial(self._check_still, asked.caller, role)
+            draft, principal, partial(self._check_still, asked.caller, role), role
         )
         return Reply(added, about=profile.id)
 
