@@ -22,6 +22,7 @@ from rosic_sim.scenarios.scenario import ScenarioMismatch
 from rosic_sim.scenarios.terminal_view import TerminalView
 from tests.cli.running import ROSIC, Ran, environment, rosic
 from tests.cli.terminal import rosic_at
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -297,10 +298,15 @@ def test_a_ctrl_c_in_a_play_brings_its_robots_to_rest_and_a_second_one_ends_it(
         seat.wait_for("Ctrl-D leaves.")
         seat.type("kuka1 grasp force=10")
         seat.wait_for("approaching 0 %")
-        seat.type("", end="\x03")
+        while "STOP sent to" not in seat.shown:  # a key that comes while something is drawn is lost
+            assert seat.process.poll() is None, seat.shown
+            seat.type("", end="\x03")
+            heard_by_s = time.monotonic() + 2 * pace()
+            while "STOP sent to" not in seat.shown and time.monotonic() < heard_by_s:
+                seat.look(0.1)
         seat.wait_for("iiwa at rest")
         seat.wait_for("Ctrl-C again ends ROSIC.")
-        while seat.process.poll() is None:  # one that comes while something is drawn is lost here
+        while seat.process.poll() is None:  # likewise
             seat.type("", end="\x03")
             seat.look(0.5)
         assert seat.ended() == 0
