@@ -83,6 +83,8 @@ SECONDS = {
     "tests/journeys/test_single_ros2.py": 30,
     "tests/journeys/test_walk.py": 25,
     "tests/journeys/test_kills_ros2.py": 30,
+    "tests/app/test_add_a_command.py": 30,
+    "tests/app/test_add_a_feature.py": 30,
     "tests/rosic_sim/robots/machines/test_swarm.py": 30,
     "tests/cli/test_demo.py": 30,
     "tests/real/ros2/test_robot_conformance.py": 75,

@@ -1,4 +1,4 @@
-"""docs/howto/add-a-command.md, followed word by word: three files of one folder suffice."""
+"""docs/howto/add-a-command.md, followed word by word: one folder suffices."""
 
 from __future__ import annotations
 
@@ -13,21 +13,30 @@ from tests.pace import pace
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "howto" / "add-a-command.md"
-STEP = re.compile(
-    r"^([^\n`]*`[^\n]*|and [^\n]*):(?:[^\n]*)\n\n```python\n(.*?)^```", re.MULTILINE | re.DOTALL
-)
+STEP = re.compile(r"^([^\n`]*`[^\n]*):[^\n]*\n\n```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
 GERMAN = re.compile(r"`(src/[\w/]+\.po)`[^\n]*:\n\n```po\n(.*?)^```", re.MULTILINE | re.DOTALL)
 EMPTY = 'msgstr ""\n'
+# What is written anew of them, and what tests of the shape read.
+PAGES = (
+    "docs/language.md",
+    "docs/glossary.md",
+    "docs/decisions/0013-the-fields-own-names.md",
+)
 COMMANDS = "src/rosic/features/media/commands.py"
 INNER = 4 * " "
 
 
-def follow(folder: Path) -> set[str]:
-    """Do what the page says in a copy of the tree; return which files it touched."""
+def copy_tree(folder: Path) -> None:
     for part in ("src", "tests"):
         shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
-    (folder / "docs").mkdir()
-    shutil.copy(ROOT / "docs" / "language.md", folder / "docs")
+    for page in PAGES:
+        (folder / page).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / page, folder / page)
+
+
+def follow(folder: Path) -> set[str]:
+    """Do what the page says in a copy of the tree; return which files it touched."""
+    copy_tree(folder)
     touched: set[str] = set()
     for where, code in STEP.findall(PAGE.read_text(encoding="utf-8")):
         file = COMMANDS
@@ -43,8 +52,8 @@ def follow(folder: Path) -> set[str]:
         elif "`register_commands`" in where:
             head, body, rest = before.partition("    commands.register(")
             after = f"{head}{indent(code, INNER)}{body}{rest}"
-        elif "imports" in where:
-            after = before.replace("\nfrom rosic.features", f"\n{code}from rosic.features", 1)
+        elif above := re.search(r"above `([^`]+)`", where):
+            after = before.replace(f"\n{above[1]}\n", f"\n{code}\n\n{above[1]}\n", 1)
         elif before:
             after = f"{before}\n\n{code}"
         else:
@@ -85,7 +94,6 @@ def run(folder: Path, *arguments: str) -> str:
 def test_a_command_is_added_in_one_folder(tmp_path: Path) -> None:
     touched = follow(tmp_path)
     assert sorted(touched) == [
-        "src/rosic/features/media/battery.py",
         COMMANDS,
         "src/rosic/features/media/messages.py",
         "tests/features/media/test_battery.py",
@@ -95,5 +103,8 @@ def test_a_command_is_added_in_one_folder(tmp_path: Path) -> None:
     run(tmp_path, "tests.commands")
     assert f"texts, {translate(tmp_path)} without a translation" in wanting
     assert "texts, 0 without a translation" in run(tmp_path, "tests.texts")
-    tests = ("features/media/test_battery.py", "app/test_commands.py", "shape/test_texts.py")
+    shape = (f"shape/test_{name}.py" for name in ("measures", "names", "texts"))
+    tests = ("features/media/test_battery.py", "app/test_commands.py", *shape)
     run(tmp_path, "pytest", "-q", "-p", "no:cacheprovider", *(f"tests/{test}" for test in tests))
+    run(tmp_path, "ruff", "check", *touched)
+    run(tmp_path, "ruff", "format", "--check", *touched)

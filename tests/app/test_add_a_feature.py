@@ -15,15 +15,32 @@ PAGE = ROOT / "docs" / "howto" / "add-a-feature.md"
 STEP = re.compile(
     r"^`((?:src|tests)/[\w/]+\.py)`[^\n]*:\n\n```python\n(.*?)^```", re.MULTILINE | re.DOTALL
 )
+WORDS = re.compile(r"`(tests/[\w/]+\.txt)`[^\n]*:\n\n```text\n(.*?)^```", re.MULTILINE | re.DOTALL)
 FEATURE = "src/rosic/features/odometer"
+# What is written anew of them, and what tests of the shape read.
+PAGES = (
+    "docs/language.md",
+    "docs/architecture.md",
+    "docs/images/imports.svg",
+    "docs/glossary.md",
+    "docs/decisions/0013-the-fields-own-names.md",
+)
+# What a new module, class or command can break.
+SHAPE = (
+    "tests/app/test_commands.py",
+    "tests/shape/test_measures.py",
+    "tests/shape/test_names.py",
+    "tests/shape/test_architecture.py::test_the_tables_are_of_today",
+)
 
 
 def follow(folder: Path) -> list[str]:
     """Do what the page says in a copy of the tree; return which files it made."""
     for part in ("src", "tests"):
         shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
-    (folder / "docs").mkdir()
-    shutil.copy(ROOT / "docs" / "language.md", folder / "docs")
+    for page in PAGES:
+        (folder / page).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / page, folder / page)
     shutil.copy(ROOT / "pyproject.toml", folder)
     made: list[str] = []
     for file, code in STEP.findall(PAGE.read_text(encoding="utf-8")):
@@ -32,6 +49,9 @@ def follow(folder: Path) -> list[str]:
         path.parent.mkdir(exist_ok=True)
         path.write_text(code, encoding="utf-8")
         made.append(file)
+    [(listed, words)] = WORDS.findall(PAGE.read_text(encoding="utf-8"))
+    with (folder / listed).open("a", encoding="utf-8") as file:
+        file.write(words)
     return made
 
 
@@ -48,7 +68,8 @@ def test_a_feature_is_added_in_one_folder(tmp_path: Path) -> None:
     ruff = str(Path(sys.executable).with_name("ruff"))
     for command in (
         [sys.executable, "-m", "tests.commands"],
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", made[-1]],
+        [sys.executable, "-m", "tests.architecture"],
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", made[-1], *SHAPE],
         [ruff, "check", FEATURE, made[-1]],
         [ruff, "format", "--check", FEATURE, made[-1]],
     ):
