@@ -46,6 +46,11 @@ this page: a test walks it and holds it (`make pictures` writes it anew).
 Times, codes and figures of one run stand for those of yours.
 
 """
+HERE: Final = ". .venv/bin/activate"
+STAND_IN: Final = f"""{HERE}
+pip install -e '.[testing]'
+python -m rosic.testing.telegram --port 8081"""
+INIT: Final = f"{HERE}\nrosic init --robot omni"
 KEYS = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 PROGRESS = re.compile(r": [a-z ]+ \d+ %$")
 TOOK = re.compile(r"ready in [\d.]+ s")
@@ -127,11 +132,14 @@ def found(page: Page, folder: Path, server: FakeTelegram) -> None:
     """Answer the questions of `rosic init`, with a bot of the stand-in."""
     said = answer_the_questions(folder, ["init", "--robot", "omni"], ANSWERS, server.token)
     page.part("A place of one's own", "With the stand-in for Telegram in another shell:")
-    page.block("python -m rosic.testing.telegram --port 8081", "console")
-    page.block("rosic init --robot omni", "console")
+    page.block(STAND_IN, "console")
+    page.text += (
+        "It says the token that it takes, when asked with `--help`. In the first shell:\n\n"
+    )
+    page.block(INIT, "console")
     page.block(plain(said))
     lead_to(server, folder / "rosic.toml")
-    page.text += "The address of the stand-in is written into `rosic.toml`:\n\n"
+    page.text += "The address of the stand-in is written below `kind` into `rosic.toml`:\n\n"
     page.block(f'api_base = "{server.api_base}"', "toml")
 
 
