@@ -51,6 +51,7 @@ AT_MOST: Final = 16
 """Of one robot so many topics are listened to."""
 OLD_NS: Final = SECOND_NS
 NEWEST: Final = TopicQos(reliable=False, depth=1)
+KEPT: Final = TopicQos(reliable=True, latched=True, depth=1)
 
 
 class _Rest(NamedTuple):
@@ -100,8 +101,12 @@ async def _rest(runtime: RosRuntime, clock: Clock, topic: str, kind: str) -> _Re
 
 async def _charge(runtime: RosRuntime, topic: str) -> float:
     """Return the most that a battery said of its charge; 0 for one that said nothing."""
+    return max(await _all(_charged(runtime, topic, quality) for quality in (KEPT, NEWEST)))
+
+
+async def _charged(runtime: RosRuntime, topic: str, quality: TopicQos) -> float:
     try:
-        source = await runtime.latest(topic, BATTERY, NEWEST)
+        source = await runtime.latest(topic, BATTERY, quality)
     except RosicError:
         return 0.0
     most = 0.0
@@ -142,8 +147,6 @@ async def _all(waiting: Iterable[Awaitable[T]]) -> list[T]:
 GET_PARAMETERS: Final = "rcl_interfaces/srv/GetParameters"
 TYPES: Final = (BATTERY, LOCATED, JOINTS, ODOMETRY, GET_PARAMETERS)
 HEARD_WITHIN_S: Final = 1.5
-KEPT: Final = TopicQos(reliable=True, latched=True, depth=1)
-VOLATILE: Final = TopicQos(reliable=False, depth=1)
 STRING_ARRAY: Final = 9
 
 
@@ -202,7 +205,7 @@ async def _heard(runtime: RosRuntime, seen: SeenRobot, kind: str) -> Any:  # noq
     if not topic:
         return None
     # What is kept for whoever comes later, and what is said again and again, take two ears.
-    for quality in (KEPT, VOLATILE):
+    for quality in (KEPT, NEWEST):
         latest = await runtime.latest(topic, kind, quality)
         try:
             await latest.newer(0, timeout_s=HEARD_WITHIN_S)

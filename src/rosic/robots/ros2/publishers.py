@@ -134,6 +134,7 @@ class TopicPublishers:
         self.restarts = 0
         self.born_ns = 0
         self._known: dict[bytes, _Apart] = {}
+        self._stamps_ns: dict[bytes, int] = {}
 
     def take(self, about: About, now_ns: int) -> int:
         """Take in that a message has come; return when it was sent, on our clock.
@@ -152,7 +153,25 @@ class TopicPublishers:
             apart = self._known[gid] = _Apart(now_ns)
         apart.last_ns = now_ns
         sent_ns = about.get("source_timestamp")
+        self._newer(gid, int(sent_ns or 0))
         return now_ns if not sent_ns else now_ns - apart.late_ns(now_ns - int(sent_ns), now_ns)
+
+    def take_kept(self, about: About, wall_ns: int) -> int | None:
+        """Take in that a message has come that was kept; return for how long, by its stamp.
+
+        It says nothing of who sends now. None: that message, or a newer one, is known already.
+        """
+        sent_ns = int(about.get("source_timestamp") or 0)
+        return max(0, wall_ns - sent_ns) if self._newer(_gid(about), sent_ns) else None
+
+    def _newer(self, gid: bytes, sent_ns: int) -> bool:
+        if sent_ns <= self._stamps_ns.get(gid, -1):
+            return False
+        self._stamps_ns.pop(gid, None)
+        while len(self._stamps_ns) >= REMEMBERED:
+            del self._stamps_ns[next(iter(self._stamps_ns))]
+        self._stamps_ns[gid] = sent_ns
+        return True
 
     def several(self, now_ns: int) -> bool:
         """Tell whether more than one of them sends: one is heard on after another has begun."""

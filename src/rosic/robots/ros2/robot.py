@@ -424,7 +424,7 @@ class Ros2Robot:
         """Tell from telemetry, else from the greeting, else from the graph."""
         if self._opened_ns is None:
             return None
-        if self._measured.sources:
+        if self._measured.tells_presence:
             age_s = self._measured.age_s()
             if age_s is not None:
                 return age_s <= self.profile.link.heartbeat_s
@@ -435,8 +435,11 @@ class Ros2Robot:
 
     def _look(self, seen: GraphSnapshot) -> None:
         """Take in what is on the graph."""
+        self._measured.look(seen)
         if self._namespace:
             self._seen = others_under(seen, self._namespace)
+        elif self._measured.sources:
+            self._seen = not self._measured.tells_presence
         self._notice()
         self._meetings.look(seen, list(self._measured.sources.values()), self._stop_controller)
         self._meetings.doubt(self._measured.doubt())

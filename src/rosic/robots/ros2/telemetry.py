@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.time_units import SECOND_NS
+from rosic.errors import RosicError
 from rosic.robots.ros2.errors import BadValue
 from rosic.robots.ros2.messages.coerce import clean_text
 from rosic.robots.ros2.messages.decode import FieldReader, Plain, compile_path
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from rosic.contracts.clock import Clock
+    from rosic.robots.ros2.client.graph import GraphSnapshot
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.client.topics import LatestMessage
     from rosic.robots.ros2.profile import Ros2Profile
@@ -99,6 +101,8 @@ AWAKE_EVERY_S = 0.25
 _OFTEN = 10
 """After so many more it is known how often something comes."""
 _TEXT_BYTES = 200
+_AGAIN_AND_AGAIN = 5
+"""What was heard anew so often, each time in time, is said again and again, and may be missed."""
 
 
 class _Value(NamedTuple):
@@ -132,6 +136,10 @@ class Measurements:
     def __init__(self, profile: Ros2Profile, clock: Clock) -> None:
         self._profile = profile
         self._clock = clock
+        self._runtime: RosRuntime | None = None
+        self._asking: dict[LatestMessage, asyncio.Task[None]] = {}
+        self._said_once = False
+        self._in_a_row = self._received = 0
         self._places: list[tuple[LatestMessage, tuple[FieldReader, ...]]] = []
         self.sources: dict[tuple[str, str], LatestMessage] = {}
         self._values: list[_Value] = []
@@ -152,6 +160,7 @@ class Measurements:
         Raises:
             BadName: A topic, a type or a field does not exist. What was opened goes with the node.
         """
+        self._runtime = runtime
         for name, entry in self._profile.telemetry.items():
             if entry.topic:
                 source = await self._source(runtime, entry.topic, entry.type)
@@ -170,6 +179,10 @@ class Measurements:
         """Subscribe no more."""
         if self._awake is not None:
             self._awake.cancel()
+        for asking in self._asking.values():
+            asking.cancel()
+        self._asking.clear()
+        self._runtime = None
         for source in self.sources.values():
             await source.close()
         self.sources.clear()
@@ -183,6 +196,55 @@ class Measurements:
                 cls = runtime.types.message(type_name)
                 self._places.append((source, tuple(compile_path(cls, path) for path in _PLACE)))
         return self.sources[key]
+
+    # ---- what was said before we came ----
+
+    def look(self, seen: GraphSnapshot) -> None:
+        """Take in who is on the graph: what a publisher keeps is asked for once it is there."""
+        topics = {topic.name: topic for topic in seen.topics}
+        there = [
+            (source, topic)
+            for source in self.sources.values()
+            if (topic := topics.get(source.topic))
+        ]
+        for source, topic in there:
+            if topic.latched and source not in self._asking and not self._is_measured(source):
+                self._asking[source] = asyncio.create_task(self._ask(source))
+        speaking = [topic for _, topic in there if topic.publishers]
+        self._said_once = bool(speaking) and all(
+            topic.latched == topic.publishers for topic in speaking
+        )
+        self._count()
+
+    def _count(self) -> None:
+        """Count the looks that find something new, as long as none came too late."""
+        before, self._received = self._received, sum(s.received for s in self.sources.values())
+        if self._in_a_row >= _AGAIN_AND_AGAIN:
+            return
+        if self._received > before:
+            self._in_a_row += 1
+        elif (self._heard_s() or 0.0) > self.silence_s:
+            self._in_a_row = 0
+
+    def _is_measured(self, source: LatestMessage) -> bool:
+        """Tell whether rest or a way is measured by it: what was kept is no reading of now."""
+        rests = self._rest is not None and source is self._rest.source
+        return rests or any(source is odometry for odometry, _ in self._places)
+
+    async def _ask(self, source: LatestMessage) -> None:
+        if self._runtime is not None:
+            with suppress(RosicError):  # the link is closed, or there are too many subscriptions
+                await self._runtime.hear_kept(source)
+
+    @property
+    def tells_presence(self) -> bool:
+        """Whether a robot that is there is heard.
+
+        Not where everything that it reports is said once and kept by its publisher: it may be
+        silent for as long as nothing changes.
+        """
+        said_once = self._said_once and self._rest is None and self._in_a_row < _AGAIN_AND_AGAIN
+        return bool(self.sources) and not said_once
 
     # ---- what is known ----
 
@@ -218,7 +280,7 @@ class Measurements:
         if self._rest is not None:
             return self.at_rest(self.stale_ns()) is not None
         age_s = self.age_s()
-        return not self.sources or (age_s is not None and age_s <= self.within_s)
+        return not self.tells_presence or (age_s is not None and age_s <= self.within_s)
 
     @property
     def restarts(self) -> int:
@@ -241,7 +303,10 @@ class Measurements:
         return None
 
     def age_s(self) -> float | None:
-        """Return for how many seconds nothing was heard; None when nothing ever was."""
+        """Return for how many seconds nothing was heard; None: nothing ever was, or has to be."""
+        return self._heard_s() if self.tells_presence else None
+
+    def _heard_s(self) -> float | None:
         ages = [age for source in self.sources.values() if (age := source.age_s) is not None]
         return min(ages, default=None)
 
@@ -325,9 +390,11 @@ class Measurements:
             return
 
     def ages_s(self) -> dict[str, float]:
-        """Return for how long each of `values` has not been heard."""
+        """Return for how long each of `values` has not been heard, or was kept."""
         return {
-            value.name: age_s for value in self._values if (age_s := value.source.age_s) is not None
+            value.name: age_s
+            for value in self._values
+            if (age_s := value.source.told_age_s) is not None
         }
 
     def values(self) -> dict[str, float | str]:

@@ -22,12 +22,16 @@ class RosConnection:
 
     Attributes:
         now_ns: The monotonic clock on which telemetry is dated.
+        wall_ns: The wall clock, to which senders' stamps are compared.
         thread: The ROS thread, for the modules beside this one.
     """
 
-    def __init__(self, thread: RosThread, now_ns: Callable[[], int]) -> None:
+    def __init__(
+        self, thread: RosThread, now_ns: Callable[[], int], wall_ns: Callable[[], int]
+    ) -> None:
         self.thread = thread
         self.now_ns = now_ns
+        self.wall_ns = wall_ns
         self._endpoints = 0
 
     @property

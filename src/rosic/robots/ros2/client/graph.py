@@ -33,12 +33,17 @@ _OF_EVERY_NODE_ENDINGS = (
 
 @dataclass(frozen=True)
 class GraphTopic:
-    """A topic, and how many others publish and subscribe to it. Our own ends are not counted."""
+    """A topic, and how many others publish and subscribe to it. Our own ends are not counted.
+
+    Attributes:
+        latched: How many of the publishers keep what they said for whoever comes later.
+    """
 
     name: str
     types: tuple[str, ...]
     publishers: int
     subscribers: int
+    latched: int = 0
 
 
 @dataclass(frozen=True)
@@ -127,12 +132,14 @@ def _look(runtime: RosRuntime, namespace: str) -> GraphSnapshot:
         ]
         for entries in listed
     )
+    keeps = runtime.ros.qos.DurabilityPolicy.TRANSIENT_LOCAL
     seen = (
         GraphTopic(
             name,
             types,
-            _count(node.get_publishers_info_by_topic, name, own),
-            _count(node.get_subscriptions_info_by_topic, name, own),
+            len(publishers := _others(node.get_publishers_info_by_topic, name, own)),
+            len(_others(node.get_subscriptions_info_by_topic, name, own)),
+            sum(end.qos_profile.durability == keeps for end in publishers),
         )
         for name, types in topics[:MAX_ENTRIES]
         if name not in _OF_EVERY_NODE
@@ -160,6 +167,6 @@ def _nodes(node: RosObject, namespace: str) -> tuple[str, ...]:
     return tuple(sorted(name for name in names - {own} if is_under(name, namespace)))
 
 
-def _count(ends: Callable[[str], list[RosObject]], topic: str, own: str) -> int:
-    """Count the ends that belong to other nodes: a robot that is gone leaves only ours."""
-    return sum(1 for end in ends(topic) if end.node_name != own)
+def _others(ends: Callable[[str], list[RosObject]], topic: str, own: str) -> list[RosObject]:
+    """Return the ends that belong to other nodes: a robot that is gone leaves only ours."""
+    return [end for end in ends(topic) if end.node_name != own]

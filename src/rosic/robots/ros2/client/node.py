@@ -86,7 +86,9 @@ class ChatInterfaceNode:
 
     async def _opened(self, registry: TypeRegistry) -> RosRuntime:
         try:
-            return await RosRuntime.open(registry, now_ns=self._clock.monotonic_ns)
+            return await RosRuntime.open(
+                registry, now_ns=self._clock.monotonic_ns, wall_ns=self._clock.wall_ns
+            )
         except NotSent as fault:
             raise ConfigurationError(
                 str(fault), hint="Check RMW_IMPLEMENTATION, ROS_DOMAIN_ID and the network."

@@ -34,6 +34,7 @@ MAX_DOMAIN_ID = 232
 
 _RELIABLE = TopicQos()
 _NEWEST = TopicQos(reliable=False, depth=1)
+_KEPT = TopicQos(latched=True, depth=1)
 
 
 class RosRuntime(RosConnection):
@@ -51,8 +52,9 @@ class RosRuntime(RosConnection):
         *,
         node_name: str,
         now_ns: Callable[[], int],
+        wall_ns: Callable[[], int],
     ) -> None:
-        super().__init__(thread, now_ns)
+        super().__init__(thread, now_ns, wall_ns)
         self.types = types
         self.node_name = node_name
 
@@ -64,6 +66,7 @@ class RosRuntime(RosConnection):
         node_name: str = NODE_NAME,
         domain_id: int | None = None,
         now_ns: Callable[[], int] = time.monotonic_ns,
+        wall_ns: Callable[[], int] = time.time_ns,
     ) -> RosRuntime:
         """Join the graph.
 
@@ -72,6 +75,7 @@ class RosRuntime(RosConnection):
             node_name: How others see this process.
             domain_id: The ROS domain; None for the one the environment names.
             now_ns: The monotonic clock on which telemetry is dated.
+            wall_ns: The wall clock, by which is dated what was kept.
 
         Raises:
             RosMissing: There is no ROS 2 here.
@@ -82,7 +86,7 @@ class RosRuntime(RosConnection):
             raise BadName(f"A ROS domain is a number from 0 to {MAX_DOMAIN_ID}, not {domain_id}.")
         thread = RosThread(check_node_name(node_name), domain_id)
         await thread.start()
-        return cls(types, thread, node_name=node_name, now_ns=now_ns)
+        return cls(types, thread, node_name=node_name, now_ns=now_ns, wall_ns=wall_ns)
 
     def know(self, types: TypeRegistry) -> None:
         """Use these types from now on; what is open stays open."""
@@ -143,6 +147,15 @@ class RosRuntime(RosConnection):
             cls, name, MessageInfoCallback(latest.arrived), quality
         )
         return latest
+
+    async def hear_kept(self, latest: LatestMessage) -> None:
+        """Take what a publisher of this topic keeps for whoever comes later, too.
+
+        DDS sends that to none who did not ask for it when subscribing, and who asks for it hears
+        nobody who does not keep: so it takes a second subscription. Raises as `publisher` does.
+        """
+        callback = MessageInfoCallback(latest.arrived_kept)
+        await latest.hear_kept(lambda: self._subscribe(latest.cls, latest.topic, callback, _KEPT))
 
     async def stream(
         self,

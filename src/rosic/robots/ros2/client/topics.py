@@ -14,7 +14,7 @@ from rosic.robots.ros2.messages.encode import to_message, type_of
 from rosic.robots.ros2.publishers import TopicPublishers, ends_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable
 
     from rosic.robots.ros2.client.connection import RosConnection
     from rosic.robots.ros2.client.rclpy_import import RclpyModules, RosObject
@@ -150,8 +150,8 @@ class Subscription:
     def __init__(self, runtime: RosConnection, topic: str, cls: RosObject) -> None:
         self.topic = topic
         self.handle: RosObject = None
+        self.cls = cls
         self._runtime = runtime
-        self._cls = cls
         self._offered = False
 
     @property
@@ -181,10 +181,10 @@ class Subscription:
 
     def _decode(self, content: bytes) -> RosObject:
         try:
-            return self._runtime.ros.serialization.deserialize_message(content, self._cls)
+            return self._runtime.ros.serialization.deserialize_message(content, self.cls)
         except Exception as error:
             raise BadValue(
-                f"{self.topic} holds something that is no {type_of(self._cls)}."
+                f"{self.topic} holds something that is no {type_of(self.cls)}."
             ) from error
 
 
@@ -201,6 +201,9 @@ class LatestMessage(Subscription):
 
     One that bears the time of the one before it (``header.stamp``) is no new one, however often a
     relay repeats it: it was sent when that was.
+
+    What a publisher had kept for whoever comes later is read like any other, but nobody was heard
+    by that: it does not count in ``received``, and has no part in `age_s` and the like.
 
     Attributes:
         received: How many have come so far.
@@ -221,6 +224,8 @@ class LatestMessage(Subscription):
         self._stamped = _is_stamped(cls)
         self._earlier: deque[ReceivedMessage] = deque(maxlen=EARLIER_AT_MOST)
         self._newest: ReceivedMessage | None = None
+        self._kept: ReceivedMessage | None = None
+        self._kept_handle: RosObject = None
         self._decoded: tuple[bytes, RosObject] | None = None
         self._waiting: set[asyncio.Future[None]] = set()
 
@@ -243,9 +248,15 @@ class LatestMessage(Subscription):
         return None if newest is None else newest.sent_ns
 
     @property
+    def told_age_s(self) -> float | None:
+        """Seconds since `message` came here, or was said if it was kept; None without one."""
+        kept = self._kept
+        return self.age_s if kept is None else (self._runtime.now_ns() - kept.sent_ns) / SECOND_NS
+
+    @property
     def size_bytes(self) -> int:
         """How large the newest message is, before anybody decodes it; 0 without one."""
-        newest = self._newest
+        newest = self._kept or self._newest
         return 0 if newest is None else len(newest.content)
 
     def message(self) -> RosObject | None:
@@ -254,7 +265,7 @@ class LatestMessage(Subscription):
         Raises:
             BadValue: What came cannot be decoded.
         """
-        newest = self._newest
+        newest = self._kept or self._newest
         if newest is None:
             return None
         content = newest.content
@@ -300,9 +311,32 @@ class LatestMessage(Subscription):
             last = self._earlier[-1].received_ns if self._earlier else 0
             if before.received_ns - last >= EARLIER_EVERY_NS:
                 self._earlier.append(before)
-        self._newest = ReceivedMessage(now_ns, sent_ns, content)
+        self._newest, self._kept = ReceivedMessage(now_ns, sent_ns, content), None
         self.received += 1
         self._knock()
+
+    def arrived_kept(self, content: bytes, about: About) -> None:
+        """Take a message that was kept, unless it is known already; on the ROS thread.
+
+        What is said from now on comes here, too, and again as any other: then that counts.
+        """
+        now_ns = self._runtime.now_ns()
+        past_ns = self.senders.take_kept(about, self._runtime.wall_ns())
+        if past_ns is not None:
+            self._kept = ReceivedMessage(now_ns, now_ns - past_ns, content)
+            self._knock()
+
+    async def hear_kept(self, subscribe: Callable[[], Awaitable[RosObject]]) -> None:
+        """Open the subscription to what is kept, once."""
+        if self._kept_handle is None:
+            self._kept_handle = await subscribe()
+
+    async def close(self) -> None:
+        """Leave the topic."""
+        kept, self._kept_handle = self._kept_handle, None
+        if kept is not None:
+            await self._runtime.discard(lambda node: node.destroy_subscription(kept))
+        await super().close()
 
     def _deliver(self) -> None:
         for waiting in self._waiting:
