@@ -8,6 +8,7 @@ import pytest
 from rosic.container import archive_records
 from rosic.container.archive import LONGEST_TEXT, Archive, ArchiveQuota, MessageAuthor
 from rosic.container.export import archive_as_text, rows
+from rosic.core.i18n import titled
 from rosic.core.identity import Address
 from rosic.core.message import Chat, ChatKind, Inbound, MessageValidity, Outbound
 from rosic.core.records import Fact
@@ -73,6 +74,18 @@ class Chronicle:
 
 def said(name: str, text: str) -> str:
     return f"Sender ID: {name}, Sender Username: {name}, Message: {text}"
+
+
+async def test_a_name_that_reads_differently_by_language_is_kept_as_it_stands() -> None:
+    chronicle = Chronicle()
+    you = MessageAuthor("p-you", titled("you", {"de": "Gast"}))
+    await chronicle.hear("hello", "1", you, sender=Address("memory", "0"))
+
+    [letter] = [
+        fact.letter for fact in chronicle.disk.values() if fact.kind == archive_records.ENTRY
+    ]
+    assert letter is not None
+    assert msgspec.msgpack.decode(letter.content)[1] == "you"
 
 
 async def test_messages_are_kept_in_order_as_the_paper_writes_them() -> None:

@@ -163,7 +163,9 @@ class Archive:
         tapped = inbound.nonce is not None
         note = "button" if tapped else inbound.standing.value.replace("fresh", "")
         message = inbound.under if tapped else inbound.message
-        said = EntryContent(inbound.sender.account, author.name, _cut(inbound.text), note, message)
+        said = EntryContent(
+            inbound.sender.account, str(author.name), _cut(inbound.text), note, message
+        )
         entry = ArchiveEntry(
             at_ns=inbound.received_ns,
             way="in",
