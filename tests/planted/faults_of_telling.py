@@ -98,8 +98,8 @@ OF_TELLING = (
     Fault(
         name="L2 the next message of a chat waits until a refusal is on disk",
         file="gateway/replies.py",
-        guard="if self.backlog.settles(said.messenger):",
-        without="if is_missed(said.inbound) and self.backlog.settles(said.messenger):",
+        guard="if self.backlog.settles(message.messenger):",
+        without="if is_missed(message.inbound) and self.backlog.settles(message.messenger):",
         caught_by=("tests/gateway/test_catch_up.py",),
     ),
     Fault(

@@ -245,6 +245,34 @@ def protocols_in(texts: Mapping[str, str], allowed: frozenset[str] = frozenset()
     return found
 
 
+# ---- one name for one thing ----
+
+_TRANSLATOR = re.compile(r"^from rosic\.core\.i18n import .*\bsaid\b", re.MULTILINE)
+
+
+def hidden_translators(texts: Mapping[str, str]) -> list[str]:
+    """Places that give the name of what makes a sentence translatable to something else.
+
+    A field of a record hides nothing: it is read of an object.
+    """
+    found = []
+    for path, text in texts.items():
+        if not _TRANSLATOR.search(text):
+            continue
+        nodes = list(ast.walk(ast.parse(text)))
+        fields = {node.target for node in nodes if isinstance(node, ast.AnnAssign)}
+        found += [
+            f"{path}:{node.lineno}"
+            for node in nodes
+            if (isinstance(node, ast.arg) and node.arg == "said")
+            or (
+                isinstance(node, ast.Name) and node.id == "said" and isinstance(node.ctx, ast.Store)
+            )
+            if node not in fields
+        ]
+    return found
+
+
 # ---- what docstrings say is raised ----
 
 _RAISES = re.compile(r"^Raises:\n((?:(?: {4}.*)?(?:\n|$))+)", re.MULTILINE)

@@ -146,6 +146,14 @@ def test_a_requirement_without_hash_or_without_pin_is_found() -> None:
     assert rules.pins(text) == {"pint": "0.25", "yarl": "1"}
 
 
+def test_a_translator_that_something_else_hides_is_found() -> None:
+    imported = "from rosic.core.i18n import figure, said\n"
+    own = "def f(said):\n    pass\nclass A:\n    said: str\nsaid = f(1)\n"
+
+    assert rules.hidden_translators({"a.py": own, "b.py": f"{imported}said('x')"}) == []
+    assert rules.hidden_translators({"a.py": imported + own}) == ["a.py:6", "a.py:2"]
+
+
 RAISING = """
 import msgspec
 from graphlib import TopologicalSorter

@@ -117,5 +117,9 @@ def test_every_package_says_what_it_is_for() -> None:
     assert rules.without_docstring(modules("src/")) == []
 
 
+def test_nothing_else_has_the_name_of_what_makes_a_sentence_translatable() -> None:
+    assert rules.hidden_translators(modules("src/")) == []
+
+
 def test_every_exception_that_a_docstring_names_is_there() -> None:
     assert rules.unknown_exceptions(modules("src/")) == []

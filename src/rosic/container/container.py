@@ -190,11 +190,11 @@ class Containers:
         completed = self._completed.get(key)
         if completed is None:
             arguments = bind(self._vocabularies.current, robot, skill, spoken, group=request.group)
-            said = _digest_form((skill.id, arguments))
+            encoded = _digest_form((skill.id, arguments))
             completed = CompletedOrders(
                 arguments,
                 show(self._vocabularies.current, robot, skill, arguments),
-                blake2b(said, digest_size=DIGEST_BYTES).digest(),
+                blake2b(encoded, digest_size=DIGEST_BYTES).digest(),
             )
             if len(self._completed) >= COMPLETED_KEPT:
                 self._completed.clear()

@@ -78,7 +78,7 @@ class BusyRobots:
         instead = ((STOP_THEN_THIS, f"{INSTEAD}{command}"),) if after else ()
         return RobotBusy(busy, choices=(*after, *instead))
 
-    def follow(self, said: MessageContext, command: str, lines: Sequence[Line]) -> str:
+    def follow(self, message: MessageContext, command: str, lines: Sequence[Line]) -> str:
         """Let the order of a tap wait for its robot's turn, once, within its own lifetime.
 
         Returns:
@@ -86,9 +86,9 @@ class BusyRobots:
             and what of it waits is void; the order of the tap comes next.
         """
         robots = {robot for line in lines if isinstance(line, Do) for robot in line.robots}
-        said.asks(robots)
+        message.asks(robots)
         if command.startswith(INSTEAD) and robots:
-            principal = said.caller.principal
+            principal = message.caller.principal
             for entry in self._executor.take_out(principal, robots):
                 entry.void(OrderVoid(GAVE_WAY))
             for order in self._executor.of(principal):

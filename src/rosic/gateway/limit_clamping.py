@@ -76,10 +76,10 @@ class ArgumentClamping:
         units = vocabulary.units
         changed = {name: of for name, of in open_at.items() if any(o.value != o.usual for o in of)}
         more = [_for_all(name, each, units) for name, each in changed.items()]
-        said = tuple(spoken for spoken in more if spoken is not None)
-        if len(said) < len(more):
+        changes = tuple(spoken for spoken in more if spoken is not None)
+        if len(changes) < len(more):
             return line, ""
-        return replace(line, spoken=(*line.spoken, *said)), joined(", ", notes)
+        return replace(line, spoken=(*line.spoken, *changes)), joined(", ", notes)
 
     def within(
         self,
@@ -134,9 +134,9 @@ class ArgumentClamping:
             if not isinstance(line, Do):
                 continue
             with suppress(Refusal):  # what cannot be as it is said is refused for that
-                vocabulary, said = self._vocabularies.current, self.of(caller, line)[0]
-                for robot, skill in zip(said.robots, said.skills, strict=True):
-                    arguments = bind(vocabulary, robot, skill, said.spoken, group=said.group)
+                vocabulary, clamped = self._vocabularies.current, self.of(caller, line)[0]
+                for robot, skill in zip(clamped.robots, clamped.skills, strict=True):
+                    arguments = bind(vocabulary, robot, skill, clamped.spoken, group=clamped.group)
                     decision = self._organiser.decision(
                         caller, robot, skill.id, arguments, ANYWHERE
                     )
@@ -161,12 +161,12 @@ class LimitClamping(ArgumentClamping):
         self._clock = clock
 
     def admit(
-        self, said: MessageContext, line: Do, cid: CommandId, why: OutOfBounds
+        self, message: MessageContext, line: Do, cid: CommandId, why: OutOfBounds
     ) -> tuple[Do, list[Request], tuple[Permit, ...], str]:
         """Admit a line with its defaults within its author's limits.
 
         Args:
-            said: The message.
+            message: The message.
             line: As it was said.
             cid: Of the line.
             why: Why it was refused as it was.
@@ -179,13 +179,13 @@ class LimitClamping(ArgumentClamping):
             OutOfBounds: Nothing of it was left open, or that does not help.
             Refusal: Why not; as `Organiser.admit`.
         """
-        line, note = self.of(said.caller, line)
+        line, note = self.of(message.caller, line)
         if not note:
             raise why
-        requests = self._requesting.requests(said, line, cid, self._clock.monotonic_ns())
+        requests = self._requesting.requests(message, line, cid, self._clock.monotonic_ns())
         complete = self._rooms.container.complete
         permits = self._rooms.organiser.admit(
-            said.caller, requests, lambda one: complete(one).arguments, said.auth_context
+            message.caller, requests, lambda one: complete(one).arguments, message.auth_context
         )
         return line, requests, permits, note
 

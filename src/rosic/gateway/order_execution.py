@@ -64,18 +64,26 @@ class RunningOrder:
     """One order from its claim to its end.
 
     Attributes:
-        said: Who is behind it: mostly a message.
+        requester: Who is behind it: mostly a message.
         shown: How it reads on its card.
         dispatch: Relays it.
         begun: It has been relayed.
     """
 
-    __slots__ = ("_executor", "begun", "card", "dispatch", "order", "said", "shown")
+    __slots__ = (
+        "_executor",
+        "begun",
+        "card",
+        "dispatch",
+        "order",
+        "requester",
+        "shown",
+    )
 
     def __init__(
         self,
         order: Order,
-        said: Requester,
+        requester: Requester,
         card: OrderMessage,
         shown: OrderStatus,
         dispatch: Dispatch,
@@ -83,7 +91,7 @@ class RunningOrder:
     ) -> None:
         self.order = order
         self.dispatch = dispatch
-        self.said = said
+        self.requester = requester
         self.card = card
         self.begun = False
         self.shown = shown
@@ -137,7 +145,9 @@ class RunningOrder:
     async def _relay_anew(self, organiser: Organiser) -> Outcome:
         """Admit it once more under the present policy, and relay it; its turn is kept."""
         while True:
-            permit = organiser.readmit(self.said.caller, self.order, self.said.auth_context())
+            permit = organiser.readmit(
+                self.requester.caller, self.order, self.requester.auth_context()
+            )
             try:
                 renewed = msgspec.structs.replace(self.order, permit=permit)
                 return await self.dispatch(renewed, self.tell)
@@ -213,7 +223,7 @@ class OrderExecutor:
     def begin(
         self,
         order: Order,
-        said: Requester,
+        requester: Requester,
         card: OrderMessage,
         shown: OrderStatus,
         dispatch: Dispatch,
@@ -224,7 +234,7 @@ class OrderExecutor:
 
         Args:
             order: As the container has claimed it.
-            said: Who is behind it.
+            requester: Who is behind it.
             card: Shows it.
             shown: How it reads there.
             dispatch: Relays it: the linker's.
@@ -232,7 +242,7 @@ class OrderExecutor:
         self._under_way += 1
         whose = order.permit.principal
         self._whose[whose] = self._whose.get(whose, 0) + 1
-        running = RunningOrder(order, said, card, shown, dispatch, self)
+        running = RunningOrder(order, requester, card, shown, dispatch, self)
         if self._under_way > AT_MOST:
             self.ended(running, FULL)
         elif self._closing:
@@ -247,14 +257,19 @@ class OrderExecutor:
                 self.ended(running, refused(refusal))
 
     def forgo(
-        self, order: Order, said: Requester, card: OrderMessage, shown: OrderStatus, why: OrderVoid
+        self,
+        order: Order,
+        requester: Requester,
+        card: OrderMessage,
+        shown: OrderStatus,
+        why: OrderVoid,
     ) -> None:
         """Let a claimed order end before its robot hears of it: nobody wants it any more."""
         self._under_way += 1
         whose = order.permit.principal
         self._whose[whose] = self._whose.get(whose, 0) + 1
         dispatch = self._linker.dispatch
-        RunningOrder(order, said, card, shown, dispatch, self).void(why)
+        RunningOrder(order, requester, card, shown, dispatch, self).void(why)
 
     def _serve_now(self, running: RunningOrder) -> None:
         worker = self._workers.get(running.order.robot)

@@ -205,7 +205,7 @@ class Replies:
         self._chat_sender.say(self._note(messenger, plain, inbound))
 
     async def refuse(
-        self, said: MessageContext, cid: CommandId, refusal: Refusal, asked: str
+        self, message: MessageContext, cid: CommandId, refusal: Refusal, asked: str
     ) -> None:
         """Write a refusal down with what it refuses, then tell it, once.
 
@@ -214,16 +214,16 @@ class Replies:
         """
         if refusal.silent:
             return
-        writing = self._refuse(said, cid, refusal, asked)
-        if self.backlog.settles(said.messenger):
+        writing = self._refuse(message, cid, refusal, asked)
+        if self.backlog.settles(message.messenger):
             self.backlog.begin(writing)
         else:
             await writing
 
     async def _refuse(
-        self, said: MessageContext, cid: CommandId, refusal: Refusal, asked: str
+        self, message: MessageContext, cid: CommandId, refusal: Refusal, asked: str
     ) -> None:
-        messenger, inbound, caller = said.messenger, said.inbound, said.caller
+        messenger, inbound, caller = message.messenger, message.inbound, message.caller
         plain = in_language(refusal.sentence, self._languages.of(caller.principal))
         answer = KeptAnswer(
             messenger.name, inbound.chat, reply_id(inbound), plain, clean(asked[:ASKED_KEPT])

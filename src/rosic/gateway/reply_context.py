@@ -47,9 +47,9 @@ class ReplyTargets:
             self._older, self._about = self._about, {}
         self._about[messenger, chat.id, message] = about
 
-    def of(self, said: MessageContext) -> str:
+    def of(self, message: MessageContext) -> str:
         """Return whom the message speaks of that somebody replies to; empty: nobody known."""
-        return self.answered(said.messenger.name, said.inbound)
+        return self.answered(message.messenger.name, message.inbound)
 
     def answered(self, messenger: str, inbound: Inbound) -> str:
         """Return the same of what is no command, such as a place that is sent in reply."""
@@ -58,7 +58,7 @@ class ReplyTargets:
 
 
 def meant(
-    said: MessageContext,
+    message: MessageContext,
     reply_targets: ReplyTargets,
     container: Containers,
     visible: frozenset[RobotId],
@@ -69,12 +69,12 @@ def meant(
     Empty where neither is known, and in reply to a message of ours of which nobody knows any more
     of whom it speaks: then it is asked. Nobody learns by it of a robot that they may not see.
     """
-    about = reply_targets.of(said) if said.inbound.answers else ""
+    about = reply_targets.of(message) if message.inbound.answers else ""
     if about and visible.intersection(members(about)):
         return about
-    if said.inbound.answers_us:
+    if message.inbound.answers_us:
         return ""
-    return container.selected(said.caller.principal, said.inbound.chat)
+    return container.selected(message.caller.principal, message.inbound.chat)
 
 
 # ---- who speaks to which robot in a chat of many ----

@@ -134,12 +134,12 @@ class RequestFactory:
         self._clock = clock
 
     def requests(
-        self, said: MessageContext, line: Do, cid: CommandId, now_ns: int
+        self, message: MessageContext, line: Do, cid: CommandId, now_ns: int
     ) -> list[Request]:
         """Return what the line asks of each robot, as long as it is fresh."""
-        inbound = said.inbound
+        inbound = message.inbound
         received_ns = inbound.received_ns
-        sent_ns, arrived_ns = inbound.sent_ns, said.arrived_ns
+        sent_ns, arrived_ns = inbound.sent_ns, message.arrived_ns
         age_ns = received_ns - sent_ns
         if age_ns < 0:
             sent_ns, age_ns = received_ns, 0
@@ -161,7 +161,7 @@ class RequestFactory:
                 asked_ns + skill.order_lifetime_ns,
                 wall_ns + (asked_ns - now_ns) + skill.order_lifetime_ns,
                 line.group,
-                robot in said.asked,
+                robot in message.asked,
             )
             if now_ns > request.deadline_ns or sent_ns < inbound.listening_since_ns:
                 check_fresh(inbound, request, now_ns)

@@ -66,7 +66,7 @@ class ResumeHandler:
         self._linker = rooms.linker
         self._board = rooms.board
 
-    async def resume(self, asked: MessageContext, line: Resume, cid: CommandId) -> str:
+    async def resume(self, message: MessageContext, line: Resume, cid: CommandId) -> str:
         """Resume every robot of the line that is stopped. Return what to say.
 
         People say it to each other: in a group nothing goes on by it unless it is said to us or
@@ -83,15 +83,15 @@ class ResumeHandler:
             Repeated, RecordUnavailable, RobotStopped: Robots not resumed so far stay stopped; the
                 sentence says which were resumed before it came to this.
         """
-        caller = asked.caller
+        caller = message.caller
         stopped = self._stopped(caller, line)
-        if stopped and not line.named and not is_said_to_us(asked.inbound):
+        if stopped and not line.named and not is_said_to_us(message.inbound):
             raise self._organiser.why_stopped.refusal(caller.principal, stopped)
         for robot in stopped:
-            self._check_may(asked, robot)
+            self._check_may(message, robot)
             # Before the time is looked at: said again, it would be refused again.
             self._check_not_barred(robot)
-            self._check_later(asked, robot)
+            self._check_later(message, robot)
         # As they were when this was asked: what is stopped meanwhile stays stopped.
         generations = {robot: self._board[robot].generation for robot in stopped}
 
@@ -99,7 +99,7 @@ class ResumeHandler:
             robot_cid = robot_command_id(cid, robot)
             await self._container.resume(robot_cid, caller, robot, generation)
             try:
-                self._check_may(asked, robot)  # the right may have ended meanwhile
+                self._check_may(message, robot)  # the right may have ended meanwhile
                 await self._go_on(robot, generation)
             except Refusal:
                 self._container.stays_stopped(robot_cid)
@@ -186,7 +186,7 @@ class ResumeHandler:
         text = messages.resumed([self._linker.profile(robot).shown for robot in stopped])
         return joined("\n", filter(None, (text, self.begins(stopped))))
 
-    def _check_may(self, asked: MessageContext, robot: RobotId) -> None:
+    def _check_may(self, message: MessageContext, robot: RobotId) -> None:
         """See that somebody may resume a robot: by right, or as it was their own order's stop.
 
         What a resume wants of the conversation it wants of either.
@@ -194,11 +194,11 @@ class ResumeHandler:
         Raises:
             NotPermitted: They may not; the robot stays stopped.
         """
-        auth_context = asked.auth_context()
+        auth_context = message.auth_context()
         try:
-            self._organiser.check_word(asked.caller, robot, RESUME, auth_context)
+            self._organiser.check_word(message.caller, robot, RESUME, auth_context)
         except NotPermitted:
-            own = stopped_own(self._organiser, self._board, asked.caller.principal, robot)
+            own = stopped_own(self._organiser, self._board, message.caller.principal, robot)
             least = self._organiser.rights.caution(robot, RESUME).assurance
             if not own or auth_context.channel < least:
                 raise
@@ -235,11 +235,11 @@ class ResumeHandler:
         if why is not None:
             raise why
 
-    def _check_later(self, asked: MessageContext, robot: RobotId) -> None:
-        inbound = asked.inbound
+    def _check_later(self, message: MessageContext, robot: RobotId) -> None:
+        inbound = message.inbound
         check_heard_in_time(inbound, RESUME_LIFETIME_NS, f"resume {robot}")
         stopped_ns = self._board[robot].at_ns
-        if 0 < asked.shown_ns < stopped_ns:
+        if 0 < message.shown_ns < stopped_ns:
             again = said(
                 "{shown} was stopped again since this was shown. It stays stopped.",
                 shown=self._linker.profile(robot).shown,

@@ -325,14 +325,14 @@ def within_limits(denied: Deny, skills: Mapping[str, Skill]) -> tuple[str, ...]:
         value = allowed.get(limit.parameter)
         if isinstance(value, int | float):
             allowed[limit.parameter] = float(f"{min(max(value, limit.min), limit.max):g}")
-    said = [
+    values = [
         _typed(name, allowed[name], parameter)
         for name, parameter in skill.parameters.items()
         if allowed[name] != parameter.default or allowed[name] != arguments[name]
     ]
-    if not all(said) or broken_limit(way.limits, allowed) is not None:
+    if not all(values) or broken_limit(way.limits, allowed) is not None:
         return ()
-    return (f"{denied.ask.robot} {_spoken(skill.id)} {' '.join(said)}",)
+    return (f"{denied.ask.robot} {_spoken(skill.id)} {' '.join(values)}",)
 
 
 def _typed(name: str, value: Argument, parameter: Parameter) -> str:

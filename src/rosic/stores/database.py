@@ -116,9 +116,9 @@ class DatabaseContainers(decoding.RecordDecoder):
                 ("message", row.placed_container, PLACED, row.placed_sealed),
             )
             for kind, container, place, sealed in letters:
-                said = self._letter(container, place, row.cid, sealed)
-                if kind == "command" or said is not None:
-                    found.append(self._thing(kind, key, body, (principal, said)))
+                letter = self._letter(container, place, row.cid, sealed)
+                if kind == "command" or letter is not None:
+                    found.append(self._thing(kind, key, body, (principal, letter)))
         return found
 
     @staticmethod

@@ -167,8 +167,8 @@ def damaged() -> ConfigurationError:
 
 def mark_of(connection: Connection) -> RecordNumber:
     """Return what a record says of itself; see `record_mark`."""
-    said = pragma(connection, "application_id"), pragma(connection, "user_version")
-    identity, number = (value if isinstance(value, int) else 0 for value in said)
+    mark = pragma(connection, "application_id"), pragma(connection, "user_version")
+    identity, number = (value if isinstance(value, int) else 0 for value in mark)
     return RecordNumber(identity, number)
 
 

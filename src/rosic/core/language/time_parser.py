@@ -89,14 +89,16 @@ def read_when(
 class _Reckoning:
     """Works out when that is which was said."""
 
-    def __init__(self, said: TimeTokens, now_ns: int, local_at: Callable[[int], LocalTime]) -> None:
-        self._said = said
+    def __init__(
+        self, tokens: TimeTokens, now_ns: int, local_at: Callable[[int], LocalTime]
+    ) -> None:
+        self._tokens = tokens
         self._now_ns = now_ns
         self._now = local_at(now_ns)
         self._local_at = local_at
 
     def when(self) -> RequestedTime:
-        given = self._said
+        given = self._tokens
         if given.delay_s is not None:
             return self._soon(given.delay_s)
         if given.start is None:
@@ -108,7 +110,7 @@ class _Reckoning:
         return RequestedTime(start, length_s, ends, None, given.rrule or self._rule(start))
 
     def _soon(self, delay_s: float) -> RequestedTime:
-        given = self._said
+        given = self._tokens
         days = given.day is not None or given.weekdays or given.date or given.start is not None
         if days or given.every or given.rrule or given.until or given.count:
             raise UnclearTime(said("That says two times at once."))
@@ -123,7 +125,7 @@ class _Reckoning:
         return RequestedTime(start, length_s, ends, start_ns)
 
     def _what_time(self) -> UnclearTime:
-        given = self._said
+        given = self._tokens
         if given.length_s is None and not self._named_day():
             return UnclearTime(said("When, and for how long?"), *EXAMPLES)
         if given.every or given.rrule:
@@ -133,14 +135,14 @@ class _Reckoning:
         return UnclearTime(said("At what time?"), *map(self._again, days))
 
     def _named_day(self) -> bool:
-        given = self._said
+        given = self._tokens
         return bool(given.weekdays) or given.date is not None or given.day is not None
 
     # ---- the day ----
 
     def _day(self, minute: int) -> int:
         """Return the day's number: the named one, or the next on which the time is to come."""
-        given = self._said
+        given = self._tokens
         if sum((given.day is not None, bool(given.weekdays), given.date is not None)) > 1:
             return self._checked_day()
         today = self._now.day_number
@@ -163,7 +165,7 @@ class _Reckoning:
 
     def _checked_day(self) -> int:
         """Return a day said in two ways, as in ``Tue 24 Nov``: they have to agree."""
-        given = self._said
+        given = self._tokens
         if given.date is None or given.day is not None or given.every:
             raise UnclearTime(said("That says two days at once."))
         day = self._dated(given.date, self._now.day_number)
@@ -197,13 +199,13 @@ class _Reckoning:
 
     def _again(self, day: int) -> str:
         """Return what would be understood, on another day; not what is over today."""
-        said = self._said
-        start = _TWO if said.start is None else said.start
+        tokens = self._tokens
+        start = _TWO if tokens.start is None else tokens.start
         day = max(day, self._now.day_number)
         day += day == self._now.day_number and start <= self._now.minute_of_day
         clock = LocalTime.at(0, start % MINUTES_A_DAY).time_text()
         year, month, date = date_of(day)
-        return f"{year}-{month:02}-{date:02} {clock} {_length_text(said.length_s)}"
+        return f"{year}-{month:02}-{date:02} {clock} {_length_text(tokens.length_s)}"
 
     def _clock_time(self, day: int, minute: int) -> LocalTime:
         try:
@@ -215,7 +217,7 @@ class _Reckoning:
 
     def _length(self, start: LocalTime) -> tuple[int, LocalTime | None]:
         """Return the length in seconds, and the end if that is what was said."""
-        given = self._said
+        given = self._tokens
         if given.end is None and given.length_s is None:
             offers = [f"{self._typed(start)} {length}" for length in ("30 min", "1h", "2h")]
             raise UnclearTime(said("For how long?"), *offers)
@@ -229,14 +231,14 @@ class _Reckoning:
         return minutes * 60, self._clock_time(start.day_number, start.minute_of_day + minutes)
 
     def _typed(self, start: LocalTime) -> str:
-        if self._said.delay_s is not None:
+        if self._tokens.delay_s is not None:
             return "now"
         return f"{start.date_text()} {start.time_text()}"
 
     # ---- again and again ----
 
     def _rule(self, start: LocalTime) -> str:
-        given = self._said
+        given = self._tokens
         if not given.every:
             if given.until or given.count is not None:
                 raise UnclearTime(said("Every which day until then?"), EXAMPLES[-1])
@@ -250,7 +252,7 @@ class _Reckoning:
         return ";".join(parts)
 
     def _end_of_rule(self, start: LocalTime) -> list[str]:
-        given = self._said
+        given = self._tokens
         if given.until is not None and given.count is not None:
             raise UnclearTime(
                 said("That ends on a day and after a number of times. One is enough.")

@@ -449,10 +449,18 @@ def length_said(low: list[str]) -> tuple[float, int]:
     ends = next((at for at, word in enumerate(low) if word in _NEXT_OPTION), len(low))
     for used in range(ends, 0, -1):
         try:
-            said = TimeTokens(" ".join(low[:used]))
+            tokens = TimeTokens(" ".join(low[:used]))
         except UnclearTime:
             continue
-        other = (said.start, said.end, said.day, said.date, said.delay_s, said.count, said.until)
-        if said.length_s is not None and not said.weekdays and all(o is None for o in other):
-            return said.length_s, used
+        other = (
+            tokens.start,
+            tokens.end,
+            tokens.day,
+            tokens.date,
+            tokens.delay_s,
+            tokens.count,
+            tokens.until,
+        )
+        if tokens.length_s is not None and not tokens.weekdays and all(o is None for o in other):
+            return tokens.length_s, used
     return 0.0, 0

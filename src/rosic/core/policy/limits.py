@@ -153,8 +153,8 @@ def fit_limits(
         if rule.parameter in skill.parameters:
             by_parameter.setdefault(rule.parameter, []).append(rule)
     return tuple(
-        _fit(name, parameter, skill.parameters[parameter], said, convert)
-        for parameter, said in by_parameter.items()
+        _fit(name, parameter, skill.parameters[parameter], of_one, convert)
+        for parameter, of_one in by_parameter.items()
     )
 
 

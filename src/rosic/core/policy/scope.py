@@ -89,25 +89,25 @@ class Fleet(msgspec.Struct, frozen=True):
         skills = self.skills.get(robot)
         return () if skills is None else (*skills, *NO_SKILLS)
 
-    def means(self, said: str, robot: RobotId) -> bool:
+    def means(self, pattern: str, robot: RobotId) -> bool:
         """Whether ``robots`` would return this one; asked of one, it looks at no other."""
-        if FLEET in (said, robot):
-            return said == robot
-        if said in self.skills:
-            return said == robot
-        if said in self.groups:
-            return robot in self.groups[said] and robot in self.skills
-        return robot in self.skills and fnmatchcase(robot, said)
+        if FLEET in (pattern, robot):
+            return pattern == robot
+        if pattern in self.skills:
+            return pattern == robot
+        if pattern in self.groups:
+            return robot in self.groups[pattern] and robot in self.skills
+        return robot in self.skills and fnmatchcase(robot, pattern)
 
-    def robots(self, said: str) -> tuple[RobotId, ...]:
+    def robots(self, pattern: str) -> tuple[RobotId, ...]:
         """Return whom a pattern, a robot's name or a group's plain name means."""
-        if said == FLEET:
+        if pattern == FLEET:
             return (FLEET,)
-        if said in self.skills:
-            return (said,)
-        if said in self.groups:
-            return tuple(robot for robot in self.groups[said] if robot in self.skills)
-        matches = re.compile(translate(said)).match
+        if pattern in self.skills:
+            return (pattern,)
+        if pattern in self.groups:
+            return tuple(robot for robot in self.groups[pattern] if robot in self.skills)
+        matches = re.compile(translate(pattern)).match
         return tuple(robot for robot in self.skills if matches(robot))
 
 

@@ -113,7 +113,7 @@ class AdminPolicy:
             return True
         if not all(self._may_give_scope(principal, scope, now_ns) for scope in given.scopes):
             return False
-        robots = {robot for said in given.robots for robot in rights.fleet.robots(said)}
+        robots = {robot for pattern in given.robots for robot in rights.fleet.robots(pattern)}
         if not given.roles:
             return bool(given.scopes)
         if not robots or FLEET in robots:
@@ -262,7 +262,7 @@ class PersonNames:
         self._directory = registry.authoriser.directory
 
     def find(
-        self, asked: CommandContext, said: str, verb: str, fits: Callable[[Principal], bool]
+        self, asked: CommandContext, typed: str, verb: str, fits: Callable[[Principal], bool]
     ) -> Principal | Reply:
         """Return who is meant, or the question which of several.
 
@@ -270,36 +270,36 @@ class PersonNames:
 
         Args:
             asked: By whom, where. Names are offered only where nobody else reads along.
-            said: A name, or an id.
+            typed: A name, or an id.
             verb: What is to be done, for offers: ``lock``.
             fits: Whether it can be done with somebody; preferred where names are shared.
 
         Raises:
             NotUnderstood: Nobody; offers who may have been meant.
         """
-        by_id = self._directory.person(said)
+        by_id = self._directory.person(typed)
         if by_id is not None and asked.act:
             return by_id
         private = asked.private
-        named = self.called(said)
+        named = self.called(typed)
         fitting = tuple(filter(fits, named)) or named
         if len(fitting) == 1:
             return fitting[0]
         if not fitting:
             raise NotUnderstood(
-                messages.nobody_called(said), offers=self._offers(said, verb) if private else ()
+                messages.nobody_called(typed), offers=self._offers(typed, verb) if private else ()
             )
         if not private:
-            raise NotUnderstood(messages.several_in_group(len(fitting), said))
+            raise NotUnderstood(messages.several_in_group(len(fitting), typed))
         buttons = tuple((by_id_button(p, f"/{verb} {p.id}"),) for p in fitting[:MOST_OFFERED])
-        return Reply(messages.several(len(fitting), said), buttons)
+        return Reply(messages.several(len(fitting), typed), buttons)
 
-    def called(self, said: str) -> tuple[Principal, ...]:
+    def called(self, typed: str) -> tuple[Principal, ...]:
         """Return everybody who is called so, or has that id; each once."""
-        return everybody_called(self._directory, said)
+        return everybody_called(self._directory, typed)
 
-    def _offers(self, said: str, verb: str) -> tuple[str, ...]:
-        wanted = clean_name(said).casefold()
+    def _offers(self, typed: str, verb: str) -> tuple[str, ...]:
+        wanted = clean_name(typed).casefold()
         if not wanted:
             return ()
         everybody = sorted({person.name for person in self._directory.people()})
@@ -317,14 +317,14 @@ def _first_alike(names: Iterable[str], wanted: str) -> list[str]:
     return sorted(names, key=lambda name: name[:1].casefold() != wanted[0])
 
 
-def everybody_called(directory: Directory, said: str) -> tuple[Principal, ...]:
+def everybody_called(directory: Directory, typed: str) -> tuple[Principal, ...]:
     """Return everybody who is called so, or has that id; each once.
 
     An id is nobody's secret, and a name is its owner's to choose: one that is another's id must
     not decide who is meant.
     """
-    name = clean_name(said)
-    by_id = directory.person(said)
+    name = clean_name(typed)
+    by_id = directory.person(typed)
     found = (() if by_id is None else (by_id,), directory.named(name) if name else ())
     return tuple({person.id: person for some in found for person in some}.values())
 
@@ -346,5 +346,5 @@ def sure(*about: object) -> bytes:
     Nobody can type it: a word in a command would also be a word in somebody's name. Whatever is
     different by the time of the tap is asked again.
     """
-    said = repr(about).encode("utf-8", "replace")
-    return blake2b(said, digest_size=SURE_BYTES).digest()
+    encoded = repr(about).encode("utf-8", "replace")
+    return blake2b(encoded, digest_size=SURE_BYTES).digest()

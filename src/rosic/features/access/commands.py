@@ -189,16 +189,16 @@ class AnswerRouter:
         Raises:
             NotUnderstood: Others read along.
         """
-        said, by = asked.rest.strip(), asked.caller.principal
-        if self._confirmation is not None and self._confirmation.is_one(said):
+        typed, by = asked.rest.strip(), asked.caller.principal
+        if self._confirmation is not None and self._confirmation.is_one(typed):
             return None
-        found = self._admitting.questions(by, said)
+        found = self._admitting.questions(by, typed)
         if self._request_commands is not None:
-            found += self._request_commands.questions(by, said)
+            found += self._request_commands.questions(by, typed)
         if len(found) < 2:  # noqa: PLR2004 - it is clear who is meant
             return None
         if not asked.private:
-            raise NotUnderstood(messages.several_in_group(len(found), said))
+            raise NotUnderstood(messages.several_in_group(len(found), typed))
         lines = [line for _, line, _ in found[:MOST]]
         text = joined("\n", (request_messages.these_wait(), *lines))
         return Reply(text, tuple(row for *_, row in found[:MOST]))
@@ -206,17 +206,17 @@ class AnswerRouter:
     def _asker(
         self, asked: CommandContext
     ) -> ApprovalCommands | Confirmation | AccessRequestCommands:
-        confirmation, request_commands, said = (
+        confirmation, request_commands, typed = (
             self._confirmation,
             self._request_commands,
             asked.rest.strip(),
         )
-        if confirmation is not None and confirmation.is_one(said):
+        if confirmation is not None and confirmation.is_one(typed):
             return confirmation
         by = asked.caller.principal
-        if request_commands is None or self._admitting.questions(by, said):
+        if request_commands is None or self._admitting.questions(by, typed):
             return self._admitting
-        return request_commands if request_commands.knows(by, said) else self._admitting
+        return request_commands if request_commands.knows(by, typed) else self._admitting
 
 
 def register_access_commands(

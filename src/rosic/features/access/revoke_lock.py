@@ -59,10 +59,10 @@ class RevokeLockCommands:
         by = asked.caller.principal
         self._admin_policy.check(by, PEOPLE)
         check_private(asked)
-        said = asked.rest.strip()
-        if not said:
+        typed = asked.rest.strip()
+        if not typed:
             return Reply(access_messages.HOW_TO_REVOKE)
-        found = self._names.find(asked, said, "revoke", self._has_access)
+        found = self._names.find(asked, typed, "revoke", self._has_access)
         if isinstance(found, Reply):
             return found
         question = access_messages.revoke_question(found.name, self._given(found.id))
@@ -127,15 +127,15 @@ class RevokeLockCommands:
             Refusal: Not theirs to do, nobody of that name, or the last admin.
         """
         by = asked.caller.principal
-        said = asked.rest.strip()
-        if said.casefold() in MYSELF:
-            said = by
-        own = [person.id for person in self._names.called(said)] == [by]
+        typed = asked.rest.strip()
+        if typed.casefold() in MYSELF:
+            typed = by
+        own = [person.id for person in self._names.called(typed)] == [by]
         if not own:
             self._admin_policy.check(by, LOCK)
-        if not said:
+        if not typed:
             return Reply(access_messages.HOW_TO_LOCK)
-        found = self._names.find(asked, said, "lock", self._is_free)
+        found = self._names.find(asked, typed, "lock", self._is_free)
         if isinstance(found, Reply):
             return found
         if self._admin_policy.is_last_admin(found.id, for_good=False):
@@ -158,14 +158,14 @@ class RevokeLockCommands:
         Raises:
             Refusal: Not theirs to do, nobody of that name, or not locked.
         """
-        by, said = asked.caller.principal, asked.rest.strip()
+        by, typed = asked.caller.principal, asked.rest.strip()
         self._admin_policy.check(by, LOCK)
-        if not said:
+        if not typed:
             return Reply(
                 access_messages.how_to_unlock(self._locked_names() if asked.private else ())
             )
         found = self._names.find(
-            asked, said, "unlock", lambda person: self._locks.locked(person.id)
+            asked, typed, "unlock", lambda person: self._locks.locked(person.id)
         )
         if isinstance(found, Reply):
             return found

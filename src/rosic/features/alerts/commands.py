@@ -241,8 +241,8 @@ class AlertCommands:
 
     # ---- what is meant ----
 
-    def _target(self, who: PrincipalId, said: str) -> AlertTarget:
-        line = clean(said)
+    def _target(self, who: PrincipalId, typed: str) -> AlertTarget:
+        line = clean(typed)
         check_length(line, LONGEST_LINE)
         first, *rest = line.casefold().split() or [""]
         if first not in self._rooms.organiser.visible(who):
@@ -287,14 +287,14 @@ class AlertCommands:
         return self._rooms.organiser.name_of(who)
 
 
-def _tail(said: list[str]) -> tuple[str, float | None]:
+def _tail(typed: list[str]) -> tuple[str, float | None]:
     """Split a rule's name from how long: ``battery low for 1 h``."""
-    for at in range(len(said)):
-        seconds, used = length_said(said[at:])
-        if used and used == len(said) - at:
-            named = said[: at - 1] if at and said[at - 1] == "for" else said[:at]
+    for at in range(len(typed)):
+        seconds, used = length_said(typed[at:])
+        if used and used == len(typed) - at:
+            named = typed[: at - 1] if at and typed[at - 1] == "for" else typed[:at]
             return "_".join(named), seconds
-    return "_".join(said), None
+    return "_".join(typed), None
 
 
 # ---- reactions to alarms ----

@@ -71,23 +71,23 @@ class CancelBookingCommand:
         first, _, rest = asked.rest.strip().partition(" ")
         if fold(first) in BOOKINGS:
             asked = replace(asked, rest=rest)
-        said = fold(asked.rest).split()
-        if not said or said[0] == FROM or said in ([ALL], [ONLY]):
-            return self._list(asked, _page(said))
+        folded = fold(asked.rest).split()
+        if not folded or folded[0] == FROM or folded in ([ALL], [ONLY]):
+            return self._list(asked, _page(folded))
         typed = asked.rest.strip()
-        if said[0] in {ALL, ONLY}:
-            if _ID.match(said[1]):
-                return await (self._all if said[0] == ALL else self._one)(asked, said[1])
+        if folded[0] in {ALL, ONLY}:
+            if _ID.match(folded[1]):
+                return await (self._all if folded[0] == ALL else self._one)(asked, folded[1])
             typed = typed.partition(" ")[2].strip()
-        if self._times.calendar.slot(said[0]) is None:  # a name, typed: which of those times?
+        if self._times.calendar.slot(folded[0]) is None:  # a name, typed: which of those times?
             robots, name, rest = self._naming.at_head(asked, typed)
             if robots:
                 return self._list(asked, _page(fold(rest).split()), robots, name)
-            if not _ID.match(said[0]):
+            if not _ID.match(folded[0]):
                 raise NotUnderstood(
                     words.nothing_so_called(echo(typed)), offers=("cancel booking",)
                 )
-        return await self._ask_or_cancel(asked, said[0])
+        return await self._ask_or_cancel(asked, folded[0])
 
     def _list(
         self, asked: CommandContext, begin: int, robots: tuple[RobotId, ...] = (), name: str = ""
@@ -193,9 +193,9 @@ class CancelBookingCommand:
             times.reach.tell((owner,), words.cancelled_by(shown, name, slots, zone))
 
 
-def _page(said: list[str]) -> int:
+def _page(typed: list[str]) -> int:
     """Return where a page of the list begins, as the button for more of it says."""
-    at = said[1] if len(said) > 1 and said[0] == FROM else "0"
+    at = typed[1] if len(typed) > 1 and typed[0] == FROM else "0"
     return int(at[:6]) if at.isdecimal() else 0
 
 

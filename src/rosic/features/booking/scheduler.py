@@ -117,8 +117,8 @@ class SlotEnd:
             except Exception:
                 log.exception("%s could not be handed over", robot)
             if not told:
-                said = scheduler_messages.no_answer(self._times.shown(robot))
-                self._times.reach.tell((holder,), said, urgent=True)
+                sentence = scheduler_messages.no_answer(self._times.shown(robot))
+                self._times.reach.tell((holder,), sentence, urgent=True)
                 told = True
             await self._times.clock.sleep(AGAIN_S)
 
@@ -128,11 +128,11 @@ class SlotEnd:
         times, shown = self._times, self._times.shown(robot)
         slot = self._availability.slot(robot)
         if reason == words.OVER or slot is None:
-            said = scheduler_messages.ended(shown, at_rest=at_rest)
+            sentence = scheduler_messages.ended(shown, at_rest=at_rest)
         else:
             name = times.calendar.name_of(slot.principal)
-            said = scheduler_messages.taken_over(shown, name, at_rest=at_rest)
-        times.reach.tell((holder,), said)
+            sentence = scheduler_messages.taken_over(shown, name, at_rest=at_rest)
+        times.reach.tell((holder,), sentence)
 
     def _tell_begins(self, robot: RobotId, before: PrincipalId) -> None:
         """Tell whose slot it is that they can begin; who waits in the queue is offered it."""
@@ -348,8 +348,8 @@ class BookingScheduler:
         shown, until = times.shown(slot.robot), self._moment(slot, slot.end_ns)
         holder = self.availability.holder(slot.robot)
         if holder not in {None, slot.principal}:
-            said = scheduler_messages.begins_taken(shown, times.calendar.name_of(holder or ""))
-            times.reach.tell((slot.principal,), said)
+            sentence = scheduler_messages.begins_taken(shown, times.calendar.name_of(holder or ""))
+            times.reach.tell((slot.principal,), sentence)
             return
         menu = Button(shown, f"/use {slot.robot}")
         times.reach.tell((slot.principal,), scheduler_messages.begins(shown, until), ((menu,),))
@@ -361,10 +361,10 @@ class BookingScheduler:
         if following is not None and following.principal == slot.principal:
             return  # it goes on
         left_s = -(-(slot.end_ns - times.clock.wall_ns()) // SECOND_NS)
-        said = scheduler_messages.ends_soon(
+        sentence = scheduler_messages.ends_soon(
             times.shown(slot.robot), left_s, self._moment(slot, slot.end_ns)
         )
-        times.reach.tell((slot.principal,), said)
+        times.reach.tell((slot.principal,), sentence)
 
     def _moment(self, slot: BookedSlot, at_ns: int) -> str:
         zone = self._times.sides.zone_of(slot.principal)

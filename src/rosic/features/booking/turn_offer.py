@@ -139,8 +139,8 @@ class IdleSlotRelease:
         self._watches.pop(slot.robot, None)
         zone = times.sides.zone_of(slot.principal)
         until = moment(slot.end_ns, times.clock.wall_ns(), zone)
-        said = scheduler_messages.released(times.shown(slot.robot), until)
-        times.reach.tell((slot.principal,), said)
+        sentence = scheduler_messages.released(times.shown(slot.robot), until)
+        times.reach.tell((slot.principal,), sentence)
 
 
 # ---- turn offer ----

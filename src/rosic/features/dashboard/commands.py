@@ -73,25 +73,25 @@ class DashboardCommands:
             TooManyRequests: There are too many cards, or too many of theirs.
             RecordUnavailable: It could not be ended.
         """
-        said = asked.rest.strip().rstrip(_ENDS).translate(_BETWEEN).split()
-        verb = fold(said[0]) if said else ""
+        typed = asked.rest.strip().rstrip(_ENDS).translate(_BETWEEN).split()
+        verb = fold(typed[0]) if typed else ""
         if verb not in self._vocabularies.current.callees:
             verb = self._vocabularies.current.commands.verb("card", verb)
-        if verb == "off" and len(said) == 1:
+        if verb == "off" and len(typed) == 1:
             return await self._off(asked)
-        if verb == "picture" and len(said) > 1:
-            return self._picture(asked, said[1:])
+        if verb == "picture" and len(typed) > 1:
+            return self._picture(asked, typed[1:])
         known = self._live.of(asked.messenger, asked.inbound.chat)
-        if verb in {"pin", "unpin"} and len(said) == 1 and known is not None:
+        if verb in {"pin", "unpin"} and len(typed) == 1 and known is not None:
             self._live.keep_in_sight(known, pinned=verb == "pin")
             return Reply("")
-        if verb == "unpin" and len(said) == 1:
+        if verb == "unpin" and len(typed) == 1:
             return Reply(words.NO_SUCH_CARD)
-        return self._begin(asked, said[1:] if verb == "pin" else said, pinned=verb == "pin")
+        return self._begin(asked, typed[1:] if verb == "pin" else typed, pinned=verb == "pin")
 
-    def _picture(self, asked: CommandContext, said: list[str]) -> Reply:
+    def _picture(self, asked: CommandContext, typed: list[str]) -> Reply:
         """Let the card show what its camera sees; the card itself is the answer."""
-        [robot, *_] = self._robots(said, self._sides.sees(asked.caller.principal)) or ("",)
+        [robot, *_] = self._robots(typed, self._sides.sees(asked.caller.principal)) or ("",)
         self._live.drawing.picturing.ask(asked, self._live, robot)
         return Reply("")
 
@@ -102,14 +102,14 @@ class DashboardCommands:
         await self._live.end(known)
         return Reply(words.OFF)
 
-    def _begin(self, asked: CommandContext, said: list[str], *, pinned: bool) -> Reply:
+    def _begin(self, asked: CommandContext, typed: list[str], *, pinned: bool) -> Reply:
         owner, chat = asked.caller.principal, asked.inbound.chat
         visible = self._sides.sees(owner)
         if not visible:
             return Reply(NOTHING_VISIBLE)
-        robots = self._robots(said, visible)
+        robots = self._robots(typed, visible)
         if not asked.messenger.edits:
-            return self._once(asked, robots or tuple(sorted(visible)), " ".join(said))
+            return self._once(asked, robots or tuple(sorted(visible)), " ".join(typed))
         self._live.begin(asked.messenger, chat, owner, robots, pinned=pinned)
         return Reply("")
 
@@ -120,34 +120,34 @@ class DashboardCommands:
         again = Button(words.LOOK_AGAIN, f"/{self._verb} {named}".rstrip())
         return Reply(text, ((again,),))
 
-    def _robots(self, said: list[str], visible: frozenset[RobotId]) -> tuple[RobotId, ...]:
+    def _robots(self, typed: list[str], visible: frozenset[RobotId]) -> tuple[RobotId, ...]:
         """Return the robots that were named; what one may not see, there is not."""
         robots: dict[RobotId, None] = {}
         at = 0
-        while at < len(said):
-            if fold(said[at]) in FILLERS:
+        while at < len(typed):
+            if fold(typed[at]) in FILLERS:
                 at += 1
                 continue
-            found, at = self._named(said, at, visible)
+            found, at = self._named(typed, at, visible)
             robots.update(dict.fromkeys(found))
         return tuple(robots)
 
     def _named(
-        self, said: list[str], at: int, visible: frozenset[RobotId]
+        self, typed: list[str], at: int, visible: frozenset[RobotId]
     ) -> tuple[tuple[RobotId, ...], int]:
         """Return whom the longest name means that begins here, and where it ends."""
-        first = fold(said[at]).partition(" ")[0]
+        first = fold(typed[at]).partition(" ")[0]
         most = self._vocabularies.current.longest_callee.get(first, 1)
-        for end in range(min(len(said), at + most), at, -1):
-            name = " ".join(said[at:end])
+        for end in range(min(len(typed), at + most), at, -1):
+            name = " ".join(typed[at:end])
             profile = self._vocabularies.current.robot(name)
             meant = self._vocabularies.current.members(name) if profile is None else (profile.id,)
             seen = tuple(robot for robot in meant if robot in visible)
             if seen:
                 return seen, end
-        close = did_you_mean(fold(said[at]), (*sorted(visible), *self._groups(visible)))
+        close = did_you_mean(fold(typed[at]), (*sorted(visible), *self._groups(visible)))
         offers = tuple(f"/{self._verb} {name}" for name in close) or (f"/{self._verb}",)
-        raise NotUnderstood(words.no_such_robot(said[at]), offers=offers)
+        raise NotUnderstood(words.no_such_robot(typed[at]), offers=offers)
 
     def _groups(self, visible: frozenset[RobotId]) -> list[str]:
         """Return the groups of which somebody sees a robot."""

@@ -122,14 +122,14 @@ class TaskAttempts:
         self._clamping = LimitClamping(rooms, RequestFactory(rooms, clock), clock)
 
     async def attempt(
-        self, task: Task, doing: BeginAttempt, said: TaskText, asker: TaskRequester
+        self, task: Task, doing: BeginAttempt, text: TaskText, asker: TaskRequester
     ) -> TaskAttempt | None:
         """Ask a robot for one step. On return its order is on disk and under way.
 
         Args:
             task: Which; its author asks.
             doing: Which step, of whom.
-            said: What was said for the task.
+            text: What was said for the task.
             asker: Who waits for it.
 
         Returns:
@@ -141,15 +141,15 @@ class TaskAttempts:
         rooms = self._rooms
         caller = rooms.authoriser.stand_for(task.author)
         # What nobody said stays within their limits, as in an order of their own.
-        step = step_for(rooms, doing.robot, said.lines[doing.step])
+        step = step_for(rooms, doing.robot, text.lines[doing.step])
         line, note = self._clamping.of(caller, step)
-        request = self._request(doing, line, said, attempt_id(task, doing.attempt))
+        request = self._request(doing, line, text, attempt_id(task, doing.attempt))
         complete = rooms.container.complete
         permits = rooms.organiser.admit(
             caller, [request], lambda one: complete(one).arguments, lambda: NOTHING
         )
         try:
-            messenger, chat = self._where(task, said)
+            messenger, chat = self._where(task, text)
             shown = rooms.profiles[doing.robot].shown
             title = str(words.order_title(f"{shown}: {request.text}", task))
             origin = ReplyTo(messenger.name, chat, "", title)
@@ -165,7 +165,7 @@ class TaskAttempts:
             doing.attempt, line.skills[0].id, self._clock.monotonic_ns(), _took(permits)
         )
 
-    def _request(self, doing: BeginAttempt, line: Do, said: TaskText, cid: CommandId) -> Request:
+    def _request(self, doing: BeginAttempt, line: Do, text: TaskText, cid: CommandId) -> Request:
         [skill] = line.skills
         now_ns, wall_ns = self._clock.monotonic_ns(), self._clock.wall_ns()
         lives_ns = skill.order_lifetime_ns
@@ -174,19 +174,19 @@ class TaskAttempts:
             doing.robot,
             skill,
             line.spoken,
-            said.lines[doing.step],
+            text.lines[doing.step],
             wall_ns,
             0,
             now_ns + lives_ns,
             wall_ns + lives_ns,
         )
 
-    def _where(self, task: Task, said: TaskText) -> tuple[Messenger, Chat]:
+    def _where(self, task: Task, text: TaskText) -> tuple[Messenger, Chat]:
         """Return where the order is shown: where the task was given, or else in private."""
         places = self._hands.reach.chats(task.author)
         for messenger in self._hands.reach.messengers:
-            if messenger.name == said.messenger:
-                return messenger, said.chat
+            if messenger.name == text.messenger:
+                return messenger, text.chat
         if not places:
             raise NotPermitted(words.no_chat(self._rooms.organiser.name_of(task.author)))
         return places[0]

@@ -64,9 +64,9 @@ class TaskTexts:
         """Return what was said; None if its author's container was erased."""
         return self._said.get(task)
 
-    def fact(self, task: TaskId, author: PrincipalId, said: TaskText) -> Fact:
+    def fact(self, task: TaskId, author: PrincipalId, text: TaskText) -> Fact:
         """Return what keeps it."""
-        return Fact(kind=KIND, key=task, body=THERE, letter=Letter(author, _encode(said)))
+        return Fact(kind=KIND, key=task, body=THERE, letter=Letter(author, _encode(text)))
 
     def forgotten(self, tasks: Iterable[TaskId]) -> tuple[Fact, ...]:
         """Return what lets it go."""

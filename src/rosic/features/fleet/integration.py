@@ -51,9 +51,9 @@ class TaskNotifications:
         """Return what stands beneath the end of a task, whichever way it ended."""
         if after.due != before.due or not (after.over or after.state is TaskState.FAILED):
             return ()
-        said = self._dispatching.letters.get(after.id)
-        anew = after.over and said is not None and not after.mission
-        again = given_again(after, said.lines) if anew and said is not None else ""
+        text = self._dispatching.letters.get(after.id)
+        anew = after.over and text is not None and not after.mission
+        again = given_again(after, text.lines) if anew and text is not None else ""
         reads = self._reach.read_by(after.author)
         whom = before.robot or after.robot or after.wanted
         return self._ends.of_task(whom, again, reads)
@@ -61,8 +61,8 @@ class TaskNotifications:
     def what(self, task: Task, who: PrincipalId) -> str:
         """Return what a task is about: in its author's words for them alone (I11)."""
         if who == task.author:
-            said = self._dispatching.letters.get(task.id)
-            return words.ERASED if said is None else said.shown
+            text = self._dispatching.letters.get(task.id)
+            return words.ERASED if text is None else text.shown
         profile = self._rooms.profiles.get(task.among[0])
         skills = {} if profile is None else profile.skills
         return joined("; ", (label(skills[s]) if s in skills else s for s in task.skills))

@@ -152,15 +152,15 @@ class MultiRobotCommands:
         states = {robot: self.why_not_ready(asked, robot) for robot in meant.robots}
         if any(states.values()):
             return self._none(meant, states)
-        said = self._said(asked)
+        message = self._said(asked)
         for robot in meant.robots:
             before.check((robot,))
-        requests = self._requests(said, asked, meant, steps)
-        permits = self._admitted(asked, said, requests)
+        requests = self._requests(message, asked, meant, steps)
+        permits = self._admitted(asked, message, requests)
         orders = await self._prepare(asked, meant, permits, requests)
         orders = begin_together(orders, self._clock.monotonic_ns())
         start = AllOrNothingStart(self._rooms, self._hands.executor, self._clock, orders)
-        self._begin(asked, said, meant, orders, start)
+        self._begin(asked, message, meant, orders, start)
         return Reply("")
 
     async def _step(self, meant: ResolvedRobots, robot: RobotId) -> Do:
@@ -229,7 +229,7 @@ class MultiRobotCommands:
         Raises:
             NotUnderstood: No such group, or a number that may be in feet or in metres.
         """
-        meant, said = self._meant(asked, "broadcast"), self._said(asked)
+        meant, message = self._meant(asked, "broadcast"), self._said(asked)
         before = self._cancel_generation(asked, meant)
         self._ask_units(asked, meant)
         orders: list[Order] = []
@@ -240,7 +240,7 @@ class MultiRobotCommands:
             await asyncio.sleep(0)  # a stop is not to wait for a line to many
             try:
                 before.check((robot,))
-                orders += await self._one(asked, said, meant._replace(robots=(robot,)))
+                orders += await self._one(asked, message, meant._replace(robots=(robot,)))
             except RobotBusy as refusal:
                 busy.append(robot)
                 one_busy = refusal.sentence
@@ -248,7 +248,7 @@ class MultiRobotCommands:
                 left_out.setdefault(refusal.sentence, []).append(robot)
                 late = late or isinstance(refusal, Expired)
         if orders:
-            self._begin(asked, said, meant, tuple(orders))
+            self._begin(asked, message, meant, tuple(orders))
         if not left_out and not busy:
             return Reply("")
         lines = [words.state(self._names(robots), why) for why, robots in left_out.items()]
@@ -260,14 +260,14 @@ class MultiRobotCommands:
         return Reply(text)
 
     async def _one(
-        self, asked: CommandContext, said: MessageContext, meant: ResolvedRobots
+        self, asked: CommandContext, message: MessageContext, meant: ResolvedRobots
     ) -> tuple[Order, ...]:
         [robot] = meant.robots
         self._rooms.linker.check_free(robot)
         step = step_for(self._rooms, robot, meant.line)
         self._check_units(asked, meant, robot)
-        requests = self._requests(said, asked, meant, [step])
-        permits = self._admitted(asked, said, requests)
+        requests = self._requests(message, asked, meant, [step])
+        permits = self._admitted(asked, message, requests)
         return await self._prepare(asked, meant, permits, requests)
 
     # ---- the way of any order ----
@@ -303,7 +303,7 @@ class MultiRobotCommands:
 
     def _requests(
         self,
-        said: MessageContext,
+        message: MessageContext,
         asked: CommandContext,
         meant: ResolvedRobots,
         steps: Sequence[Do],
@@ -325,13 +325,13 @@ class MultiRobotCommands:
             )
             cid = robot_command_id(asked.cid, robot)
             try:
-                requests += self._requesting.requests(said, line, cid, now_ns)
+                requests += self._requesting.requests(message, line, cid, now_ns)
             except Expired as late:
                 raise Expired(late.sentence, offers=(meant.again,)) from None
         return requests
 
     def _admitted(
-        self, asked: CommandContext, said: MessageContext, requests: Sequence[Request]
+        self, asked: CommandContext, message: MessageContext, requests: Sequence[Request]
     ) -> tuple[Permit, ...]:
         """CHECKPERMISSIONS. Nobody can confirm many at once: that is asked robot by robot.
 
@@ -340,7 +340,7 @@ class MultiRobotCommands:
         """
         admit = self._rooms.organiser.admit
         try:
-            return admit(asked.caller, requests, self._arguments_of, said.auth_context)
+            return admit(asked.caller, requests, self._arguments_of, message.auth_context)
         except FirstNeeded as first:
             if first.need == StepRequired.STEP_UP.value:
                 raise
@@ -370,7 +370,7 @@ class MultiRobotCommands:
     def _begin(
         self,
         asked: CommandContext,
-        said: MessageContext,
+        message: MessageContext,
         meant: ResolvedRobots,
         orders: tuple[Order, ...],
         start: AllOrNothingStart | None = None,
@@ -391,7 +391,7 @@ class MultiRobotCommands:
             card.show(order.cid, status)
             if start is not None:
                 status.over = partial(start.ended, order)
-            hands.executor.begin(order, said, card, status, self._rooms.linker.dispatch)
+            hands.executor.begin(order, message, card, status, self._rooms.linker.dispatch)
         hands.chat_sender.show(card)
 
     def _names(self, robots: Sequence[RobotId]) -> str:

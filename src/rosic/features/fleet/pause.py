@@ -173,10 +173,10 @@ class PauseCommands:
             raise self._rooms.organiser.why_stopped.refusal(who, stopped)
         elif begins := self._begin_by_themselves(who, stopped):
             return begins
-        said = MessageContext(
+        message = MessageContext(
             asked.messenger, asked.inbound, asked.caller, 0, self._hooks.stepped_up
         )
-        return Reply(await self._resuming.resume(said, Resume(stopped, named=True), asked.cid))
+        return Reply(await self._resuming.resume(message, Resume(stopped, named=True), asked.cid))
 
     def _begin_by_themselves(self, who: PrincipalId, stopped: Sequence[RobotId]) -> Reply | None:
         """Return the question whether robots may be resumed that begin a task then; mostly None."""

@@ -121,8 +121,8 @@ class ShiftHandoverCommands:
         organiser, letters = self._rooms.organiser, self._dispatching.letters
         tasks, now_ns = self._tasks(offer.giver), organiser.wall_ns()
         for task in tasks:
-            said = letters.get(task.id)
-            again = () if said is None else (self._letter(asked, task, said),)
+            text = letters.get(task.id)
+            again = () if text is None else (self._letter(asked, task, text),)
             decided = Decided(
                 act="handover", by=offer.giver, about=task.id, at_ns=now_ns, digest=asked.cid
             )
@@ -135,17 +135,17 @@ class ShiftHandoverCommands:
         self._reach.tell((offer.giver,), words.accepted(asked.caller.name, len(tasks), len(robots)))
         return Reply(words.yours(name, len(tasks), len(robots)))
 
-    def _letter(self, asked: CommandContext, task: Task, said: TaskText) -> Fact:
+    def _letter(self, asked: CommandContext, task: Task, text: TaskText) -> Fact:
         """Return what was said for a task, as theirs who take it over.
 
         What was given in private is shown to them from now on; what was given in a group, there.
         """
         taker, private = asked.caller.principal, self._reach.chats(asked.caller.principal)
-        if said.chat.kind is ChatKind.PRIVATE and private:
+        if text.chat.kind is ChatKind.PRIVATE and private:
             here = [place for place in private if place[0] is asked.messenger]
             messenger, chat = (here or private)[0]
-            said = replace(said, messenger=messenger.name, chat=chat)
-        return self._dispatching.letters.fact(task.id, taker, said)
+            text = replace(text, messenger=messenger.name, chat=chat)
+        return self._dispatching.letters.fact(task.id, taker, text)
 
     def _tasks(self, who: PrincipalId) -> list[Task]:
         return [task for task in self._dispatching.fleet.open() if task.author == who]

@@ -120,8 +120,8 @@ class SharedDataCommands:
         Raises:
             Refusal: Why not; nothing was changed.
         """
-        said, principal = asked.rest.strip(), asked.caller.principal
-        owner, rest = self._owner(principal, said)
+        typed, principal = asked.rest.strip(), asked.caller.principal
+        owner, rest = self._owner(principal, typed)
         if owner == principal:
             check_private(asked)
         if "=" not in rest:
@@ -134,14 +134,14 @@ class SharedDataCommands:
             await turn.write(self._shelf.remove(principal, owner, name))
         return Reply(words.DATA_REMOVED)
 
-    def _owner(self, principal: PrincipalId, said: str) -> tuple[str, str]:
+    def _owner(self, principal: PrincipalId, typed: str) -> tuple[str, str]:
         """Return whose container is meant, and what else was said."""
-        first, _, rest = said.partition(" ")
+        first, _, rest = typed.partition(" ")
         if first in self._data_context.visible(principal):
             return first, rest.strip()
-        if said and "=" not in said and not self._mine(principal, said):
+        if typed and "=" not in typed and not self._mine(principal, typed):
             raise NotUnderstood(words.HOW_TO_KEEP, offers=("/data",))
-        return principal, said
+        return principal, typed
 
     def _mine(self, principal: PrincipalId, name: str) -> bool:
         return bool(self._shelf.history(principal, principal, name))
@@ -224,12 +224,12 @@ class MyDataCommands:
                 written.
         """
         check_private(asked)
-        said, principal = " ".join(asked.rest.casefold().split()), asked.caller.principal
-        if said in ME and asked.act == SURE:
+        typed, principal = " ".join(asked.rest.casefold().split()), asked.caller.principal
+        if typed in ME and asked.act == SURE:
             erased = await self._erasing.erase(principal, principal)
             return Reply(words.FORGOTTEN if erased.at_rest else words.FORGOTTEN_MOVING)
-        if said not in ME:
-            raise NotUnderstood(words.ONLY_ME if said else words.HOW_TO_FORGET)
+        if typed not in ME:
+            raise NotUnderstood(words.ONLY_ME if typed else words.HOW_TO_FORGET)
         self._erasing.check(principal, principal)
         yes = Button(words.YES_FORGET, "/forget me", act=SURE)
         return Reply(words.SURE, ((yes,), (Button(words.LEAVE_IT, LEAVE),)))

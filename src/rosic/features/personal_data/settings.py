@@ -77,9 +77,9 @@ class SettingsCommands:
         Raises:
             Refusal: Not spoken here; nothing was changed.
         """
-        said = asked.rest.strip()
-        if said:
-            return await self._set(asked.caller.principal, LANGUAGE, said)
+        typed = asked.rest.strip()
+        if typed:
+            return await self._set(asked.caller.principal, LANGUAGE, typed)
         return self._languages(asked.caller.principal)
 
     def _languages(self, principal: PrincipalId) -> Reply:
@@ -134,12 +134,12 @@ class SettingsCommands:
         return Reply(text, (tuple(row),))
 
 
-def _zone(said: str) -> str:
+def _zone(typed: str) -> str:
     """Return the proper name of a zone; small letters will do.
 
     Raises:
         OutOfBounds: There is none; says which may have been meant.
     """
-    wanted = said.replace(" ", "_").casefold()
-    exact = next((zone for zone in known_zones() if zone.casefold() == wanted), said)
+    wanted = typed.replace(" ", "_").casefold()
+    exact = next((zone for zone in known_zones() if zone.casefold() == wanted), typed)
     return zone_named(exact).name

@@ -167,10 +167,10 @@ class ApiBot(Bot):
         return found
 
     async def raw_document(
-        self, said: Mapping[str, object], attachment: Attachment, within_s: float
+        self, fields: Mapping[str, object], attachment: Attachment, within_s: float
     ) -> str:
         """Call sendDocument with a file that is read while it goes; return the message's id."""
-        upload = UploadStream(said, "document", attachment)
+        upload = UploadStream(fields, "document", attachment)
         sent = await self.request.post(
             f"{self.base_url}/sendDocument",
             request_data=cast("RequestData", upload),  # it is only handed on, to _Request

@@ -76,7 +76,7 @@ class SendableFile:
         """Send it and return the message's id."""
         attachment, marks = self._attachment, inert(caption)
         if attachment.pieces is not None:
-            said = {
+            fields = {
                 "chat_id": chat,
                 "caption": caption or None,
                 "caption_entities": marks and json.dumps([mark.to_dict() for mark in marks]),
@@ -84,7 +84,7 @@ class SendableFile:
                 "reply_markup": markup,
                 "message_thread_id": thread,
             }
-            return await bot.raw_document(said, attachment, self.within_s)
+            return await bot.raw_document(fields, attachment, self.within_s)
         file = InputFile(attachment.content, filename=attachment.name)
         how: Callable[..., Awaitable[Message]] = bot.send_document
         if self.is_picture:

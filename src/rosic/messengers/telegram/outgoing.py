@@ -316,13 +316,13 @@ class Outgoing:
         thread = call.topic
         if thread is not None:
             try:
-                said = await self._call(call, lambda b, c: act(b, c, thread), within_s=within_s)
-                return self._chats.sent(call.chat, said)
+                message = await self._call(call, lambda b, c: act(b, c, thread), within_s=within_s)
+                return self._chats.sent(call.chat, message)
             except TelegramError as trouble:
                 if not any(words in trouble.reason.lower() for words in NO_TOPIC):
                     raise
-        said = await self._call(call, lambda b, c: act(b, c, None), within_s=within_s)
-        return self._chats.sent(call.chat, said)
+        message = await self._call(call, lambda b, c: act(b, c, None), within_s=within_s)
+        return self._chats.sent(call.chat, message)
 
     async def _call(
         self, call: BotCall, act: Callable[[ApiBot, int], Awaitable[T]], *, within_s: float = CALL_S

@@ -33,10 +33,10 @@ class ChangedUpload(TelegramError):
 class UploadStream:
     """The parameters of a call, and one file; stands where python-telegram-bot has its own."""
 
-    def __init__(self, said: Mapping[str, object], field: str, attachment: Attachment) -> None:
+    def __init__(self, fields: Mapping[str, object], field: str, attachment: Attachment) -> None:
         self._attachment = attachment
         self._boundary = secrets.token_hex(16)
-        parts = [_part(self._boundary, f'name="{key}"', value) for key, value in _spoken(said)]
+        parts = [_part(self._boundary, f'name="{key}"', value) for key, value in _spoken(fields)]
         about = f'name="{field}"; filename="{_quoted(attachment.name)}"'
         kind = f"\r\nContent-Type: {_quoted(attachment.media_type)}"
         self._head = b"".join(parts) + _part(self._boundary, about + kind, b"")[:-2]
@@ -63,8 +63,8 @@ class UploadStream:
         yield self._tail
 
 
-def _spoken(said: Mapping[str, object]) -> Iterator[tuple[str, bytes]]:
-    for key, value in said.items():
+def _spoken(fields: Mapping[str, object]) -> Iterator[tuple[str, bytes]]:
+    for key, value in fields.items():
         if value is not None:
             text = value.to_json() if isinstance(value, TelegramObject) else str(value)
             yield key, text.encode()

@@ -369,8 +369,8 @@ def own_locale(*, at_hand: bool | None = None) -> str:
     if not at_hand:
         return ""
     names = ("LC_ALL", "LC_MESSAGES", "LANG")
-    said = next(filter(None, (os.environ.get(name, "") for name in names)), "")
-    return said.partition(".")[0].partition("@")[0]
+    locale = next(filter(None, (os.environ.get(name, "") for name in names)), "")
+    return locale.partition(".")[0].partition("@")[0]
 
 
 def _can_draw() -> bool:

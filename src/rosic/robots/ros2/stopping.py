@@ -366,9 +366,9 @@ def check_stop(cls: RosObject, stop: StopBinding) -> None:
         BadName: A field is not there, or is left to what it says by itself.
     """
     check_fields(cls, stop.request)
-    said = {field.partition(".")[0] for field in stop.request}
+    fields = {field.partition(".")[0] for field in stop.request}
     for field in cls.get_fields_and_field_types():
-        if field not in said:
+        if field not in fields:
             raise BadName(
                 f"The stop {stop.service} of the type {stop.type} asks for {field!r}, and nothing "
                 "says what it is: by itself it may release a brake.",
