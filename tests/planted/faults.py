@@ -269,8 +269,8 @@ FAULTS = (
     Fault(
         name="L1 a message that shows an ending is not on disk before it does",
         file="gateway/delivery/sender.py",
-        guard="if card.ending:",
-        without="if card.untold:",
+        guard="if order_message.ending:",
+        without="if order_message.untold:",
         caught_by=(f"{EDGES}::test_a_message_is_on_disk_before_it_shows_an_ending",),
     ),
     Fault(

@@ -103,8 +103,8 @@ def admitted(
         issuer=by,
         issued_ns=now_ns,
     )
-    card = PersonRecord(str(person.name), person.addresses)
-    letter = Letter(principal, _encode_card(card))
+    record = PersonRecord(str(person.name), person.addresses)
+    letter = Letter(principal, _encode_card(record))
     enrolled = Principal(
         id=principal, name=person.name, roles=person.roles, addresses=person.addresses
     )

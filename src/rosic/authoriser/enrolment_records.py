@@ -209,8 +209,8 @@ class EnrolmentRecords:
             id=asked.principal, name=applicant.name, roles=kept + gained, addresses=addresses
         )
         key = before[1] if before is not None and stays else self._new_key(person, asked.issuer)
-        card = Letter(person.id, _encode_card(PersonRecord(person.name, addresses)))
-        enrolled = Enrolled(principal=person.id, roles=person.roles, at_ns=now_ns, letter=card)
+        record = Letter(person.id, _encode_card(PersonRecord(person.name, addresses)))
+        enrolled = Enrolled(principal=person.id, roles=person.roles, at_ns=now_ns, letter=record)
         records: list[Record] = [self._decided("enrol", by, person.id), settled, enrolled]
         if not stays:
             records.append(KeyIssued(key=key))
@@ -297,8 +297,8 @@ class Applicants:
     def fact(self, applicant: Applicant) -> Fact:
         """Return what makes somebody wait."""
         asked = applicant.pending
-        card = _encode(PersonRecord(applicant.name, (applicant.address,)))
-        letter = Letter(asked.principal, card)
+        record = _encode(PersonRecord(applicant.name, (applicant.address,)))
+        letter = Letter(asked.principal, record)
         return Fact(kind=self.KIND, key=asked.id, body=_encode(asked), letter=letter)
 
     def gone(self, pending: str) -> Fact:
@@ -325,7 +325,7 @@ def _read(fact: Fact) -> Applicant | None:
         asked = _decode(fact.body)
         if fact.letter is None or asked.id != fact.key:
             return None
-        card = _decode_card(fact.letter.content)
+        record = _decode_card(fact.letter.content)
     except msgspec.MsgspecError:
         return None
-    return Applicant(asked, card.name, card.addresses[0]) if card.addresses else None
+    return Applicant(asked, record.name, record.addresses[0]) if record.addresses else None

@@ -117,8 +117,8 @@ def records_of(size: SiteSize, now_ns: int) -> Iterator[Record]:
     """Yield everything that is on record in a place of a size."""
     for n in range(size.people):
         who = f"p{n}"
-        card = PersonRecord(f"person {n}", (Address("bench", str(n)),))
-        letter = Letter(who, msgspec.msgpack.encode(card))
+        record = PersonRecord(f"person {n}", (Address("bench", str(n)),))
+        letter = Letter(who, msgspec.msgpack.encode(record))
         yield Enrolled(principal=who, roles=(f"role{n % size.roles}",), at_ns=now_ns, letter=letter)
         yield KeyIssued(
             key=AuthorisationKey(id=f"k{n}", principal=who, issuer=OPERATOR, issued_ns=now_ns)

@@ -258,9 +258,9 @@ _decode_card = msgspec.msgpack.Decoder(PersonRecord).decode
 
 def person_of(entry: Enrolled) -> Principal:
     """Return who became known."""
-    card = _decode_card(entry.letter.content)
+    record = _decode_card(entry.letter.content)
     return Principal(
-        id=entry.principal, name=card.name, roles=entry.roles, addresses=card.addresses
+        id=entry.principal, name=record.name, roles=entry.roles, addresses=record.addresses
     )
 
 

@@ -83,7 +83,7 @@ class ChatDashboards(Protocol):
         """
         ...
 
-    async def end(self, card: ChatDashboard) -> None:
+    async def end(self, dashboard: ChatDashboard) -> None:
         """End a card because somebody said so.
 
         Raises:

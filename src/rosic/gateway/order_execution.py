@@ -73,9 +73,9 @@ class RunningOrder:
     __slots__ = (
         "_executor",
         "begun",
-        "card",
         "dispatch",
         "order",
+        "order_message",
         "requester",
         "shown",
     )
@@ -84,7 +84,7 @@ class RunningOrder:
         self,
         order: Order,
         requester: Requester,
-        card: OrderMessage,
+        order_message: OrderMessage,
         shown: OrderStatus,
         dispatch: Dispatch,
         executor: OrderExecutor,
@@ -92,7 +92,7 @@ class RunningOrder:
         self.order = order
         self.dispatch = dispatch
         self.requester = requester
-        self.card = card
+        self.order_message = order_message
         self.begun = False
         self.shown = shown
         self._executor = executor
@@ -103,9 +103,9 @@ class RunningOrder:
             return
         if report.note:
             report = StageReport(report.stage, report.fraction, inert_words(report.note))
-        executor, card = self._executor, self.card
-        if card.step(self.shown, report, executor.wall_ns()):
-            executor.chat_sender.update(card)
+        executor, order_message = self._executor, self.order_message
+        if order_message.step(self.shown, report, executor.wall_ns()):
+            executor.chat_sender.update(order_message)
 
     async def relay(
         self, worker: RobotWorker, watchers: Iterable[OrderWatcher], organiser: Organiser
@@ -160,8 +160,8 @@ class RunningOrder:
 
     def concluded(self) -> None:
         """Its outcome is on disk, or waits to be: from here on a card may show it."""
-        self.card.end(self.order.cid, self.shown, self.shown.result)
-        self._executor.chat_sender.show(self.card)
+        self.order_message.end(self.order.cid, self.shown, self.shown.result)
+        self._executor.chat_sender.show(self.order_message)
         self._executor.leave(self.order.permit.principal)
 
 
@@ -224,7 +224,7 @@ class OrderExecutor:
         self,
         order: Order,
         requester: Requester,
-        card: OrderMessage,
+        order_message: OrderMessage,
         shown: OrderStatus,
         dispatch: Dispatch,
     ) -> None:
@@ -235,14 +235,14 @@ class OrderExecutor:
         Args:
             order: As the container has claimed it.
             requester: Who is behind it.
-            card: Shows it.
+            order_message: Shows it.
             shown: How it reads there.
             dispatch: Relays it: the linker's.
         """
         self._under_way += 1
         whose = order.permit.principal
         self._whose[whose] = self._whose.get(whose, 0) + 1
-        running = RunningOrder(order, requester, card, shown, dispatch, self)
+        running = RunningOrder(order, requester, order_message, shown, dispatch, self)
         if self._under_way > AT_MOST:
             self.ended(running, FULL)
         elif self._closing:
@@ -260,7 +260,7 @@ class OrderExecutor:
         self,
         order: Order,
         requester: Requester,
-        card: OrderMessage,
+        order_message: OrderMessage,
         shown: OrderStatus,
         why: OrderVoid,
     ) -> None:
@@ -269,7 +269,7 @@ class OrderExecutor:
         whose = order.permit.principal
         self._whose[whose] = self._whose.get(whose, 0) + 1
         dispatch = self._linker.dispatch
-        RunningOrder(order, requester, card, shown, dispatch, self).void(why)
+        RunningOrder(order, requester, order_message, shown, dispatch, self).void(why)
 
     def _serve_now(self, running: RunningOrder) -> None:
         worker = self._workers.get(running.order.robot)
@@ -370,8 +370,8 @@ class OrderExecutor:
             for robot in self._workers
             for entry in self._linker.entries(robot)
             if isinstance(entry, RunningOrder)
-            and entry.card.message == message
-            and entry.card.where == where
+            and entry.order_message.message == message
+            and entry.order_message.where == where
             and principal in {"", entry.order.permit.principal}
         )
 

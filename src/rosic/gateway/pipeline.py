@@ -264,13 +264,13 @@ class Pipeline:
             orders = begin_together(orders, self._clock.monotonic_ns())
         catalogue = self._languages.of(caller.principal)
         words = ENGLISH if catalogue is None else wording_in(catalogue)
-        card = OrderMessage(messenger, chat, origin.message, caller.principal, words)
-        card.about = line.group or line.robots[0]
-        card.buttons = stop_button(card.about)
-        card.after = self.ends[card.about, line.text, catalogue]
+        order_message = OrderMessage(messenger, chat, origin.message, caller.principal, words)
+        order_message.about = line.group or line.robots[0]
+        order_message.buttons = stop_button(order_message.about)
+        order_message.after = self.ends[order_message.about, line.text, catalogue]
         if message.confirmed and messenger.edits and len(message.asked) == len(orders):
             # The question that was answered becomes the message of the order that it asked about.
-            card.adopt(message.inbound.under)
+            order_message.adopt(message.inbound.under)
         now_ns = self._clock.wall_ns()
         for order in orders:
             shown = self._shown[order.robot]
@@ -278,10 +278,10 @@ class Pipeline:
             if note:
                 what = f"{what}, {in_language(note, catalogue)}"
             status = OrderStatus(shown, f"{shown}: {what}", self.face, now_ns, words)
-            card.show(order.cid, status)
+            order_message.show(order.cid, status)
             self.followers.note(order.robot, messenger, chat, caller.principal)
-            self.executor.begin(order, message, card, status, dispatch)
-        self._chat_sender.show(card)
+            self.executor.begin(order, message, order_message, status, dispatch)
+        self._chat_sender.show(order_message)
 
     # ---- for features ----
 

@@ -209,14 +209,14 @@ class AlertActions:
         title = str(words.order_title(f"{shown}: {request.text}", rule))
         origin = ReplyTo(messenger.name, chat, "", title)
         [order] = await self._rooms.container.prepare(permits, [request], origin)
-        card = OrderMessage(messenger, chat, "", caller.principal)
-        card.buttons = words.stop_button(rule.robot)
+        order_message = OrderMessage(messenger, chat, "", caller.principal)
+        order_message.buttons = words.stop_button(rule.robot)
         catalogue = hands.chat_sender.languages.of(caller.principal)
-        card.after = hands.ends[rule.robot, request.text, catalogue]
+        order_message.after = hands.ends[rule.robot, request.text, catalogue]
         titled = str(words.order_title(f"{shown}: {order.words}", rule))
         status = OrderStatus(shown, titled, hands.face, self._clock.wall_ns())
-        card.show(order.cid, status)
+        order_message.show(order.cid, status)
         hands.executor.begin(
-            order, AutomatedRequester(caller), card, status, self._rooms.linker.dispatch
+            order, AutomatedRequester(caller), order_message, status, self._rooms.linker.dispatch
         )
-        hands.chat_sender.show(card)
+        hands.chat_sender.show(order_message)

@@ -118,13 +118,13 @@ class Dashboards:
         body, place = found
         messenger = self._messengers.get(place.messenger)
         if known is None and messenger is not None:
-            card = self._cards[fact.key] = Dashboard(
+            dashboard = self._cards[fact.key] = Dashboard(
                 messenger, chat, body.owner, body.robots, self.kind
             )
-            card.message, card.pinned = place.message, body.pinned
-            card.wanted_pinned = body.pinned
+            dashboard.message, dashboard.pinned = place.message, body.pinned
+            dashboard.wanted_pinned = body.pinned
             if body.picture_of:
-                card.picture = PreviewedCamera(body.picture_of, body.picture_ns)
+                dashboard.picture = PreviewedCamera(body.picture_of, body.picture_ns)
 
     def end_all(self, principal: PrincipalId) -> tuple[Fact, ...]:
         """Return what ends every card of somebody."""
@@ -168,31 +168,31 @@ class Dashboards:
             raise TooManyRequests(words.too_many_of_yours(theirs), retry_after_s=60.0)
         if old is None and len(self._cards) >= CARDS_AT_MOST:
             raise TooManyRequests(words.TOO_MANY, retry_after_s=60.0)
-        card = Dashboard(messenger, chat, owner, robots, self.kind)
-        card.wanted_pinned = pinned or (old is not None and old.wanted_pinned)
+        dashboard = Dashboard(messenger, chat, owner, robots, self.kind)
+        dashboard.wanted_pinned = pinned or (old is not None and old.wanted_pinned)
         if old is not None:
             self._leave(old, words.SUPERSEDED)
-        self._cards[card.key] = card
+        self._cards[dashboard.key] = dashboard
         self.run()
 
-    async def end(self, card: ChatDashboard) -> None:
+    async def end(self, dashboard: ChatDashboard) -> None:
         """End a card because somebody said so.
 
         Raises:
             RecordUnavailable: It is not over.
         """
         async with self._changes.turn() as turn:
-            await turn.write((card.no_fact(),))
+            await turn.write((dashboard.no_fact(),))
 
-    def keep_in_sight(self, card: Dashboard, *, pinned: bool) -> None:
+    def keep_in_sight(self, dashboard: Dashboard, *, pinned: bool) -> None:
         """Pin a card, or unpin it, with its next edit, which is made at once."""
-        card.keep_in_sight(pinned=pinned)
+        dashboard.keep_in_sight(pinned=pinned)
         self.run()
 
-    def show_picture(self, card: Dashboard, picture: PreviewedCamera) -> None:
+    def show_picture(self, dashboard: Dashboard, picture: PreviewedCamera) -> None:
         """Show a picture with the next edit of a card, which is made at once."""
-        if self._cards.get(card.key) is card:
-            card.show_picture(picture)
+        if self._cards.get(dashboard.key) is dashboard:
+            dashboard.show_picture(picture)
             self.run()
 
     # ---- looking ----
@@ -215,7 +215,7 @@ class Dashboards:
     async def close(self) -> None:
         """Look no more. Cards stay as they are, and say by when they should have changed."""
         self._running = False
-        tasks = [card.task for card in self._all() if card.task is not None]
+        tasks = [dashboard.task for dashboard in self._all() if dashboard.task is not None]
         tasks += [] if self._watching is None else [self._watching]
         for task in tasks:
             task.cancel()
@@ -229,169 +229,179 @@ class Dashboards:
         """Look at every robot on a card, and begin the edits that are due."""
         if not self._running or not self._all():
             return
-        shown = {card: self._robots(card) for card in self._cards.values()}
+        shown = {dashboard: self._robots(dashboard) for dashboard in self._cards.values()}
         self._snapshots.look({r for robots in shown.values() for r in robots[:ROBOTS_AT_MOST]})
         now_ns = self._clock.monotonic_ns()
-        for card, robots in shown.items():
+        for dashboard, robots in shown.items():
             if not robots:
-                self._leave(card, words.SEES_NOTHING)
-            elif card.picture is not None and card.picture.robot not in robots:
-                self._without_picture(card)
+                self._leave(dashboard, words.SEES_NOTHING)
+            elif dashboard.picture is not None and dashboard.picture.robot not in robots:
+                self._without_picture(dashboard)
             else:
-                self.drawing.picturing.renew(card)
-                self._look_at(card, robots, now_ns)
-        for card in self._leaving:
-            if card.task is None and now_ns >= card.again_ns:
-                card.begin_edit(self._bring(card, SendPriority.QUESTION))
+                self.drawing.picturing.renew(dashboard)
+                self._look_at(dashboard, robots, now_ns)
+        for dashboard in self._leaving:
+            if dashboard.task is None and now_ns >= dashboard.again_ns:
+                dashboard.begin_edit(self._bring(dashboard, SendPriority.QUESTION))
 
-    def _robots(self, card: Dashboard) -> tuple[RobotId, ...]:
+    def _robots(self, dashboard: Dashboard) -> tuple[RobotId, ...]:
         """Return what a card shows now: never what its owner may not see (I11)."""
-        sees = self._sides.sees(card.owner)
-        return tuple(r for r in card.robots if r in sees) if card.robots else in_order(sees)
+        sees = self._sides.sees(dashboard.owner)
+        return (
+            tuple(r for r in dashboard.robots if r in sees) if dashboard.robots else in_order(sees)
+        )
 
-    def _without_picture(self, card: Dashboard) -> None:
+    def _without_picture(self, dashboard: Dashboard) -> None:
         """Go on in a new message: what shows a picture shows one for good."""
-        self._leave(card, words.SEES_NOTHING)
-        fresh = Dashboard(card.messenger, card.chat, card.owner, card.robots, self.kind)
-        fresh.wanted_pinned = card.wanted_pinned
+        self._leave(dashboard, words.SEES_NOTHING)
+        fresh = Dashboard(
+            dashboard.messenger, dashboard.chat, dashboard.owner, dashboard.robots, self.kind
+        )
+        fresh.wanted_pinned = dashboard.wanted_pinned
         self._cards[fresh.key] = fresh
 
-    def _look_at(self, card: Dashboard, robots: tuple[RobotId, ...], now_ns: int) -> None:
-        forbidden = not card.shows.keys() <= set(robots)
-        if card.task is not None:
+    def _look_at(self, dashboard: Dashboard, robots: tuple[RobotId, ...], now_ns: int) -> None:
+        forbidden = not dashboard.shows.keys() <= set(robots)
+        if dashboard.task is not None:
             # Words that wait for their turn may hold what has just become none of their reader's.
-            if not (forbidden and card.message):
+            if not (forbidden and dashboard.message):
                 return
-            card.call_off_edit()
-        if forbidden or self._is_due(card, robots, now_ns):
-            idle = bool(card.message) and not forbidden
+            dashboard.call_off_edit()
+        if forbidden or self._is_due(dashboard, robots, now_ns):
+            idle = bool(dashboard.message) and not forbidden
             weight = SendPriority.IDLE if idle else SendPriority.QUESTION
-            card.begin_edit(self._bring(card, weight))
+            dashboard.begin_edit(self._bring(dashboard, weight))
 
-    def _is_due(self, card: Dashboard, robots: tuple[RobotId, ...], now_ns: int) -> bool:
-        pace = pace_of(card.chat)
-        if now_ns < card.again_ns:
+    def _is_due(self, dashboard: Dashboard, robots: tuple[RobotId, ...], now_ns: int) -> bool:
+        pace = pace_of(dashboard.chat)
+        if now_ns < dashboard.again_ns:
             return False
-        if not card.stamped_ns or now_ns >= card.stamped_ns + int(pace.refresh_s * SECOND_NS):
+        if not dashboard.stamped_ns or now_ns >= dashboard.stamped_ns + int(
+            pace.refresh_s * SECOND_NS
+        ):
             return True
-        rested = now_ns >= card.settled_ns + int(pace.between_s * SECOND_NS)
-        return rested and (card.pictured_anew or card.shows != self.drawing.shows(robots))
+        rested = now_ns >= dashboard.settled_ns + int(pace.between_s * SECOND_NS)
+        return rested and (dashboard.pictured_anew or dashboard.shows != self.drawing.shows(robots))
 
     # ---- showing ----
 
-    async def _bring(self, card: Dashboard, weight: SendPriority) -> None:
+    async def _bring(self, dashboard: Dashboard, weight: SendPriority) -> None:
         """Bring a chat up to date with its card, or the card to its end."""
         mine = asyncio.current_task()
         try:
-            if card.last:
-                await self._say_last(card)
+            if dashboard.last:
+                await self._say_last(dashboard)
             else:
-                await self._show(card, weight)
+                await self._show(dashboard, weight)
         except MessageGone:
-            await self._gone(card)
+            await self._gone(dashboard)
         except MessengerFault as fault:
-            self._failed(card, fault)
+            self._failed(dashboard, fault)
         except Exception:
             log.exception("a card could not be shown")
-            self._failed(card, MessengerFault("a fault of the messenger"))
+            self._failed(dashboard, MessengerFault("a fault of the messenger"))
         finally:
-            card.edit_over(mine)
+            dashboard.edit_over(mine)
 
-    async def _show(self, card: Dashboard, weight: SendPriority) -> None:
-        first, turn = not card.message, turn_of(card.messenger)
+    async def _show(self, dashboard: Dashboard, weight: SendPriority) -> None:
+        first, turn = not dashboard.message, turn_of(dashboard.messenger)
         if turn is not None and not first:
-            await turn(card.chat, weight)  # what it says is chosen last
-        robots = self._robots(card)
+            await turn(dashboard.chat, weight)  # what it says is chosen last
+        robots = self._robots(dashboard)
         if not robots:
             return  # it is about to end
         self._snapshots.look(robots[:ROBOTS_AT_MOST])
         began_ns = self._clock.monotonic_ns()
-        outbound = self.drawing.outbound(card, robots, weight)
-        shows, message = self.drawing.shows(robots), card.message
-        card.may_show(shows)
+        outbound = self.drawing.outbound(dashboard, robots, weight)
+        shows, message = self.drawing.shows(robots), dashboard.message
+        dashboard.may_show(shows)
         if first:
-            message = await card.messenger.send(replace(outbound, attachment=None))
+            message = await dashboard.messenger.send(replace(outbound, attachment=None))
         else:
-            await self._change(card, outbound)
-        card.brought(message, shows, began_ns, self._clock.monotonic_ns())
-        if card.last:
+            await self._change(dashboard, outbound)
+        dashboard.brought(message, shows, began_ns, self._clock.monotonic_ns())
+        if dashboard.last:
             return  # it has ended meanwhile, and is about to say so
         if first:
-            await self._write(card)
-        if card.wanted_pinned != card.pinned:
-            await self._pin(card)
+            await self._write(dashboard)
+        if dashboard.wanted_pinned != dashboard.pinned:
+            await self._pin(dashboard)
 
-    async def _change(self, card: Dashboard, outbound: Outbound) -> None:
+    async def _change(self, dashboard: Dashboard, outbound: Outbound) -> None:
         """Edit a card; once a picture is there, it is not kept here any longer."""
-        put = pictures_of(card.messenger)
+        put = pictures_of(dashboard.messenger)
         if outbound.attachment is None or put is None:
-            await card.messenger.edit(card.message, replace(outbound, attachment=None))
+            await dashboard.messenger.edit(dashboard.message, replace(outbound, attachment=None))
             return
-        await put(card.message, outbound)
-        card.picture_shown(outbound.attachment)
-        await self._write(card)
+        await put(dashboard.message, outbound)
+        dashboard.picture_shown(outbound.attachment)
+        await self._write(dashboard)
 
-    async def _pin(self, card: Dashboard) -> None:
-        pinned = card.wanted_pinned
+    async def _pin(self, dashboard: Dashboard) -> None:
+        pinned = dashboard.wanted_pinned
         try:
-            await card.messenger.pin(card.chat, card.message, pinned=pinned)
+            await dashboard.messenger.pin(dashboard.chat, dashboard.message, pinned=pinned)
         except MessageGone:
             raise
         except MessengerFault as fault:
-            card.pinning_failed()
-            text = in_language(fault.sentence, self._sides.catalogue(card.owner))
-            self._sides.tell(card.messenger, card.chat, text)
+            dashboard.pinning_failed()
+            text = in_language(fault.sentence, self._sides.catalogue(dashboard.owner))
+            self._sides.tell(dashboard.messenger, dashboard.chat, text)
         else:
-            card.pinning_done(pinned=pinned)
-            await self._write(card)
+            dashboard.pinning_done(pinned=pinned)
+            await self._write(dashboard)
 
-    async def _write(self, card: Dashboard) -> None:
+    async def _write(self, dashboard: Dashboard) -> None:
         """Write down where a card is, unless it has ended meanwhile."""
         try:
             async with self._changes.turn() as turn:
-                if self._cards.get(card.key) is card:
-                    await turn.write((card.fact(),))
+                if self._cards.get(dashboard.key) is dashboard:
+                    await turn.write((dashboard.fact(),))
         except RecordUnavailable:
             log.warning("a card could not be written down; it will not outlive this process")
 
-    def _failed(self, card: Dashboard, fault: MessengerFault) -> None:
+    def _failed(self, dashboard: Dashboard, fault: MessengerFault) -> None:
         """Try again later, and ever more seldom."""
-        card.failed(self._clock.monotonic_ns())
+        dashboard.failed(self._clock.monotonic_ns())
         log.info("a card is not up to date: %s", fault)
-        if card.last and card.failures >= TRIES_TO_LEAVE:
-            self._leaving.pop(card, None)
+        if dashboard.last and dashboard.failures >= TRIES_TO_LEAVE:
+            self._leaving.pop(dashboard, None)
 
     # ---- ending ----
 
-    def _leave(self, card: Dashboard, last: str) -> None:
+    def _leave(self, dashboard: Dashboard, last: str) -> None:
         """A card is over; its message is to say so."""
-        if self._cards.get(card.key) is card:
-            del self._cards[card.key]
-        card.end(last)
-        if card.message or card.task is not None:
-            self._leaving[card] = None
+        if self._cards.get(dashboard.key) is dashboard:
+            del self._cards[dashboard.key]
+        dashboard.end(last)
+        if dashboard.message or dashboard.task is not None:
+            self._leaving[dashboard] = None
 
-    async def _say_last(self, card: Dashboard) -> None:
-        retract = retract_of(card.messenger)
-        if card.picture is not None and card.last == words.SEES_NOTHING and retract is not None:
+    async def _say_last(self, dashboard: Dashboard) -> None:
+        retract = retract_of(dashboard.messenger)
+        if (
+            dashboard.picture is not None
+            and dashboard.last == words.SEES_NOTHING
+            and retract is not None
+        ):
             with suppress(MessageGone):  # too old: then only its words go
-                await retract(card.chat, card.message)
-                await self._gone(card)
+                await retract(dashboard.chat, dashboard.message)
+                await self._gone(dashboard)
                 return
-        if card.message:
-            await card.messenger.edit(card.message, self.drawing.last(card))
-        if card.message and card.pinned:
+        if dashboard.message:
+            await dashboard.messenger.edit(dashboard.message, self.drawing.last(dashboard))
+        if dashboard.message and dashboard.pinned:
             try:
-                await card.messenger.pin(card.chat, card.message, pinned=False)
+                await dashboard.messenger.pin(dashboard.chat, dashboard.message, pinned=False)
             except MessengerFault as fault:
                 log.info("a card that is over stays pinned: %s", fault)
-        await self._gone(card)
+        await self._gone(dashboard)
 
-    async def _gone(self, card: Dashboard) -> None:
+    async def _gone(self, dashboard: Dashboard) -> None:
         """Nothing is left of a card: its message says so, or was deleted."""
-        self._leaving.pop(card, None)
-        if self._cards.setdefault(card.key, card) is not card:
+        self._leaving.pop(dashboard, None)
+        if self._cards.setdefault(dashboard.key, dashboard) is not dashboard:
             return  # a newer one has taken its place
-        del self._cards[card.key]
+        del self._cards[dashboard.key]
         async with self._changes.turn() as turn:
-            await turn.act((card.no_fact(),))
+            await turn.act((dashboard.no_fact(),))

@@ -53,7 +53,7 @@ class PreviewedDashboards(Protocol):
         """Return a chat's card."""
         ...
 
-    def show_picture(self, card: Dashboard, picture: PreviewedCamera) -> None:
+    def show_picture(self, dashboard: Dashboard, picture: PreviewedCamera) -> None:
         """Show a picture with the next edit of a card."""
         ...
 
@@ -72,28 +72,28 @@ class CameraPreviews:
         self._issue = issue
         self._now_ns = now_ns
 
-    def row(self, card: Dashboard, robots: tuple[RobotId, ...]) -> tuple[Button, ...]:
+    def row(self, dashboard: Dashboard, robots: tuple[RobotId, ...]) -> tuple[Button, ...]:
         """Return the buttons that ask for a picture, bound to whose card it is."""
-        offered = self._offered(card, robots)
+        offered = self._offered(dashboard, robots)
         now_ns = self._now_ns()
-        if card.offered != offered or now_ns > card.offered_ns + RENEWED_NS:
+        if dashboard.offered != offered or now_ns > dashboard.offered_ns + RENEWED_NS:
             buttons = tuple(
                 self._issue(
                     Button(
                         words.picture_button(robot if len(offered) > 1 else ""),
                         f"/card picture {robot}",
                     ),
-                    card.owner,
-                    card.chat.id,
+                    dashboard.owner,
+                    dashboard.chat.id,
                 )
                 for robot in offered
             )
-            card.offer(offered, buttons, now_ns)
-        return card.buttons
+            dashboard.offer(offered, buttons, now_ns)
+        return dashboard.buttons
 
-    def _offered(self, card: Dashboard, robots: tuple[RobotId, ...]) -> tuple[RobotId, ...]:
-        camera, shows = self._camera, pictures_of(card.messenger)
-        if camera is None or shows is None or card.chat.kind is ChatKind.CHANNEL:
+    def _offered(self, dashboard: Dashboard, robots: tuple[RobotId, ...]) -> tuple[RobotId, ...]:
+        camera, shows = self._camera, pictures_of(dashboard.messenger)
+        if camera is None or shows is None or dashboard.chat.kind is ChatKind.CHANNEL:
             return ()
         return tuple(robot for robot in robots if camera.offers(robot))[:BUTTONS_AT_MOST]
 
@@ -103,40 +103,50 @@ class CameraPreviews:
         Raises:
             Refusal: There is no such card, or nothing to see.
         """
-        card = live.of(asked.messenger, asked.inbound.chat)
-        if card is None:
+        dashboard = live.of(asked.messenger, asked.inbound.chat)
+        if dashboard is None:
             raise NothingToSee(words.NO_SUCH_CARD)
-        if self._camera is None or robot not in self._offered(card, (robot,)):
+        if self._camera is None or robot not in self._offered(dashboard, (robot,)):
             raise NothingToSee(words.NO_PICTURE)
-        card.use_up_buttons()
+        dashboard.use_up_buttons()
 
         async def deliver(at_ns: int, outbound: Outbound) -> None:
-            live.show_picture(card, PreviewedCamera(robot, at_ns, outbound.attachment))
+            live.show_picture(dashboard, PreviewedCamera(robot, at_ns, outbound.attachment))
 
         self._camera.look(asked, robot, deliver)
-        card.watch(PreviewViewer(asked, robot, self._now_ns()))
+        dashboard.watch(PreviewViewer(asked, robot, self._now_ns()))
 
-    def renew(self, card: Dashboard) -> None:
+    def renew(self, dashboard: Dashboard) -> None:
         """Look once more for whoever looks at a card, if it is time. Returns at once."""
-        watched, now_ns = card.watched, self._now_ns()
+        watched, now_ns = dashboard.watched, self._now_ns()
         if watched is None or self._camera is None:
             return
         if now_ns >= watched.until_ns:
-            card.look_away()
-        elif now_ns >= watched.next_ns and card.picture is not None and not card.pictured_anew:
+            dashboard.look_away()
+        elif (
+            now_ns >= watched.next_ns
+            and dashboard.picture is not None
+            and not dashboard.pictured_anew
+        ):
             watched.wait(now_ns)
-            self._look_again(card, watched, self._camera)
+            self._look_again(dashboard, watched, self._camera)
 
-    def _look_again(self, card: Dashboard, watched: PreviewViewer, camera: CameraPreview) -> None:
+    def _look_again(
+        self, dashboard: Dashboard, watched: PreviewViewer, camera: CameraPreview
+    ) -> None:
         async def deliver(at_ns: int, outbound: Outbound) -> None:
-            card.renew_picture(watched, PreviewedCamera(watched.robot, at_ns, outbound.attachment))
+            dashboard.renew_picture(
+                watched, PreviewedCamera(watched.robot, at_ns, outbound.attachment)
+            )
 
         with suppress(Refusal):  # the next time, then
             camera.look(watched.asked, watched.robot, deliver, unasked=True)
 
-    def renewed_for_ns(self, card: Dashboard) -> int:
+    def renewed_for_ns(self, dashboard: Dashboard) -> int:
         """Return for how long a card's picture is renewed by itself."""
-        return 0 if card.watched is None else max(0, card.watched.until_ns - self._now_ns())
+        return (
+            0 if dashboard.watched is None else max(0, dashboard.watched.until_ns - self._now_ns())
+        )
 
 
 # ---- rendering ----
@@ -216,49 +226,49 @@ class DashboardRendering:
         return joined("\n", (self.text(chat, owner, robots), stamp))
 
     def outbound(
-        self, card: Dashboard, robots: tuple[RobotId, ...], weight: SendPriority
+        self, dashboard: Dashboard, robots: tuple[RobotId, ...], weight: SendPriority
     ) -> Outbound:
         """Return the message, stamped with the time at which it is so.
 
         Beneath a picture there is less room: then it is of fewer robots.
         """
         for most in range(ROBOTS_AT_MOST, 1, -1):
-            outbound = self._outbound(card, robots, weight, most)
-            if card.picture is None or _units(outbound.text) <= CAPTION_UNITS:
+            outbound = self._outbound(dashboard, robots, weight, most)
+            if dashboard.picture is None or _units(outbound.text) <= CAPTION_UNITS:
                 return outbound
-        return self._outbound(card, robots, weight, 1)
+        return self._outbound(dashboard, robots, weight, 1)
 
     def _outbound(
-        self, card: Dashboard, robots: tuple[RobotId, ...], weight: SendPriority, most: int
+        self, dashboard: Dashboard, robots: tuple[RobotId, ...], weight: SendPriority, most: int
     ) -> Outbound:
-        now_ns, pace = self._clock.wall_ns(), pace_of(card.chat)
-        lag_s = ceil(card.lag_s) if card.lag_s >= LATE_S else 0
+        now_ns, pace = self._clock.wall_ns(), pace_of(dashboard.chat)
+        lag_s = ceil(dashboard.lag_s) if dashboard.lag_s >= LATE_S else 0
         next_ns = now_ns + int((pace.promise_s + lag_s) * 1e9)
         stamp = words.updated(self._sides.face(now_ns), self._sides.face(next_ns), lag_s)
-        lines = [self.text(card.chat, card.owner, robots, most)]
-        if (picture := card.picture) is not None:
-            left_ns = self.picturing.renewed_for_ns(card)
+        lines = [self.text(dashboard.chat, dashboard.owner, robots, most)]
+        if (picture := dashboard.picture) is not None:
+            left_ns = self.picturing.renewed_for_ns(dashboard)
             until = self._sides.face(now_ns + left_ns) if left_ns else ""
             lines.append(
                 words.pictured(
                     self._sides.shown(picture.robot), self._sides.face(picture.at_ns), until
                 )
             )
-        view_buttons = self.picturing.row(card, robots)
-        stop = (_stop_button(robots if card.robots else ()),)
+        view_buttons = self.picturing.row(dashboard, robots)
+        stop = (_stop_button(robots if dashboard.robots else ()),)
         outbound = Outbound(
-            chat=card.chat,
+            chat=dashboard.chat,
             text=joined("\n", (*lines, stamp)),
-            buttons=_rows(card.chat, view_buttons, stop),
+            buttons=_rows(dashboard.chat, view_buttons, stop),
             weight=weight,
             attachment=None if picture is None else picture.content,
         )
-        return translated(outbound, self._sides.catalogue(card.owner))
+        return translated(outbound, self._sides.catalogue(dashboard.owner))
 
-    def last(self, card: Dashboard) -> Outbound:
+    def last(self, dashboard: Dashboard) -> Outbound:
         """Return the message of a card that is over."""
-        outbound = Outbound(chat=card.chat, text=card.last)
-        return translated(outbound, self._sides.catalogue(card.owner))
+        outbound = Outbound(chat=dashboard.chat, text=dashboard.last)
+        return translated(outbound, self._sides.catalogue(dashboard.owner))
 
 
 @lru_cache(maxsize=32)

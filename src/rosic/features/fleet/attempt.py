@@ -157,9 +157,9 @@ class TaskAttempts:
         except BaseException:
             rooms.organiser.abandon(permits)
             raise
-        card = self._card(caller, (messenger, chat), request)
+        order_message = self._card(caller, (messenger, chat), request)
         asked = joined(", ", filter(None, (order.words, note)))
-        if not self._begin(order, asked, caller, card, task, asker):
+        if not self._begin(order, asked, caller, order_message, task, asker):
             return None
         return TaskAttempt(
             doing.attempt, line.skills[0].id, self._clock.monotonic_ns(), _took(permits)
@@ -197,18 +197,18 @@ class TaskAttempts:
         hands, robot = self._hands, request.robot
         catalogue = hands.chat_sender.languages.of(caller.principal)
         wording = ENGLISH if catalogue is None else wording_in(catalogue)
-        card = OrderMessage(*where, "", caller.principal, wording)
-        card.about = robot
-        card.buttons = stop_button(robot)
-        card.after = hands.ends[robot, request.text, catalogue]
-        return card
+        order_message = OrderMessage(*where, "", caller.principal, wording)
+        order_message.about = robot
+        order_message.buttons = stop_button(robot)
+        order_message.after = hands.ends[robot, request.text, catalogue]
+        return order_message
 
     def _begin(
         self,
         order: Order,
         asked: str,
         caller: Caller,
-        card: OrderMessage,
+        order_message: OrderMessage,
         task: Task,
         asker: TaskRequester,
     ) -> bool:
@@ -218,22 +218,30 @@ class TaskAttempts:
         robot from here on finds the order there, and ends it.
         """
         hands, shown = self._hands, self._rooms.profiles[order.robot].shown
-        catalogue = card.words.catalogue
+        catalogue = order_message.words.catalogue
         what = in_language(asked, catalogue)
         title = in_language(words.order_title(f"{shown}: {what}", task), catalogue)
-        status = AwaitedOrder(shown, title, hands.face, self._clock.wall_ns(), card.words)
-        card.show(order.cid, status)
+        status = AwaitedOrder(shown, title, hands.face, self._clock.wall_ns(), order_message.words)
+        order_message.show(order.cid, status)
         wanted = asker.wanted()
         if wanted:
             status.over = partial(asker.over, order)
             hands.executor.begin(
-                order, AutomatedRequester(caller), card, status, self._rooms.linker.dispatch
+                order,
+                AutomatedRequester(caller),
+                order_message,
+                status,
+                self._rooms.linker.dispatch,
             )
         else:
             hands.executor.forgo(
-                order, AutomatedRequester(caller), card, status, OrderVoid(words.NOT_WANTED)
+                order,
+                AutomatedRequester(caller),
+                order_message,
+                status,
+                OrderVoid(words.NOT_WANTED),
             )
-        hands.chat_sender.show(card)
+        hands.chat_sender.show(order_message)
         return wanted
 
 

@@ -379,20 +379,20 @@ class MultiRobotCommands:
         catalogue = hands.chat_sender.languages.of(asked.caller.principal)
         wording = ENGLISH if catalogue is None else wording_in(catalogue)
         who = asked.caller.principal
-        card = OrderMessage(asked.messenger, chat, reply_id(asked.inbound), who, wording)
-        card.about = meant.name
-        card.buttons = stop_button(meant.name.replace(JOINED, " "))
-        card.after = hands.ends[meant.name, meant.again, catalogue]
+        order_message = OrderMessage(asked.messenger, chat, reply_id(asked.inbound), who, wording)
+        order_message.about = meant.name
+        order_message.buttons = stop_button(meant.name.replace(JOINED, " "))
+        order_message.after = hands.ends[meant.name, meant.again, catalogue]
         for order in orders:
             shown = self._shown(order.robot)
             what = in_language(order.words, catalogue)
             at_ns = self._clock.wall_ns()
             status = AwaitedOrder(shown, f"{shown}: {what}", hands.face, at_ns, wording)
-            card.show(order.cid, status)
+            order_message.show(order.cid, status)
             if start is not None:
                 status.over = partial(start.ended, order)
-            hands.executor.begin(order, message, card, status, self._rooms.linker.dispatch)
-        hands.chat_sender.show(card)
+            hands.executor.begin(order, message, order_message, status, self._rooms.linker.dispatch)
+        hands.chat_sender.show(order_message)
 
     def _names(self, robots: Sequence[RobotId]) -> str:
         return listed(tuple(map(self._shown, robots)), AND)

@@ -218,7 +218,8 @@ class ChannelDisplays:
     def _all(self) -> dict[str, KnownChannel]:
         """Return the channels that were heard of, and those that an earlier run has opened."""
         opened = {
-            card.key: KnownChannel(card.messenger, card.chat) for card in self._live.in_channels()
+            dashboard.key: KnownChannel(dashboard.messenger, dashboard.chat)
+            for dashboard in self._live.in_channels()
         }
         heard = opened | self._strange | self._known
         return {key: it for key, it in heard.items() if key not in self._left}
@@ -228,8 +229,8 @@ class ChannelDisplays:
         buttons: list[Button] = []
         offered = 0
         for key, (messenger, chat, title, by) in reversed(self._all().items()):
-            card = self._live.of(messenger, chat)
-            if card is None:
+            dashboard = self._live.of(messenger, chat)
+            if dashboard is None:
                 lines.append(
                     said(
                         "{channel} shows no robot. {who} put me there.",
@@ -242,7 +243,7 @@ class ChannelDisplays:
                     label = said("Show something in {channel}", channel=_named(title))
                     buttons.append(Button(label, f"/{VERB} {key}"))
             else:
-                lines.append(self._shown(title, card.robots))
+                lines.append(self._shown(title, dashboard.robots))
                 label = said("Close {channel}", channel=_named(title))
                 buttons.append(Button(label, f"/{VERB} {key} {CLOSE}"))
         return Reply(joined("\n", lines) if lines else NONE, rows(buttons))
@@ -264,12 +265,12 @@ class ChannelDisplays:
         return organiser.rights.holds(who, FLEET, GRANT, organiser.wall_ns())
 
     async def _close(self, messenger: Messenger, chat: Chat) -> None:
-        card = self._live.of(messenger, chat)
-        if card is None:
+        dashboard = self._live.of(messenger, chat)
+        if dashboard is None:
             return
         try:
-            await self._live.end(card)
-            self._left.discard(card.key)
+            await self._live.end(dashboard)
+            self._left.discard(dashboard.key)
         except Refusal:
             log.warning("a window could not be closed; it is closed when it can be written")
 

@@ -176,8 +176,8 @@ class GroupMembership:
         self._around.followers.leave(messenger.name, old.id)
         self._spawn(self._move_archive(messenger, old, new))
         # Whoever shows it may find the old message lost before this comes to its turn.
-        if (card := self._around.cards.of(messenger, old)) is not None:
-            self._spawn(self._move_card(card, new))
+        if (dashboard := self._around.cards.of(messenger, old)) is not None:
+            self._spawn(self._move_card(dashboard, new))
 
     async def _move_archive(self, messenger: Messenger, old: Chat, new: Chat) -> None:
         archive = self._around.archive
@@ -190,11 +190,11 @@ class GroupMembership:
                 days = keeping.switch.days
                 await turn.write(archive.begin(messenger.name, new, RULE, days=days))
 
-    async def _move_card(self, card: ChatDashboard, new: Chat) -> None:
+    async def _move_card(self, dashboard: ChatDashboard, new: Chat) -> None:
         """Go on with a live card in a new message: what was said in the old group stays there."""
-        cards, pinned = self._around.cards, card.pinned or card.wanted_pinned
-        await cards.end(card)
-        cards.begin(card.messenger, new, card.owner, card.robots, pinned=pinned)
+        cards, pinned = self._around.cards, dashboard.pinned or dashboard.wanted_pinned
+        await cards.end(dashboard)
+        cards.begin(dashboard.messenger, new, dashboard.owner, dashboard.robots, pinned=pinned)
 
     # ---- inside ----
 

@@ -96,7 +96,7 @@ log = logging.getLogger("rosic.telling")
 class Speaker(Protocol):
     """Says what queues hand out; see `ChatSender`."""
 
-    async def show_in_place(self, card: OrderMessage, queue: ChatQueue | None) -> None:
+    async def show_in_place(self, order_message: OrderMessage, queue: ChatQueue | None) -> None:
         """Show a card by editing its message."""
 
     async def speak_once(self, item: Item, queue: ChatQueue | None = None) -> None:

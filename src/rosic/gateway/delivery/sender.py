@@ -97,19 +97,19 @@ class ChatSender:
         else:
             self._queue(note.where_to, note).put(note)
 
-    def show(self, card: OrderMessage) -> None:
+    def show(self, order_message: OrderMessage) -> None:
         """Bring a chat up to date with a card."""
-        queue = self._queues.get(card.where)
+        queue = self._queues.get(order_message.where)
         if queue is None:
-            queue = self._queue(card.where, card)
-        queue.put(card)
+            queue = self._queue(order_message.where, order_message)
+        queue.put(order_message)
 
-    def update(self, card: OrderMessage) -> None:
+    def update(self, order_message: OrderMessage) -> None:
         """Show progress: line by line at once, or by an edit when the next one is due."""
-        if card.lines:
-            self.show(card)
-        elif card.dirty:
-            self._due[card] = None
+        if order_message.lines:
+            self.show(order_message)
+        elif order_message.dirty:
+            self._due[order_message] = None
             if self._ticking is None:
                 self._ticking = asyncio.create_task(self._tick())
 
@@ -118,9 +118,9 @@ class ChatSender:
         while self._due:
             await self._clock.sleep(PROGRESS_EVERY_S)
             due, self._due = self._due, {}
-            for card in due:
-                if card.dirty and card.open:
-                    self.show(card)
+            for order_message in due:
+                if order_message.dirty and order_message.open:
+                    self.show(order_message)
         self._ticking = None
 
     def _turn_of(self, messenger: Messenger) -> Turn | None:
@@ -240,80 +240,103 @@ class ChatSender:
         if note.then is not None:
             note.then()
 
-    async def _show_line_by_line(self, card: OrderMessage) -> None:
-        while card.lines:
-            text, last = card.lines[0], len(card.lines) == 1 and not card.open
-            buttons = card.after if last else ()
-            await card.messenger.send(Outbound(chat=card.chat, text=text, buttons=buttons))
-            card.line_said()
-        if not card.open and card.untold:
-            self._containers.told(*card.settle())
+    async def _show_line_by_line(self, order_message: OrderMessage) -> None:
+        while order_message.lines:
+            text, last = (
+                order_message.lines[0],
+                len(order_message.lines) == 1 and not order_message.open,
+            )
+            buttons = order_message.after if last else ()
+            await order_message.messenger.send(
+                Outbound(chat=order_message.chat, text=text, buttons=buttons)
+            )
+            order_message.line_said()
+        if not order_message.open and order_message.untold:
+            self._containers.told(*order_message.settle())
 
-    async def _show_at_once(self, card: OrderMessage) -> None:
+    async def _show_at_once(self, order_message: OrderMessage) -> None:
         """Say a life that is over in one message, where more waits than the platform takes.
 
         Half the calls, so twice as many people hear how their orders ended. Should this process
         die before it is noted as told, the next says it again, marked (`gateway/recovery.py`).
         """
         try:
-            card.stands_in(await card.messenger.send(card.read(endings=True)))
+            order_message.stands_in(
+                await order_message.messenger.send(order_message.read(endings=True))
+            )
         except MessengerFault as fault:
             if fault.perhaps_sent:
-                card.doubt()
+                order_message.doubt()
             raise
-        self.reply_targets.note(card.messenger.name, card.chat, card.message, card.about)
-        self._containers.told(*card.settle())
+        self.reply_targets.note(
+            order_message.messenger.name,
+            order_message.chat,
+            order_message.message,
+            order_message.about,
+        )
+        self._containers.told(*order_message.settle())
 
-    async def show_in_place(self, card: OrderMessage, queue: ChatQueue | None) -> None:
+    async def show_in_place(self, order_message: OrderMessage, queue: ChatQueue | None) -> None:
         """Send once, write down which message it is, and say an ending only by editing it.
 
         So an ending is said exactly once, whenever this process may die: what was not noted as
         told is said again by an edit to the same content.
         """
-        if not card.message or card.adopted:
-            await self._place(card)
-            if queue is not None and card.dirty:
-                queue.put_back(card)
+        if not order_message.message or order_message.adopted:
+            await self._place(order_message)
+            if queue is not None and order_message.dirty:
+                queue.put_back(order_message)
                 return
-        if not card.dirty:
+        if not order_message.dirty:
             return
-        shown = card.read(endings=True)
-        if card.doubted:
-            shown = _marked(shown, self.languages.of(card.principal))
-        self._due.pop(card, None)  # a life that is over would lie there until the tick
+        shown = order_message.read(endings=True)
+        if order_message.doubted:
+            shown = _marked(shown, self.languages.of(order_message.principal))
+        self._due.pop(order_message, None)  # a life that is over would lie there until the tick
         try:
-            await card.messenger.edit(card.message, shown)
+            await order_message.messenger.edit(order_message.message, shown)
         except Exception as fault:
-            card.not_edited(gone=isinstance(fault, MessageGone))
+            order_message.not_edited(gone=isinstance(fault, MessageGone))
             raise
         # A later run knows only lives that are not noted as told, and says them together.
-        if card.untold and not card.dirty and not card.open:
-            self._containers.told(*card.settle())
+        if order_message.untold and not order_message.dirty and not order_message.open:
+            self._containers.told(*order_message.settle())
 
-    async def _place(self, card: OrderMessage) -> None:
+    async def _place(self, order_message: OrderMessage) -> None:
         """Show a life for the first time, and write down which message shows it."""
-        if card.adopted:
-            await self._adopt(card)
+        if order_message.adopted:
+            await self._adopt(order_message)
         else:
             try:
-                card.stands_in(await card.messenger.send(card.read(endings=False)))
+                order_message.stands_in(
+                    await order_message.messenger.send(order_message.read(endings=False))
+                )
             except MessengerFault as fault:
                 if fault.perhaps_sent:
-                    card.doubt()
+                    order_message.doubt()
                 raise
-        self.reply_targets.note(card.messenger.name, card.chat, card.message, card.about)
-        if card.ending:
-            await self._containers.place(card.cids, card.principal, card.message)
+        self.reply_targets.note(
+            order_message.messenger.name,
+            order_message.chat,
+            order_message.message,
+            order_message.about,
+        )
+        if order_message.ending:
+            await self._containers.place(
+                order_message.cids, order_message.principal, order_message.message
+            )
         else:
             # Nobody waits for it: an ending is written later, and so after it.
-            self._containers.note_place(card.cids, card.principal, card.message)
+            self._containers.note_place(
+                order_message.cids, order_message.principal, order_message.message
+            )
 
-    async def _adopt(self, card: OrderMessage) -> None:
+    async def _adopt(self, order_message: OrderMessage) -> None:
         """Show a card for the first time where it was asked for."""
-        outbound, question = card.read(endings=False), card.take_place()
-        self.on_buttons.emit(OutgoingMessage(card.messenger, outbound), question)
-        await card.messenger.edit(question, outbound)
-        card.stands_in(question)
+        outbound, question = order_message.read(endings=False), order_message.take_place()
+        self.on_buttons.emit(OutgoingMessage(order_message.messenger, outbound), question)
+        await order_message.messenger.edit(question, outbound)
+        order_message.stands_in(question)
 
     async def flush(self, seconds: float) -> None:
         """Wait until everything is said, or the time is over; then fall silent."""
