@@ -213,7 +213,7 @@ def nothing_is_left(world: World) -> None:
     for robot in gateway.robots:
         assert rooms.organiser.holder(robot) is None, f"{robot} is held for ever"
         assert rooms.linker.waiting(robot) == 0, f"something waits for {robot} for ever"
-        assert rooms.linker.mailboxes[robot].current is None, f"the mailbox of {robot} is stuck"
+        assert rooms.linker.queues[robot].current is None, f"the queue of {robot} is stuck"
         assert rooms.board[robot].latched == gateway.robots[robot].gate.latched, (
             f"{robot}: people are told one thing, the gate knows another"
         )

@@ -1,4 +1,4 @@
-"""A robot's mailbox: what is replaced is at rest first, the newest counts, nothing dead waits."""
+"""A robot's queue: what is replaced is at rest first, the newest counts, nothing dead waits."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ class Entry:
 
 
 class Bench:
-    """A mailbox, its robot and orders for it."""
+    """A queue, its robot and orders for it."""
 
     def __init__(self, busy: Busy, queue_length: int = 2) -> None:
         self.clock = ManualClock()
@@ -64,7 +64,7 @@ class Bench:
             skills={"go": Skill(id="go")},
         )
         self.robot = MemoryRobot(self.profile, OrderGate.new("r"), self.clock)
-        self.mailbox = RobotQueue(self.robot, self.clock)
+        self.queue = RobotQueue(self.robot, self.clock)
         self.book = OrderBook(self.profile, self.clock)
 
     def entry(self) -> Entry:
@@ -73,7 +73,7 @@ class Bench:
     def busy(self) -> Entry:
         """Give the robot something to do."""
         first = self.entry()
-        assert self.mailbox.put(first)
+        assert self.queue.put(first)
         return first
 
 
@@ -81,29 +81,29 @@ def test_a_busy_robot_refuses_and_says_what_it_does() -> None:
     bench = Bench(Busy.REFUSE)
     bench.busy()
     with pytest.raises(RobotBusy, match="Robot R is busy: go"):
-        bench.mailbox.put(bench.entry())
+        bench.queue.put(bench.entry())
 
 
 async def test_a_queue_keeps_the_order_and_says_so() -> None:
     bench = Bench(Busy.QUEUE)
     first = bench.busy()
     waiting = [bench.entry(), bench.entry()]
-    assert [bench.mailbox.put(entry) for entry in waiting] == [False, False]
+    assert [bench.queue.put(entry) for entry in waiting] == [False, False]
     assert [entry.said for entry in (first, *waiting)] == [
         [],
         [OrderStage.QUEUED],
         [OrderStage.QUEUED],
     ]
-    assert [bench.mailbox.next() for _ in range(3)] == [*waiting, None]
-    assert bench.mailbox.put(bench.entry()), "a robot that is done is free"
+    assert [bench.queue.next() for _ in range(3)] == [*waiting, None]
+    assert bench.queue.put(bench.entry()), "a robot that is done is free"
 
 
 async def test_a_full_queue_refuses() -> None:
     bench = Bench(Busy.QUEUE, queue_length=1)
     bench.busy()
-    bench.mailbox.put(bench.entry())
+    bench.queue.put(bench.entry())
     with pytest.raises(RobotBusy, match="1 commands waiting"):
-        bench.mailbox.put(bench.entry())
+        bench.queue.put(bench.entry())
 
 
 async def test_a_later_line_of_the_same_message_waits_whatever_the_policy() -> None:
@@ -111,21 +111,21 @@ async def test_a_later_line_of_the_same_message_waits_whatever_the_policy() -> N
     bench.busy()
     later = bench.entry()
     later.order = replace(later.order, sequel=True)
-    bench.mailbox.put(later)
-    assert bench.mailbox.next() is later
+    bench.queue.put(later)
+    assert bench.queue.next() is later
 
 
 async def test_what_waits_too_long_is_told_when_it_happens() -> None:
     bench = Bench(Busy.QUEUE)
     bench.busy()
     waiting = bench.entry()
-    bench.mailbox.put(waiting)
+    bench.queue.put(waiting)
     await bench.clock.advance(4.9)
     early = waiting.voided
     await bench.clock.advance(0.2)
     late = waiting.voided
     assert (early, late) == ("", "Robot R was busy for too long. This was not done.")
-    assert bench.mailbox.next() is None
+    assert bench.queue.next() is None
 
 
 async def test_an_order_is_good_until_its_last_moment_and_every_later_one_is_watched_too() -> None:
@@ -133,13 +133,13 @@ async def test_an_order_is_good_until_its_last_moment_and_every_later_one_is_wat
     bench.busy()
     for _ in range(3):
         waiting = bench.entry()
-        bench.mailbox.put(waiting)
+        bench.queue.put(waiting)
         left_s = (waiting.order.deadline_ns - bench.clock.monotonic_ns()) / 1e9
         await bench.clock.advance(left_s)
         assert waiting.voided == "", "this is the moment until which it is good"
         await bench.clock.advance(0.02)
         assert waiting.voided
-        assert len(bench.mailbox) == 0
+        assert len(bench.queue) == 0
 
 
 def watches() -> int:
@@ -162,7 +162,7 @@ class Patient(ManualClock):
 async def test_who_watches_what_waits_is_one_and_is_woken_for_a_reason_only() -> None:
     bench = Bench(Busy.QUEUE, queue_length=10)
     bench.clock = clock = Patient()
-    bench.mailbox = RobotQueue(bench.robot, clock)
+    bench.queue = RobotQueue(bench.robot, clock)
     bench.busy()
     now_ns, wall_ns = clock.monotonic_ns(), clock.wall_ns()
     waiting = [bench.entry() for _ in range(5)]
@@ -171,7 +171,7 @@ async def test_who_watches_what_waits_is_one_and_is_woken_for_a_reason_only() ->
         entry.order = replace(
             entry.order, deadline_ns=now_ns + lasts_ns, expires_ns=wall_ns + lasts_ns
         )
-        bench.mailbox.put(entry)
+        bench.queue.put(entry)
     await settle()
     assert watches() == 1
     await clock.advance(100.02)
@@ -186,26 +186,26 @@ async def test_who_watches_what_waits_is_one_and_is_woken_for_a_reason_only() ->
 
 def test_only_a_robot_that_refuses_and_is_at_work_is_not_free() -> None:
     free = Bench(Busy.REFUSE)
-    free.mailbox.check_free()
+    free.queue.check_free()
     queues = Bench(Busy.QUEUE)
     queues.busy()
-    queues.mailbox.check_free()
+    queues.queue.check_free()
     refuses = Bench(Busy.REFUSE)
     refuses.busy()
     with pytest.raises(RobotBusy):
-        refuses.mailbox.check_free()
+        refuses.queue.check_free()
 
 
 async def test_what_is_under_way_is_replaced_once() -> None:
     bench = Bench(Busy.REPLACE)
-    assert not bench.mailbox.replace()
+    assert not bench.queue.replace()
     bench.robot.work_s = 60.0
-    relayed = asyncio.create_task(bench.mailbox.relay(bench.entry().order, ignore))
+    relayed = asyncio.create_task(bench.queue.relay(bench.entry().order, ignore))
     await settle()
-    running = bench.mailbox.running
+    running = bench.queue.running
     assert running is not None
-    assert bench.mailbox.replace()
-    assert not bench.mailbox.replace(), "its coming to rest is not cut short"
+    assert bench.queue.replace()
+    assert not bench.queue.replace(), "its coming to rest is not cut short"
     await asyncio.wait((running, relayed))
     assert running.cancelled()
 
@@ -215,21 +215,21 @@ async def test_a_stop_voids_what_waits_and_nothing_that_came_later() -> None:
     bench.busy()
     before, later = bench.entry(), bench.entry()
     later.order = replace(later.order, permit=replace(later.order.permit, stop_generation=1))
-    bench.mailbox.put(before)
-    bench.mailbox.put(later)
-    bench.mailbox.clear(1)
+    bench.queue.put(before)
+    bench.queue.put(later)
+    bench.queue.clear(1)
     assert (before.voided, later.voided) == ("Robot R was stopped before this could begin.", "")
-    assert bench.mailbox.next() is later
+    assert bench.queue.next() is later
 
 
 async def test_of_orders_that_replace_each_other_only_the_newest_waits() -> None:
     bench = Bench(Busy.REPLACE)
     bench.busy()
     second, third = bench.entry(), bench.entry()
-    bench.mailbox.put(second)
-    bench.mailbox.put(third)
+    bench.queue.put(second)
+    bench.queue.put(third)
     assert second.voided == "A later command took its place. This was not done."
-    assert bench.mailbox.next() is third
+    assert bench.queue.next() is third
 
 
 @pytest.mark.parametrize("busy", list(Busy))
@@ -241,13 +241,13 @@ async def test_what_brings_to_safety_takes_the_place_of_all_that_waits_however_m
     bench.busy()
     waiting = bench.entry()
     waiting.order = replace(waiting.order, sequel=True)
-    bench.mailbox.put(waiting)
+    bench.queue.put(waiting)
     lands = bench.entry()
     lands.order = replace(lands.order, skill=replace(lands.order.skill, to_safety=True))
-    assert not bench.mailbox.put(lands)
+    assert not bench.queue.put(lands)
     assert waiting.voided == "A later command took its place. This was not done."
-    assert bench.mailbox.next() is lands
-    assert bench.mailbox.next() is None
+    assert bench.queue.next() is lands
+    assert bench.queue.next() is None
 
 
 async def test_however_few_may_wait_the_newest_takes_the_place_of_the_one_before() -> None:
@@ -255,8 +255,8 @@ async def test_however_few_may_wait_the_newest_takes_the_place_of_the_one_before
     bench.busy()
     entries = [bench.entry() for _ in range(3)]
     for entry in entries:
-        bench.mailbox.put(entry)
-    assert bench.mailbox.next() is entries[-1]
+        bench.queue.put(entry)
+    assert bench.queue.next() is entries[-1]
 
 
 def of(bench: Bench, principal: str) -> Entry:
@@ -270,13 +270,13 @@ async def test_what_one_person_has_waiting_is_taken_out_and_nobody_elses() -> No
     bench.busy()
     first, others, last = of(bench, "p1"), of(bench, "p2"), of(bench, "p1")
     for entry in (first, others, last):
-        assert not bench.mailbox.put(entry)
-    assert bench.mailbox.take_out("nobody") == []
-    assert bench.mailbox.take_out("p1") == [first, last]
-    assert bench.mailbox.take_out("p1") == []
+        assert not bench.queue.put(entry)
+    assert bench.queue.take_out("nobody") == []
+    assert bench.queue.take_out("p1") == [first, last]
+    assert bench.queue.take_out("p1") == []
     assert [entry.voided for entry in (first, others, last)] == [""] * 3
-    assert bench.mailbox.next() is others
-    assert bench.mailbox.next() is None
+    assert bench.queue.next() is others
+    assert bench.queue.next() is None
 
 
 class LinkerBench(Bench):

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rosic.contracts.store import Store
 
 
-_encode_card = msgspec.msgpack.Encoder().encode
+_encode_record = msgspec.msgpack.Encoder().encode
 
 
 class ConfiguredPerson(msgspec.Struct, frozen=True):
@@ -104,7 +104,7 @@ def admitted(
         issued_ns=now_ns,
     )
     record = PersonRecord(str(person.name), person.addresses)
-    letter = Letter(principal, _encode_card(record))
+    letter = Letter(principal, _encode_record(record))
     enrolled = Principal(
         id=principal, name=person.name, roles=person.roles, addresses=person.addresses
     )

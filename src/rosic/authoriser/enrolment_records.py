@@ -149,7 +149,7 @@ Answer: TypeAlias = CodeRedeemed | ApprovalPending | EnrolmentRefused
 PENDING_S: Final = float(DAY_S)
 GUEST: Final = "guest"
 
-_encode_card = msgspec.msgpack.Encoder().encode
+_encode_record = msgspec.msgpack.Encoder().encode
 
 
 class EnrolmentRecords:
@@ -209,7 +209,7 @@ class EnrolmentRecords:
             id=asked.principal, name=applicant.name, roles=kept + gained, addresses=addresses
         )
         key = before[1] if before is not None and stays else self._new_key(person, asked.issuer)
-        record = Letter(person.id, _encode_card(PersonRecord(person.name, addresses)))
+        record = Letter(person.id, _encode_record(PersonRecord(person.name, addresses)))
         enrolled = Enrolled(principal=person.id, roles=person.roles, at_ns=now_ns, letter=record)
         records: list[Record] = [self._decided("enrol", by, person.id), settled, enrolled]
         if not stays:
@@ -265,7 +265,7 @@ class EnrolmentRecords:
 _log = logging.getLogger(__name__)
 _encode = msgspec.msgpack.Encoder().encode
 _decode = msgspec.msgpack.Decoder(PendingApplicant).decode
-_decode_card = msgspec.msgpack.Decoder(PersonRecord).decode
+_decode_record = msgspec.msgpack.Decoder(PersonRecord).decode
 
 
 class Applicants:
@@ -325,7 +325,7 @@ def _read(fact: Fact) -> Applicant | None:
         asked = _decode(fact.body)
         if fact.letter is None or asked.id != fact.key:
             return None
-        record = _decode_card(fact.letter.content)
+        record = _decode_record(fact.letter.content)
     except msgspec.MsgspecError:
         return None
     return Applicant(asked, record.name, record.addresses[0]) if record.addresses else None

@@ -1,4 +1,4 @@
-"""Fifty robots that never run out of work: every mailbox is kept full."""
+"""Fifty robots that never run out of work: every queue is kept full."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 ROBOTS = 50
 EVERYTHING = "fleet"
 WORK_S = 0.05
-# A mailbox is kept a little fuller than is asked for: one order is always just being taken out.
+# A queue is kept a little fuller than is asked for: one order is always just being taken out.
 SPARE = 10
 CHATS = 16
 LIVES_S = float(HOUR_S)
@@ -128,7 +128,7 @@ class WatchedMessenger(BenchMessenger):
 
 
 class OrderSenders:
-    """One person for each robot, who sends it another order whenever one has left its mailbox."""
+    """One person for each robot, who sends it another order whenever one has left its queue."""
 
     def __init__(self, gateway: Gateway, messenger: Messenger, queued: int) -> None:
         self.robots = {
@@ -162,7 +162,7 @@ class OrderSenders:
 
     @property
     def queued(self) -> int:
-        """How many orders wait in all mailboxes together."""
+        """How many orders wait in all queues together."""
         return sum(map(self._gateway.rooms.linker.waiting, self.robots))
 
     @property
@@ -207,7 +207,7 @@ class OrderSenders:
             await asyncio.gather(
                 *(self.say(str(number), next(chats), text) for _ in range(together))
             )
-            # What was accepted enters its mailbox; who is refused waits before asking again.
+            # What was accepted enters its queue; who is refused waits before asking again.
             await asyncio.sleep(0 if waiting(name) > before else LOOK_S)
 
 

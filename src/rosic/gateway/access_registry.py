@@ -253,12 +253,12 @@ class AccessRegistry:
         )
 
 
-_decode_card = msgspec.msgpack.Decoder(PersonRecord).decode
+_decode_record = msgspec.msgpack.Decoder(PersonRecord).decode
 
 
 def person_of(entry: Enrolled) -> Principal:
     """Return who became known."""
-    record = _decode_card(entry.letter.content)
+    record = _decode_record(entry.letter.content)
     return Principal(
         id=entry.principal, name=record.name, roles=entry.roles, addresses=record.addresses
     )

@@ -50,7 +50,7 @@ class BusyRobots:
         Raises:
             RobotBusy: It is at work, and its profile does not queue.
         """
-        current = self._rooms.linker.mailboxes[request.robot].current
+        current = self._rooms.linker.queues[request.robot].current
         if current is None or request.sequel or request.skill.to_safety:
             return
         if self._rooms.profiles[request.robot].busy is Busy.REFUSE:

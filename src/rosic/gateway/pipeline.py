@@ -226,7 +226,7 @@ class Pipeline:
         if message.proven and any(map(self._rooms.organiser.wants_proof, requests)):
             self.hooks.proof_used(caller.principal, inbound.chat)
         for request in requests:
-            if self._rooms.linker.mailboxes[request.robot].current is not None:
+            if self._rooms.linker.queues[request.robot].current is not None:
                 self._busy.check(request, caller.principal, line.text)
         title = f"{line.group or self._shown[line.robots[0]]}: {line.text}"
         return ReplyTo(

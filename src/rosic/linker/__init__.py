@@ -1,1 +1,1 @@
-"""Which robot, where, and what did it answer? Routes, mailboxes and the stop lane."""
+"""Which robot, where, and what did it answer? Routes, queues and the stop lane."""

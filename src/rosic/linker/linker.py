@@ -77,7 +77,7 @@ class Linker:
     """Hands orders and stops to the adapters of robots.
 
     Attributes:
-        mailboxes: Of each robot; whoever looks at one only looks.
+        queues: Of each robot; whoever looks at one only looks.
         cancels: Empty as long as nobody has ended what they had under way.
         pursuit: Goes on with stops that were not confirmed.
 
@@ -101,7 +101,7 @@ class Linker:
         self.cancels = stops.cancels
         self._wall_ns = wall_ns
         self._robots = dict(robots)
-        self.mailboxes = {robot_id: RobotQueue(robot, clock) for robot_id, robot in robots.items()}
+        self.queues = {robot_id: RobotQueue(robot, clock) for robot_id, robot in robots.items()}
         self._stops = stops
         self._latch = latch
         self._clock = clock
@@ -116,35 +116,35 @@ class Linker:
         return self._policy.epoch
 
     def put(self, entry: QueuedOrder) -> bool:
-        """Give an order to a robot's mailbox. Return whether it has its turn at once.
+        """Give an order to a robot's queue. Return whether it has its turn at once.
 
-        If so, the caller serves the mailbox: ``dispatch``, then ``next``, until none is left.
+        If so, the caller serves the queue: ``dispatch``, then ``next``, until none is left.
 
         Raises:
             RobotBusy: Not taken in; the robot has not moved because of it.
         """
-        return self.mailboxes[entry.order.robot].put(entry)
+        return self.queues[entry.order.robot].put(entry)
 
     def next(self, robot_id: RobotId) -> QueuedOrder | None:
         """End a turn. Return whose turn it is now; None frees the robot."""
-        return self.mailboxes[robot_id].next()
+        return self.queues[robot_id].next()
 
     def clear(self, sentence: str) -> None:
         """Void everything that waits for any robot, with a reason."""
-        for mailbox in self.mailboxes.values():
-            mailbox.void(sentence)
+        for queue in self.queues.values():
+            queue.void(sentence)
 
     def void(self, robot_id: RobotId, sentence: str) -> None:
         """Void everything that waits for one robot, with a reason."""
-        self.mailboxes[robot_id].void(sentence)
+        self.queues[robot_id].void(sentence)
 
     def withdraw(self, robot_id: RobotId, cid: CommandId, sentence: str) -> None:
         """Void one order if it waits for a robot, with a reason."""
-        self.mailboxes[robot_id].withdraw(cid, sentence)
+        self.queues[robot_id].withdraw(cid, sentence)
 
     def take_out(self, robot_id: RobotId, principal: PrincipalId) -> list[QueuedOrder]:
         """Take somebody's orders out that wait for a robot; whoever asked for it voids them."""
-        return self.mailboxes[robot_id].take_out(principal)
+        return self.queues[robot_id].take_out(principal)
 
     def outdated(self, order: Order) -> bool:
         """Whether whoever gave an order has ended what they had under way since it was admitted."""
@@ -167,8 +167,8 @@ class Linker:
         if self._wall_ns() >= permit.until_ns or permit.epoch != self._policy.epoch:
             raise PolicyMoved(said("The rights have changed meanwhile."))
         robot = self._robots[order.robot]
-        if self.mailboxes[order.robot].replaces:
-            return self.mailboxes[order.robot].relay(order, tell)
+        if self.queues[order.robot].replaces:
+            return self.queues[order.robot].relay(order, tell)
         return robot.execute(order, tell)
 
     def stop(self, robots: Iterable[RobotId], by: PrincipalId) -> StopInProgress:
@@ -206,7 +206,7 @@ class Linker:
         """
         await asyncio.wait((latched,), timeout=CLEARED_WITHIN_S)
         for stop in stops:
-            self.mailboxes[stop.robot].clear(stop.generation)
+            self.queues[stop.robot].clear(stop.generation)
             await asyncio.sleep(0)
 
     async def _write_latch(self, stops: Iterable[Stop]) -> bool:
@@ -301,11 +301,11 @@ class Linker:
         Raises:
             RobotBusy: It is at work, and does not take more.
         """
-        self.mailboxes[robot_id].check_free()
+        self.queues[robot_id].check_free()
 
     def current(self, robot_id: RobotId) -> Order | None:
         """Return the order whose turn it is at a robot; None while it is free."""
-        entry = self.mailboxes[robot_id].current
+        entry = self.queues[robot_id].current
         return None if entry is None else entry.order
 
     def look(self, robot: RobotId, sight: ViewKind) -> AsyncGenerator[View, None]:
@@ -335,16 +335,16 @@ class Linker:
 
     def entries(self, robot: RobotId) -> Iterator[QueuedOrder]:
         """Go through what a robot does and what waits for it."""
-        return self.mailboxes[robot].entries()
+        return self.queues[robot].entries()
 
     def waiting(self, robot: RobotId) -> int:
         """Return how many orders wait for a robot."""
-        return len(self.mailboxes[robot])
+        return len(self.queues[robot])
 
     def add_robot(self, robot: Robot) -> None:
         """Route to one more robot from now on."""
         self._robots[robot.profile.id] = robot
-        self.mailboxes[robot.profile.id] = RobotQueue(robot, self._clock)
+        self.queues[robot.profile.id] = RobotQueue(robot, self._clock)
 
 
 def _whatever_came_of_it(task: asyncio.Task[None]) -> None:

@@ -32,7 +32,7 @@ class QueuedOrder(Protocol):
         """Take a step of its life in."""
 
     def void(self, refusal: OrderVoid) -> None:
-        """It is over before it began; it is in no mailbox any more."""
+        """It is over before it began; it is in no queue any more."""
 
 
 class RobotQueue:
