@@ -93,6 +93,15 @@ def test_the_bench_of_telegram_keeps_to_the_limits_and_uses_them() -> None:
         assert 0 < case["p50_us"] <= case["p99_us"]
 
 
+def test_what_is_promised_of_many_chats_is_what_rosic_lets_itself_say() -> None:
+    few = CommandBatch(name="few", commands=100, chats=10)
+    many = CommandBatch(name="many", commands=500, chats=50)
+
+    assert few.kept_per_s == few.permitted_per_s == 10.0
+    assert many.permitted_per_s == 30.0
+    assert 21.0 < many.kept_per_s < 23.0  # 24 in any second, until it is answered
+
+
 @pytest.mark.limit(410)
 def test_a_bench_whose_bound_fails_has_measured_all_the_same() -> None:
     batch = CommandBatch(name="few", commands=10, chats=5, faster=20.0, stops=1)

@@ -16,6 +16,7 @@ from rosic.app.people import ConfiguredPerson
 from rosic.bench.bot_api_process import TOKEN
 from rosic.bench.sites import CLOCK, parts_of
 from rosic.core.identity import Address
+from rosic.core.message import SendPriority
 from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.profile import Busy, Link, Profile
 from rosic.core.robot.skill import Parameter, Skill
@@ -59,6 +60,15 @@ class CommandBatch(msgspec.Struct, frozen=True, kw_only=True):
     def permitted_per_s(self) -> float:
         """How many messages and edits a second Telegram takes in the long run."""
         return min(self.chats * CHAT_PER_S, OVERALL_PER_S) * self.faster
+
+    @property
+    def kept_per_s(self) -> float:
+        """How many of these ROSIC lets itself say: of all chats together fewer, to meet no 429.
+
+        What is on its way counts until a while after its answer.
+        """
+        counted_s = OVERALL.span_s / self.faster + ROUND_TRIP_S
+        return min(self.permitted_per_s, OVERALL.within[SendPriority.OUTCOME] / counted_s)
 
 
 class BatchFigures(NamedTuple):
