@@ -42,7 +42,23 @@ SEEN = SeenRobot(
 
 def fields(kind: str) -> Mapping[str, str] | None:
     known = {"distance_m": "double", "speed_m_s": "float", "joint": "int32", "direction": "string"}
-    return known if kind == MOVE else None
+    return FOREIGN_GOAL if kind == FETCH else known if kind == MOVE else None
+
+
+FETCH = "foreign_msgs/action/Fetch"
+FOREIGN_GOAL = {
+    "pace": "float",
+    "reach_m": "double",
+    "careful": "boolean",
+    "label": "string",
+    "via": "geometry_msgs/Point",
+}
+FOREIGN_RESULT = {"code": "uint8", "status": "string", "reached": "boolean", "remark": "string"}
+
+
+def answers(kind: str) -> Mapping[str, str] | None:
+    told = {"success": "boolean", "message": "string"}
+    return FOREIGN_RESULT if kind == FETCH else told if kind == MOVE else None
 
 
 def profile_of(text: str, folder: Path) -> Ros2Profile:
@@ -55,7 +71,7 @@ def profile_of(text: str, folder: Path) -> Ros2Profile:
 
 
 def test_a_draft_is_a_profile_with_careful_bounds(tmp_path: Path) -> None:
-    text = drafted(SEEN, fields)
+    text = drafted(SEEN, fields, answers)
 
     profile = profile_of(text, tmp_path)
     assert profile.id == "omni"
@@ -83,13 +99,59 @@ def test_a_draft_is_a_profile_with_careful_bounds(tmp_path: Path) -> None:
     assert "--try omni" in text
 
 
+def test_a_draft_says_what_it_cannot_know_of_a_foreign_action(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    seen = SEEN._replace(actions={"/omni/fetch": FETCH})
+    text = drafted(seen, fields, answers)
+
+    action = profile_of(text, tmp_path).skills["fetch"].action
+    assert action is not None
+    assert action.message == "remark", "else a failure would come without its reason"
+    said = [
+        (
+            "Whatever it answers reads as done: /omni/fetch. code (uint8) or status (string) or "
+            "reached (boolean) looks like it: write success: code and good: the number that "
+            "means success; or success: status and good: the word that means success; or "
+            "success: reached."
+        ),
+        (
+            "Without a unit, from 0 to 1, as nothing tells better: pace of /omni/fetch. Write "
+            "unit, min and max."
+        ),
+        (
+            "Left as it is when nothing is said of it: label (string), via (geometry_msgs/Point) "
+            "of /omni/fetch. Write what it has to be under goal."
+        ),
+    ]
+    for line in said:
+        assert f"# {line}\n" in text
+    write_drafts(tmp_path / "robots", {"omni": text})
+    printed = capsys.readouterr().out
+    assert all(f"  look at: {line}\n" in printed for line in said)
+
+
+def test_yes_or_no_of_a_goal_is_drafted_as_a_choice_that_is_off(tmp_path: Path) -> None:
+    seen = SEEN._replace(actions={"/omni/fetch": FETCH})
+    skill = profile_of(drafted(seen, fields, answers), tmp_path).skills["fetch"]
+    assert skill.action is not None
+    assert skill.action.goal["careful"] == "$careful.value"
+    careful = skill.parameters["careful"]
+    assert careful.means == {"off": {"value": False}, "on": {"value": True}}
+    assert careful.default == "off"
+
+
+def test_a_draft_of_an_action_that_tells_success_says_nothing_more() -> None:
+    assert "Whatever it answers" not in drafted(SEEN, fields, answers)
+
+
 @pytest.mark.parametrize("begun", [False, True])
 def test_a_robot_that_a_profile_reaches_is_not_drafted_under_another_id(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], *, begun: bool
 ) -> None:
     first = SEEN._replace(said={}) if begun else SEEN  # somebody has yet to add how it rests
     path = tmp_path / "omni.yaml"
-    path.write_text(drafted(first, fields))
+    path.write_text(drafted(first, fields, answers))
     assert bool(read_profile(path).errors) == begun
     apart = SEEN._replace(
         namespace="/other",
@@ -98,9 +160,9 @@ def test_a_robot_that_a_profile_reaches_is_not_drafted_under_another_id(
         services={},
         actions={},
     )
-    drafts = {"lab_omni": drafted(SEEN._replace(namespace="/lab/omni"), fields)}
+    drafts = {"lab_omni": drafted(SEEN._replace(namespace="/lab/omni"), fields, answers)}
 
-    assert write_drafts(tmp_path, drafts | {"other": drafted(apart, fields)}) == 1
+    assert write_drafts(tmp_path, drafts | {"other": drafted(apart, fields, answers)}) == 1
 
     assert {one.name for one in tmp_path.iterdir()} == {"omni.yaml", "other.yaml"}
     said = capsys.readouterr()
@@ -109,7 +171,7 @@ def test_a_robot_that_a_profile_reaches_is_not_drafted_under_another_id(
 
 
 def test_a_robot_without_velocities_states_no_watchdog(tmp_path: Path) -> None:
-    text = drafted(SEEN._replace(heard={}), fields)
+    text = drafted(SEEN._replace(heard={}), fields, answers)
 
     assert "watchdog" not in text
     assert "drive" not in profile_of(text, tmp_path).skills
@@ -117,7 +179,7 @@ def test_a_robot_without_velocities_states_no_watchdog(tmp_path: Path) -> None:
 
 def test_what_cannot_be_guessed_is_missing_and_the_check_says_so(tmp_path: Path) -> None:
     path = tmp_path / "draft.yaml"
-    path.write_text(drafted(SEEN._replace(said={}), fields))
+    path.write_text(drafted(SEEN._replace(said={}), fields, answers))
 
     sentences = " ".join(str(error) for error in read_profile(path).errors)
 
@@ -165,7 +227,7 @@ def test_robots_that_live_below_one_name_are_drafted_apart(tmp_path: Path) -> No
     robots = robots_in(graph_of("/lab/omni/", "/lab/rover/"))
 
     assert [robot.namespace for robot in robots] == ["/lab/omni", "/lab/rover"]
-    profile = profile_of(drafted(robots[1], fields), tmp_path)
+    profile = profile_of(drafted(robots[1], fields, answers), tmp_path)
     assert (profile.id, profile.link.namespace) == ("lab_rover", "/lab/rover")
     assert profile.stop is not None
     assert (profile.stop.service, profile.stop.zero) == ("/lab/rover/stop", "/lab/rover/cmd_vel")
@@ -217,7 +279,7 @@ def test_robots_that_cannot_be_told_apart_are_said_to_be_mixed(
     found: GraphSnapshot, why: str
 ) -> None:
     [robot] = robots_in(found)
-    assert drafted(robot, fields).startswith(
+    assert drafted(robot, fields, answers).startswith(
         f"# More than one robot seems to live in /lab, as {why}: this draft mixes them. "
         "Give each a namespace of its own and draft again.\n"
     )
@@ -237,9 +299,8 @@ def test_a_robot_alone_on_its_graph_keeps_its_controllers(tmp_path: Path) -> Non
 
     [robot] = robots_in(found)
     limbs = ArmDraft("/joint_states", {"base": 0.5, "elbow": -1.0})
-    text = drafted(
-        robot._replace(limbs={"/arm_controller/follow_joint_trajectory": limbs}), lambda _: None
-    )
+    limbed = robot._replace(limbs={"/arm_controller/follow_joint_trajectory": limbs})
+    text = drafted(limbed, fields, answers)
 
     profile = profile_of(text, tmp_path)
     assert (profile.id, profile.link.namespace) == ("robot", "/")
@@ -260,7 +321,7 @@ def test_what_nav2_is_made_of_inside_is_left_out(tmp_path: Path) -> None:
     heard = {"/rover/cmd_vel": "geometry_msgs/msg/TwistStamped"}
     seen = SeenRobot("/rover", heard, said, {}, actions, stand=MapPose(1.2345, 2.0, 0.5))
 
-    profile = profile_of(drafted(seen, lambda _: None), tmp_path)
+    profile = profile_of(drafted(seen, fields, answers), tmp_path)
 
     assert set(profile.skills) == {"goto", "visit", "drive"}
     drive = profile.skills["drive"].topic

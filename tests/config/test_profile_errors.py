@@ -130,3 +130,20 @@ def test_an_axis_that_is_driven_and_not_measured_is_named(tmp_path: Path) -> Non
     [advice] = read.advice
     assert "'drive' sends angular.z, which 'at_rest' does not measure" in str(advice)
     assert "Add the field that ends in angular.z" in str(advice)
+
+
+def test_an_answer_that_nothing_judges_is_named_with_what_looks_like_its_code(
+    tmp_path: Path,
+) -> None:
+    pytest.importorskip("action_msgs.srv", reason="ROS 2 is not here")
+    call = "    service: {{ name: /rover/call, type: action_msgs/srv/CancelGoal{more} }}\n"
+    for more, advised in (("", 1), (", success: return_code, good: 0", 0)):
+        skill = "skills:\n  call_off:\n    class: task\n" + call.format(more=more)
+        read = read_profile(write(tmp_path, spoil("skills:\n", skill)))
+        assert read.errors == []
+        told = (
+            "Nothing says by which field an answer of 'call_off' tells success: whatever it "
+            "answers reads as done. In action_msgs/srv/CancelGoal, return_code (int8) looks like it: "
+            "write success: return_code and good: the number that means success."
+        )
+        assert [str(advice).partition(": ")[2] for advice in read.advice] == [told] * advised

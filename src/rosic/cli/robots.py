@@ -15,7 +15,7 @@ from rosic.app.admin.api import AdminRequest, AdminVerb
 from rosic.app.admin.control_client import NotRunning
 from rosic.app.setup.discovery import LOOK_S, discover
 from rosic.app.setup.neighbours import MIXED
-from rosic.app.setup.profile_draft import NO_REST
+from rosic.app.setup.profile_draft import GUESSED, NO_REST, UNJUDGED, UNSAID
 from rosic.cli.client import add_where, ask, data_of
 from rosic.config.plugins import check_robot, check_robot_kind, robot_factory
 from rosic.config.profiles import (
@@ -192,9 +192,8 @@ def _write(path: Path, text: str, here: Mapping[str, Path]) -> int:
         print(f"{path} cannot be written ({error.strerror}).", file=sys.stderr)
         return 1
     print(f"Written: {path}")
-    notes = (
-        line.removeprefix("# ") for line in text.splitlines() if line.startswith((MIXED, NO_REST))
-    )
+    told = (MIXED, NO_REST, UNJUDGED, GUESSED, UNSAID)
+    notes = (line.removeprefix("# ") for line in text.splitlines() if line.startswith(told))
     for wrong in (*notes, *check_profile(path)):
         print(f"  look at: {wrong}")
     return 0

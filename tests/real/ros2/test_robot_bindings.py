@@ -215,12 +215,30 @@ async def test_a_service_may_answer_by_a_code(code: int, outcome: Outcome) -> No
     assert await done(omni({"service": {**CODED, "request": request}})) == outcome
 
 
+async def test_what_nobody_judges_is_said_where_it_counts_as_done() -> None:
+    unjudged = {key: CODED[key] for key in ("name", "type")}
+    request = {"goal_info.stamp.sec": 3}
+    assert await done(omni({"service": {**unjudged, "request": request}})) == Outcome(
+        OrderEnding.DONE, "answered return_code 3; whether that is success is not known"
+    )
+
+
+@pytest.mark.parametrize(
+    ("good", "ending"), [("at rest", OrderEnding.DONE), ("AT_REST", OrderEnding.FAILED)]
+)
+async def test_a_service_may_answer_by_a_word(good: str, ending: OrderEnding) -> None:
+    service = {"name": "/omni/stop", "type": "std_srvs/srv/Trigger", "success": "message"}
+    outcome = await done(omni({"service": {**service, "good": good}}))
+    assert outcome == Outcome(ending, "at rest")
+
+
 @pytest.mark.parametrize(
     ("spoilt", "sentence"),
     [
         ({"good": True}, r"return_code of the answer is a number, and nothing says which means"),
         ({"success": "goals_canceling"}, r"goals_canceling of the answer holds no number"),
         ({"success": "success"}, r"success"),
+        ({"good": "SUCCEEDED"}, r"return_code of the answer holds no word, and 'good' is one"),
     ],
 )
 async def test_an_answer_that_could_never_mean_success_is_refused(

@@ -22,6 +22,7 @@ from rosic.app.setup.profile_draft import (
 from rosic.app.setup.profile_draft_nav2 import FOLLOW, NAVIGATE, ArmDraft, MapPose
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import ConfigurationError, RosicError
+from rosic.robots.ros2.answer_fields import answered_fields
 from rosic.robots.ros2.client.graph import GraphSnapshot, snapshot
 from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.client.topics import TopicQos
@@ -269,7 +270,9 @@ async def discover(
             f"No robot was seen on the ROS 2 graph within {seconds:g} s.",
             hint="Check ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE, or look for longer.",
         )
-    return {robot_id(seen.namespace): drafted(seen, goal_fields) for seen in robots}
+    return {
+        robot_id(seen.namespace): drafted(seen, goal_fields, answered_fields) for seen in robots
+    }
 
 
 def robots_in(found: GraphSnapshot) -> list[SeenRobot]:

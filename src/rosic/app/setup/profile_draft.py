@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from copy import deepcopy
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import yaml
 
 from rosic.app.setup import profile_draft_nav2 as others
+from rosic.robots.ros2.answer_fields import ABORTS, code_fields, named, reason_field
 from rosic.robots.ros2.profile_checks import enough_s
 
 if TYPE_CHECKING:
@@ -43,6 +45,9 @@ STREAMING = """\
 """
 
 NO_REST = "# Left out of at_rest:"
+UNJUDGED = "# Whatever it answers reads as done:"
+GUESSED = "# Without a unit, from 0 to 1, as nothing tells better:"
+UNSAID = "# Left as it is when nothing is said of it:"
 WITHIN_S = 1.0
 """What at_rest.within_s is unless it is said."""
 
@@ -59,6 +64,13 @@ UNITS: dict[str, tuple[str, float, float]] = {
 PLAIN = ("", 0.0, 1.0)
 NUMBERS = re.compile(r"(?:double|float|float32|float64|u?int(?:8|16|32|64))\Z")
 WHOLE = re.compile(r"u?int(?:8|16|32|64)\Z")
+FLOATS = re.compile(r"(?:double|float|float32|float64)\Z")
+BOOLEAN = "boolean"
+YES_OR_NO: dict[str, Any] = {
+    "choices": {"off": [], "on": []},
+    "means": {"off": {"value": False}, "on": {"value": True}},
+    "default": "off",
+}
 
 
 class ReportedTopics(NamedTuple):
@@ -105,10 +117,16 @@ def robot_id(namespace: str) -> str:
     return (name if re.match(r"[a-z]", name) else f"robot_{name}".rstrip("_"))[:32]
 
 
-def drafted(seen: SeenRobot, fields: Fields) -> str:
-    """Return a profile as YAML."""
+def drafted(seen: SeenRobot, fields: Fields, answers: Fields) -> str:
+    """Return a profile as YAML.
+
+    Args:
+        seen: The robot.
+        fields: Tells the fields of an action's goal.
+        answers: Tells those of its result.
+    """
     robot = robot_id(seen.namespace)
-    skills = _skills(seen, fields)
+    skills = _skills(seen, fields, answers)
     streams = any("stream_hz" in skill.get("topic", {}) for skill in skills.values())
     profile: dict[str, Any] = {
         "id": robot,
@@ -131,7 +149,7 @@ def drafted(seen: SeenRobot, fields: Fields) -> str:
     kept = {key: value for key, value in profile.items() if value not in (None, {})}
     body = yaml.safe_dump(kept, sort_keys=False, allow_unicode=True, width=110)
     notes = (HEADER + (STREAMING if streams else "")).format(robot=robot)
-    return seen.mixed + notes + "".join(_notes(seen)) + body
+    return seen.mixed + notes + "".join((*_notes(seen), *_gaps(seen, fields, answers))) + body
 
 
 def _notes(seen: SeenRobot) -> Iterable[str]:
@@ -153,6 +171,25 @@ def _notes(seen: SeenRobot) -> Iterable[str]:
         break
     if others.GRIP in kinds:
         yield others.GRIP_NOTE
+
+
+def _gaps(seen: SeenRobot, fields: Fields, answers: Fields) -> Iterable[str]:
+    """Say what a draft of an action leaves open: success, units, fields of its goal."""
+    for name, kind in sorted(seen.actions.items()):
+        if _known(seen, name, kind) is not None:
+            continue
+        codes = code_fields(answers(kind) or {})
+        if codes and kind.partition("/")[0] not in ABORTS:
+            yield f"{UNJUDGED} {name}. {named(codes)}.\n"
+        goal = (fields(kind) or {}).items()
+        guessed = [field for field, its in goal if FLOATS.match(its) and not _ending(field)]
+        if guessed:
+            yield f"{GUESSED} {', '.join(guessed)} of {name}. Write unit, min and max.\n"
+        unsaid = [
+            f"{field} ({its})" for field, its in goal if not NUMBERS.match(its) and its != BOOLEAN
+        ]
+        if unsaid:
+            yield f"{UNSAID} {', '.join(unsaid)} of {name}. Write what it has to be under goal.\n"
 
 
 def _link(seen: SeenRobot) -> dict[str, Any]:
@@ -237,11 +274,13 @@ def _first(said: Mapping[str, str], kind: str) -> dict[str, str] | None:
     return next(({"topic": name, "type": kind} for name in _of(said, kind)), None)
 
 
-def _skills(seen: SeenRobot, fields: Fields) -> dict[str, Any]:
+def _skills(seen: SeenRobot, fields: Fields, answers: Fields) -> dict[str, Any]:
     skills: dict[str, Any] = {}
     for name, kind in sorted(seen.actions.items()):
         known = _known(seen, name, kind)
-        skills |= {_skill_id(name): _action(name, kind, fields(kind))} if known is None else known
+        if known is None:
+            known = {_skill_id(name): _action(name, kind, fields(kind), answers(kind))}
+        skills |= known
     for name in _of(seen.services, TRIGGER):
         if not _ends(name, "stop", "halt"):
             skills.setdefault(
@@ -291,7 +330,9 @@ def _drive(topic: str, kind: str) -> dict[str, Any]:
     }
 
 
-def _action(name: str, kind: str, fields: Mapping[str, str] | None) -> dict[str, Any]:
+def _action(
+    name: str, kind: str, fields: Mapping[str, str] | None, answers: Mapping[str, str] | None
+) -> dict[str, Any]:
     parameters: dict[str, Any] = {}
     goal: dict[str, str] = {}
     for field, kind_of_field in (fields or {}).items():
@@ -299,7 +340,13 @@ def _action(name: str, kind: str, fields: Mapping[str, str] | None) -> dict[str,
             parameter, bounds = _parameter(field, whole=bool(WHOLE.match(kind_of_field)))
             parameters[parameter] = bounds
             goal[field] = f"${parameter}"
+        elif kind_of_field == BOOLEAN:
+            parameters[field.lower()] = deepcopy(YES_OR_NO)  # an alias is no YAML of ours
+            goal[field] = f"${field.lower()}.value"
     action: dict[str, Any] = {"name": name, "type": kind}
+    reason = reason_field(answers or {})
+    if reason:
+        action["message"] = reason
     skill: dict[str, Any] = {"class": "motion"}
     if goal:
         skill["parameters"] = parameters
@@ -307,8 +354,12 @@ def _action(name: str, kind: str, fields: Mapping[str, str] | None) -> dict[str,
     return skill | {"action": action}
 
 
+def _ending(field: str) -> str:
+    return next((ending for ending in UNITS if field.endswith(ending)), "")
+
+
 def _parameter(field: str, *, whole: bool) -> tuple[str, dict[str, Any]]:
-    ending = next((ending for ending in UNITS if field.endswith(ending)), "")
+    ending = _ending(field)
     unit, low, high = UNITS.get(ending, PLAIN)
     parameter: dict[str, Any] = {"unit": unit, "min": low, "max": high}
     if whole:

@@ -44,13 +44,13 @@ class AnswerFields(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
     Attributes:
         success: Field that says whether: ``success`` where the answer has it, or a code.
-        good: What it says then: true, or the number of a code that means success, mostly 0.
+        good: What it says then: true, the number of a code that means success, mostly 0, or a word.
         codes: What other codes mean, in words.
         message: Field that says what.
     """
 
     success: str = "success"
-    good: bool | int = True
+    good: bool | int | str = True
     codes: dict[str, str] = {}
     message: str = "message"
 

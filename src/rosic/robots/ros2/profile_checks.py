@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Final
 from rosic.contracts.file_rules import ValidationFinding, nearest
 from rosic.core.robot.file_transfer import CONTENT_BYTES
 from rosic.core.robot.skill import DURATION, SkillClass
+from rosic.robots.ros2.answer_fields import answered_fields, unjudged
+from rosic.robots.ros2.answer_fields import named as named_codes
 from rosic.robots.ros2.profile import VELOCITIES
 
 if TYPE_CHECKING:
@@ -396,3 +398,21 @@ def advice(profile: Ros2Profile) -> Iterator[ValidationFinding]:
                 f"'{name}' is sent over a topic, which does not acknowledge.",
                 "An action tells people whether and how it ended.",
             )
+    yield from judged_by_nobody(profile)
+
+
+def judged_by_nobody(profile: Ros2Profile) -> Iterator[ValidationFinding]:
+    """Say which answers are taken for success whatever they say, as far as types are installed."""
+    for name, skill in profile.skills.items():
+        way, binding = ("action", skill.action) if skill.action else ("service", skill.service)
+        if binding is None:
+            continue
+        codes = unjudged(binding, binding.type, answered_fields(binding.type) or {})
+        if not codes:
+            continue
+        yield ValidationFinding(
+            ("skills", name, way),
+            f"Nothing says by which field an answer of '{name}' tells success: "
+            "whatever it answers reads as done.",
+            f"In {binding.type}, {named_codes(codes)}.",
+        )

@@ -184,6 +184,7 @@ class ActionSkill:
                 said("{shown} has not said how it ended.", shown=call.side.shown)
             )
         if end.status == "succeeded" and self._answer.succeeded(result):
+            words = joined("; ", filter(None, (words, self._answer.in_doubt(result))))
             return Outcome(OrderEnding.DONE, words, facts, code=doubt.code)
         if not call.allowed():
             return Outcome(OrderEnding.CANCELLED, words, facts)

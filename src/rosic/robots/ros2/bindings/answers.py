@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import joined, said
+from rosic.robots.ros2.answer_fields import MESSAGES, SUCCESS, unjudged
 from rosic.robots.ros2.errors import BadName
 from rosic.robots.ros2.messages.coerce import clean_text
 from rosic.robots.ros2.messages.decode import FieldReader, compile_path
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
 
 NOTE_BYTES = 240
 _MOST_FACTS = 64
-# What robots' own words are called: by most, by Nav2, by ros2_control.
-MESSAGES = ("message", "error_msg", "error_string")
 
 
 def check_fields(cls: RosObject, fields: Mapping[str, object]) -> None:
@@ -42,9 +41,12 @@ class BindingAnswer:
         """
         self._good, self._codes = fields.good, fields.codes
         coded = not isinstance(fields.good, bool)
-        self._success = _reader(cls, fields.success, *(() if coded else ("success",)))
+        self._success = _reader(cls, fields.success, *(() if coded else (SUCCESS,)))
         if self._success is not None:
-            _check_kind(self._success, coded=coded)
+            _check_kind(self._success, self._good)
+        package, told = cls.__module__.partition(".")[0], cls.get_fields_and_field_types()
+        codes = unjudged(fields, package, told) if self._success is None else ()
+        self._unjudged = {code.name: compile_path(cls, code.name) for code in codes}
         self._message = _reader(cls, fields.message, *MESSAGES)
         self._facts = _reader(cls, "", "fact_names"), _reader(cls, "", "fact_values")
 
@@ -55,15 +57,29 @@ class BindingAnswer:
         told = self._success(answer)
         return told == self._good and isinstance(told, bool) == isinstance(self._good, bool)
 
+    def in_doubt(self, answer: RosObject) -> str:
+        """Return what it says in fields that nobody judges, for an end that counts as success."""
+        found = {name: read(answer) for name, read in self._unjudged.items()}
+        told = ", ".join(
+            f"{name} {note(str(value).lower() if isinstance(value, bool) else value)}"
+            for name, value in found.items()
+            if value != ""
+        )
+        if not told:
+            return ""
+        return said("answered {told}; whether that is success is not known", told=told)
+
     def words(self, answer: RosObject) -> str:
         """Return the robot's words, after its code if that means no success; may be empty."""
         told = "" if self._message is None else note(self._message(answer))
-        return joined("; ", filter(None, (self._code(answer), told)))
+        return joined("; ", filter(None, dict.fromkeys((self._code(answer), told))))
 
     def _code(self, answer: RosObject) -> str:
         if self._success is None or isinstance(self._good, bool) or self.succeeded(answer):
             return ""
         code = str(self._success(answer))
+        if isinstance(self._good, str):
+            return note(code)
         words = self._codes.get(code, "")
         coded = said("code {code}", code=code)
         return joined(", ", (coded, note(words))) if words else coded
@@ -86,21 +102,34 @@ def note(words: object) -> str:
     return " ".join(clean_text(str(words), max_bytes=NOTE_BYTES).split())
 
 
-def _check_kind(reader: FieldReader, *, coded: bool) -> None:
+def _check_kind(reader: FieldReader, good: bool | int | str) -> None:
     """See that a field can say what means success.
 
     Raises:
-        BadName: It is a number where yes or no is wanted, or the other way round.
+        BadName: It is a number where yes or no is wanted, or the other way round, and so on.
     """
-    if coded and reader.shape != "number":
+    path = reader.path
+    if isinstance(good, str):
+        if reader.shape != "text":
+            raise BadName(
+                f"{path} of the answer holds no word, and 'good' is one.",
+                hint="Name the field of the word: success: status.",
+            )
+    elif not isinstance(good, bool):
+        if reader.shape != "number":
+            raise BadName(
+                f"{path} of the answer holds no number, and 'good' is one.",
+                hint="Name the field of the code: success: error_code.",
+            )
+    elif reader.shape == "number":
         raise BadName(
-            f"{reader.path} of the answer holds no number, and 'good' is one.",
-            hint="Name the field of the code: success: error_code.",
-        )
-    if not coded and reader.shape == "number":
-        raise BadName(
-            f"{reader.path} of the answer is a number, and nothing says which means success.",
+            f"{path} of the answer is a number, and nothing says which means success.",
             hint="Write it, for example good: 0.",
+        )
+    elif reader.shape == "text":
+        raise BadName(
+            f"{path} of the answer is a word, and nothing says which means success.",
+            hint="Write it, for example good: SUCCEEDED.",
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from rosic.core.i18n import said
+from rosic.core.i18n import joined, said
 from rosic.core.order import OrderEnding, Outcome
 from rosic.errors import RobotUnreachable
 from rosic.robots.ros2.bindings.answers import BindingAnswer, check_fields
@@ -63,7 +63,8 @@ class ServiceSkill:
         binding_call.received()
         words, facts = self._answer.words(answer), self._answer.facts(answer)
         if self._answer.succeeded(answer):
-            return Outcome(OrderEnding.DONE, words, facts)
+            doubt = self._answer.in_doubt(answer)
+            return Outcome(OrderEnding.DONE, joined("; ", filter(None, (words, doubt))), facts)
         ending = OrderEnding.FAILED if binding_call.allowed() else OrderEnding.CANCELLED
         return Outcome(ending, words, facts)
 
