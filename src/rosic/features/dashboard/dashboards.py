@@ -276,9 +276,8 @@ class Dashboards:
         pace = pace_of(dashboard.chat)
         if now_ns < dashboard.again_ns:
             return False
-        if not dashboard.stamped_ns or now_ns >= dashboard.stamped_ns + int(
-            pace.refresh_s * SECOND_NS
-        ):
+        old_ns = dashboard.stamped_ns + int(pace.refresh_s * SECOND_NS)
+        if not dashboard.stamped_ns or now_ns >= old_ns:
             return True
         rested = now_ns >= dashboard.settled_ns + int(pace.between_s * SECOND_NS)
         return rested and (dashboard.pictured_anew or dashboard.shows != self.drawing.shows(robots))
