@@ -143,7 +143,7 @@ def test_an_answer_that_nothing_judges_is_named_with_what_looks_like_its_code(
         assert read.errors == []
         told = (
             "Nothing says by which field an answer of 'call_off' tells success: whatever it "
-            "answers reads as done. In action_msgs/srv/CancelGoal, return_code (int8) looks like it: "
-            "write success: return_code and good: the number that means success."
+            "answers reads as done. In action_msgs/srv/CancelGoal, return_code (int8) looks like "
+            "it: write success: return_code and good: the number that means success."
         )
         assert [str(advice).partition(": ")[2] for advice in read.advice] == [told] * advised
