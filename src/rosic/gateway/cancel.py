@@ -284,6 +284,22 @@ class CancelLane:
         rows = tuple((button,) for button in buttons)
         return Reply(joined("\n", lines), rows, anew=True)
 
+    def goes_on(self, principal: PrincipalId) -> Reply | None:
+        """Return what robots do for somebody just now, with what ends it; None: nothing."""
+        orders = self._executor.of(principal)[:OTHERS_SHOWN]
+        if not orders:
+            return None
+        shown = {order.robot: self._shown(order.robot) for order in orders}
+        what = (joined(": ", (shown[order.robot], order.words)) for order in orders)
+        rows = tuple(
+            (
+                Button(words.stop_label(name), f"stop {robot}"),
+                Button(words.cancel_label(name), f"cancel {robot}"),
+            )
+            for robot, name in shown.items()
+        )
+        return Reply(words.goes_on(what), rows, anew=True)
+
     def _shown(self, robot: RobotId) -> str:
         return self._rooms.profiles[robot].shown
 

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from rosic.core.i18n import said, said_n
+from typing import TYPE_CHECKING
+
+from rosic.core.i18n import joined, said, said_n
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 CANCELLED = said("Cancelled.")
 NOTHING = said("Nothing of yours is under way.")
@@ -45,6 +50,19 @@ def withdrawn(count: int) -> str:
 def at_work_for(shown: str, name: str) -> str:
     """Return that a robot does something for somebody else."""
     return said("{shown} is at work for {name}; to stop it, say stop.", shown=shown, name=name)
+
+
+def goes_on(what: Iterable[str]) -> str:
+    """Return that what somebody asked for goes on, and what ends it."""
+    return said(
+        "What you asked for still goes on ({what}). To end it, tap a button or say stop or cancel.",
+        what=joined("; ", what),
+    )
+
+
+def cancel_label(shown: str) -> str:
+    """Return the label of the button that ends what one robot does for whoever taps it."""
+    return said("Cancel {shown}", shown=shown)
 
 
 def stop_label(shown: str) -> str:

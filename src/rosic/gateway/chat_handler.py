@@ -8,7 +8,16 @@ from collections import OrderedDict
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.i18n import ImperialCatalogue, said
-from rosic.core.language import CommandLine, Do, Halt, Misunderstood, Resume, Use, kept_of
+from rosic.core.language import (
+    CommandLine,
+    Do,
+    Halt,
+    Misunderstood,
+    Resume,
+    Use,
+    hears_wait,
+    kept_of,
+)
 from rosic.core.language.arguments import unit_needed
 from rosic.core.message import ChatKind
 from rosic.core.policy.roles import StepRequired
@@ -281,15 +290,41 @@ class ChatHandler:
             if self._reader.urgent(inbound.text) is None:
                 await self._parts.urgent.take(messenger, inbound, line)
             return
-        if isinstance(line, Misunderstood) and await self._said_to_others(message, line):
+        wanted = self._wait(message, line)
+        if (
+            wanted is None
+            and isinstance(line, Misunderstood)
+            and await self._said_to_others(message, line)
+        ):
             return
         # Before anything may refuse it: what was refused once is not done when it comes again.
         repeated = self._repeated(cid)
         self._rooms.organiser.charge(message.caller)
+        if wanted is not None:
+            if not repeated:
+                self._replies.hand_over(messenger, inbound, message.caller, wanted)
+            return
         if isinstance(line, Misunderstood):
             raise NotUnderstood(line.sentence, offers=line.offers)
         if not repeated:
             await self._do(message, line, cid)
+
+    def _wait(self, message: MessageContext, line: Line) -> Reply | None:
+        """Return what ends the motion that somebody watches who writes wait or no; else None.
+
+        They are words of every day, so they stop nothing; but whoever writes one while a robot
+        moves for them must not have to look for the word that does.
+        """
+        if message.inbound.nonce is not None:
+            return None
+        bare = isinstance(line, CommandLine) and not line.rest
+        if not bare and not isinstance(line, Misunderstood):
+            return None
+        known = self._rooms.vocabulary.known
+        whole = bare or message.inbound.chat.kind is not ChatKind.PRIVATE
+        if not hears_wait(message.text, known, whole=whole):
+            return None
+        return self._parts.cancels.goes_on(message.caller.principal)
 
     async def _do(self, message: MessageContext, line: Line, cid: CommandId) -> None:
         messenger, inbound = message.messenger, message.inbound

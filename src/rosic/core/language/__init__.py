@@ -33,6 +33,7 @@ from rosic.core.language.sanitise import clean, clean_name, inert_text
 from rosic.core.language.secrecy import kept_of, without_codes
 from rosic.core.language.stop_detection import hears_stop
 from rosic.core.language.vocabulary import Vocabulary, VocabularyHolder
+from rosic.core.language.wait_detection import hears_wait
 
 __all__ = [
     "LONGEST_TEXT",
@@ -62,6 +63,7 @@ __all__ = [
     "clean_name",
     "hears_cancel",
     "hears_stop",
+    "hears_wait",
     "inert_text",
     "is_urgent",
     "kept_of",

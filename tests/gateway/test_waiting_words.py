@@ -1,0 +1,74 @@
+"""Whoever writes wait or no while a robot moves for them is shown what ends it; nothing stops."""
+
+from __future__ import annotations
+
+import pytest
+
+from rosic.core.language import hears_cancel, hears_stop, hears_wait
+from rosic.core.language.wait_detection import WAIT
+from rosic.core.message import ChatKind
+from tests.gateway.place import BO, Place
+
+LONG_S = 10_000.0
+GOES_ON = (
+    "What you asked for still goes on (omni: move, 1.00 m forward). "
+    "To end it, tap a button or say stop or cancel."
+)
+
+
+def _works(place: Place) -> bool:
+    return place.gateway.rooms.linker.current("omni") is not None
+
+
+WORDS = """
+    wait, Wait!, no, NO NO, nooo, warte, warten, Warte mal, nein, hold on, oops, omni wait, attends,
+    espera, нет, подожди, 等一下, 待って, 잠깐만, no; not there
+"""
+
+
+@pytest.mark.parametrize("word", [word.strip() for word in WORDS.split(",")])
+async def test_it_offers_what_ends_it(word: str) -> None:
+    async with Place().open() as place:
+        place.robot("omni").work_s = LONG_S
+        await place.say("omni move 1 m")
+        assert await place.say(word) == GOES_ON
+        assert _works(place), "a word of every day stops nothing"
+        labels = [b.label for row in place.last()[1].buttons for b in row]
+        assert labels == ["STOP omni", "Cancel omni"]
+        told = await place.tap(*place.button("Cancel omni"))
+        assert "omni is at rest" in told
+        assert not _works(place)
+
+
+async def test_its_stop_button_stops() -> None:
+    async with Place().open() as place:
+        place.robot("omni").work_s = LONG_S
+        await place.say("omni move 1 m")
+        await place.say("wait")
+        await place.tap(*place.button("STOP omni"))
+        assert place.robot("omni").gate.latched
+
+
+async def test_who_has_nothing_under_way_is_answered_as_always() -> None:
+    async with Place().open() as place:
+        place.robot("omni").work_s = LONG_S
+        await place.say("omni move 1 m")
+        assert "still goes on" not in await place.say("no", account=BO, chat="2")
+        assert "still goes on" not in await place.say("wait for omni", account=BO, chat="2")
+
+
+async def test_in_a_group_only_a_line_that_says_nothing_else() -> None:
+    async with Place().open() as place:
+        place.robot("omni").work_s = LONG_S
+        group = {"kind": ChatKind.GROUP, "chat": "-5"}
+        await place.say("omni move 1 m", **group)
+        assert await place.say("no problem, we have an hour", **group) == ""
+        assert await place.say("no", account=BO, **group) == "", "it is not Bo's to end"
+        assert await place.say("no, wait", **group) == GOES_ON
+
+
+def test_none_of_them_is_a_stop_or_a_cancel() -> None:
+    for word in WAIT:
+        assert hears_stop(word) is None, word
+        assert hears_cancel(word) is None, word
+        assert hears_wait(word), word
