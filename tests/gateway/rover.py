@@ -72,6 +72,8 @@ class Reluctant(MemoryRobot):
             raise ConfigurationError("There is nobody there.")
         if self.profile.id.startswith("odd"):
             raise ZeroDivisionError
+        if self.profile.id.startswith("late"):
+            raise TimeoutError
         if self.profile.id.startswith("slow"):
             type(self).opening.set()
             await type(self).goes_on.wait()

@@ -57,7 +57,12 @@ async def test_a_second_namespace_or_id_is_refused_in_one_sentence() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "why"), [("badone", "There is nobody there."), ("oddone", "the log says why")]
+    ("name", "why"),
+    [
+        ("badone", "There is nobody there."),
+        ("oddone", "the log says why"),
+        ("lateone", "was not ready within 30 s."),
+    ],
 )
 async def test_one_that_cannot_be_opened_leaves_the_gateway_as_it_was(name: str, why: str) -> None:
     async with Lab().open() as place:

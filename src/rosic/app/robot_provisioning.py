@@ -265,6 +265,8 @@ class RobotProvisioning:
                 await robot.close()
             if isinstance(why, RosicError):
                 raise NotUnderstood(words.not_opened(profile.shown, str(why))) from why
+            if isinstance(why, TimeoutError):
+                raise NotUnderstood(words.not_in_time(profile.shown, OPENS_WITHIN_S)) from why
             if not isinstance(why, Exception):
                 raise
             log.exception("%s could not be opened", profile.id)

@@ -172,6 +172,16 @@ def not_opened(robot: str, why: str) -> str:
     return said("{robot} cannot be reached: {why} Nothing was changed.", robot=robot, why=why)
 
 
+def not_in_time(robot: str, seconds: float) -> str:
+    """Return that opening the link took too long: a link may have to build something first."""
+    return said(
+        "{robot} was not ready within {seconds:.0f} s. The log says whether something has to be "
+        "built first: then say it again. Nothing was changed.",
+        robot=robot,
+        seconds=seconds,
+    )
+
+
 def broken(robot: str) -> str:
     """Return that opening the link failed in a way that nobody foresaw."""
     return said("{robot} cannot be reached; the log says why. Nothing was changed.", robot=robot)
