@@ -37,7 +37,7 @@ DECIDED_BY = [
     (Containers, "usual"),
     (Calendar, "names"),
     (PolicyEnforcer, "changes"),
-    (AccessRegistry, "board"),
+    (AccessRegistry, "stops"),
     (AccessState, "calendar"),
     (Notifier, "outbox"),
     (StopLane, "outbox"),

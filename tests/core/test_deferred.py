@@ -29,10 +29,10 @@ def test_until_it_is_bound_it_refuses_and_it_is_bound_once() -> None:
 
 
 def test_nothing_is_resumed_before_it_is_known_what_may_be() -> None:
-    board = StopRegistry(["omni"], {}, not_known_yet())
-    assert isinstance(board.barred("omni"), RobotStopped)
-    board.barred.bind(lambda _robot: None)
-    assert board.barred("omni") is None
+    stops = StopRegistry(["omni"], {}, not_known_yet())
+    assert isinstance(stops.barred("omni"), RobotStopped)
+    stops.barred.bind(lambda _robot: None)
+    assert stops.barred("omni") is None
 
 
 def test_nobody_is_let_in_before_it_is_known_who_may_let_them() -> None:
@@ -40,7 +40,7 @@ def test_nobody_is_let_in_before_it_is_known_who_may_let_them() -> None:
     authoriser = authoriser_of(MonotonicWallClock(clock), clock, entropy)
     rulebook = RoleRules(roles=DEFAULT_ROLES)
     authority = PolicyService(rulebook, (), known_units(), clock, lambda _who: ())
-    board = StopRegistry([], {}, not_known_yet())
+    stops = StopRegistry([], {}, not_known_yet())
     called = PlaceNames("lab", UNNAMED)
-    access = AccessRegistry(authoriser, authority, MemoryStore(), entropy, board, called)
+    access = AccessRegistry(authoriser, authority, MemoryStore(), entropy, stops, called)
     assert not access.enrolment.may_invite("p-1", InvitedRights(roles=("viewer",)))

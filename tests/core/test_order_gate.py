@@ -127,7 +127,7 @@ def test_the_same_stop_again_latches_nothing_that_was_resumed() -> None:
     gate.apply_stop(Stop("r", 1))
     gate.resume(1)
     gate.apply_stop(Stop("r", 1))
-    assert not gate.latched, "the board says that it may move: nobody could resume it any more"
+    assert not gate.latched, "the registry says that it may move: nobody could resume it any more"
 
 
 @pytest.mark.parametrize(

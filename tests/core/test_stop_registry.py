@@ -1,16 +1,16 @@
-"""What the board says of stopped robots."""
+"""What is known of stopped robots."""
 
 from __future__ import annotations
 
 from rosic.core.stop_registry import StopRegistry, not_known_yet
 
 
-def board() -> StopRegistry:
+def make_stops() -> StopRegistry:
     return StopRegistry(["omni", "kuka1", "cf1"], {"kuka1": (4, True)}, not_known_yet())
 
 
 def test_it_begins_with_what_was_found_and_nobody_stopped_in_this_run() -> None:
-    stops = board()
+    stops = make_stops()
     assert stops.latched() == ("kuka1",)
     assert (stops["kuka1"].generation, stops["omni"].generation) == (4, 0)
     assert {entry.at_ns for entry in stops.values()} == {0}
@@ -22,7 +22,7 @@ def test_it_begins_with_what_was_found_and_nobody_stopped_in_this_run() -> None:
 
 
 def test_of_a_stop_that_was_found_nobody_is_known_and_a_later_one_does_not_hide_it() -> None:
-    stops = board()
+    stops = make_stops()
     assert (stops["kuka1"].stoppers, stops["omni"].stoppers) == ({"": 0}, {})
     stops.stop("kuka1", "ada", 20)
     stops.stop("omni", "ada", 20)
@@ -31,7 +31,7 @@ def test_of_a_stop_that_was_found_nobody_is_known_and_a_later_one_does_not_hide_
 
 
 def test_the_newest_stop_is_the_last_and_every_stop_counts() -> None:
-    stops = board()
+    stops = make_stops()
     assert stops.stop("omni", "ada", 20) == 1
     assert stops.newest() == (5, "ada")
     assert stops.stop("cf1", "bo", 10) == 1
@@ -43,7 +43,7 @@ def test_the_newest_stop_is_the_last_and_every_stop_counts() -> None:
 
 
 def test_only_a_resume_of_the_last_stop_undoes_it() -> None:
-    stops = board()
+    stops = make_stops()
     for generation in (3, 5):
         stops.resume("kuka1", generation)
         assert stops["kuka1"].latched
@@ -53,7 +53,7 @@ def test_only_a_resume_of_the_last_stop_undoes_it() -> None:
 
 
 def test_no_stop_lies_ahead_of_a_clock_that_was_set_back() -> None:
-    stops = board()
+    stops = make_stops()
     stops.stop("omni", "ada", 20)
     stops.stop("cf1", "ada", 5)
     stops.not_later(10)
@@ -61,7 +61,7 @@ def test_no_stop_lies_ahead_of_a_clock_that_was_set_back() -> None:
 
 
 def test_what_somebody_ended_is_counted_for_them_and_for_the_robots_they_named() -> None:
-    stops = board()
+    stops = make_stops()
     stops.cancel("bo", iter(["omni", "cf1"]))
     stops.cancel("bo", ["omni"])
     assert [stops.cancelled("bo", robot) for robot in ("omni", "cf1", "kuka1")] == [2, 1, 0]
@@ -72,7 +72,7 @@ def test_what_somebody_ended_is_counted_for_them_and_for_the_robots_they_named()
 
 
 def test_everybody_who_stopped_it_since_it_was_free_is_remembered() -> None:
-    stops = board()
+    stops = make_stops()
     assert not stops["kuka1"].alone("ada"), "it was found so: nobody knows who stopped it"
     stops.stop("omni", "bo", 10)
     assert stops["omni"].alone("bo")

@@ -214,7 +214,7 @@ def nothing_is_left(world: World) -> None:
         assert rooms.organiser.holder(robot) is None, f"{robot} is held for ever"
         assert rooms.linker.waiting(robot) == 0, f"something waits for {robot} for ever"
         assert rooms.linker.queues[robot].current is None, f"the queue of {robot} is stuck"
-        assert rooms.board[robot].latched == gateway.robots[robot].gate.latched, (
+        assert rooms.stops[robot].latched == gateway.robots[robot].gate.latched, (
             f"{robot}: people are told one thing, the gate knows another"
         )
     assert not gateway.pipeline._chat_locks._chats, "a chat waits for its turn for ever"

@@ -124,7 +124,7 @@ def snapshot(gateway: Gateway) -> tuple[object, ...]:
     return (
         dict(gateway.robots),
         dict(rooms.profiles),
-        tuple(rooms.board),
+        tuple(rooms.stops),
         rooms.vocabulary.names,
         gateway.authority.rights.epoch,
         dict(gateway.features.get(AlertFeature).alerting.following),

@@ -112,7 +112,7 @@ async def test_it_is_there_after_a_restart_and_its_numbers_go_on() -> None:
         latch = place.latch
     async with Place(store, latch).open() as place:
         assert place.robot("rover").gate.n == n
-        assert place.gateway.rooms.board["rover"].latched
+        assert place.gateway.rooms.stops["rover"].latched
         await place.say("resume rover")
         assert "done" in await place.say("rover wiggle")
         assert place.robot("rover").gate.n > n
@@ -193,6 +193,6 @@ async def test_strangers_stops_and_readers_see_no_more_than_before() -> None:
     async with Place().open() as place:
         await add(place)
         await place.say("stop", account=STRANGER)
-        assert not place.gateway.rooms.board["rover"].latched
+        assert not place.gateway.rooms.stops["rover"].latched
         await place.say("rover wiggle", account=VI)
         assert place.acted("rover") == 0

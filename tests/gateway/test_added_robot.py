@@ -42,7 +42,7 @@ async def test_who_subscribes_is_told_when_every_room_knows() -> None:
             assert robot in rooms.profiles
             assert robot in rooms.organiser.leases
             assert rooms.vocabulary.robot(robot) is newcomer.profile
-            assert not rooms.board[robot].latched
+            assert not rooms.stops[robot].latched
             told.append(robot)
 
         place.gateway.registry.added.connect(hear)
@@ -124,7 +124,7 @@ async def test_a_stop_of_everything_has_it_at_once() -> None:
     async with Place().open() as place:
         await add(place)
         assert "Rover 3" in await place.say("stop", account=BO)
-        assert place.gateway.rooms.board["rover"].latched
+        assert place.gateway.rooms.stops["rover"].latched
         assert "stopped" in await place.say("rover wiggle")
         await place.say("resume rover")
         assert "done" in await place.say("rover wiggle")
@@ -140,7 +140,7 @@ async def test_a_stop_while_it_is_being_added_means_it_too() -> None:
         said = await adding
         await place.quiet()
         assert "A stop came while it was being added, so it is stopped." in said
-        assert place.gateway.rooms.board["slowrover"].latched
+        assert place.gateway.rooms.stops["slowrover"].latched
         assert len(Reluctant.stops) == before + 1
         assert "stopped" in await place.say("slowrover wiggle")
         assert place.acted("slowrover") == 0
@@ -154,4 +154,4 @@ async def test_a_stop_while_it_is_written_down_means_it_too() -> None:
         await place.say("stop")
         store.ready.set()
         assert "so it is stopped" in await adding
-        assert place.gateway.rooms.board["rover"].latched
+        assert place.gateway.rooms.stops["rover"].latched

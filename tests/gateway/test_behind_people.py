@@ -30,7 +30,7 @@ async def test_a_stop_behind_five_hundred_messages_of_known_people_is_bounded(
         began_s = monotonic()
         place.give(*(place.message(BO, said) for _ in range(500)), place.message(ADA, "stop"))
         async with asyncio.timeout(60 * pace()):
-            while not place.gateway.rooms.board["omni"].latched:  # noqa: ASYNC110 - nobody is told
+            while not place.gateway.rooms.stops["omni"].latched:  # noqa: ASYNC110 - nobody is told
                 await asyncio.sleep(0.005)
         took_s = monotonic() - began_s
         await place.drained()

@@ -161,11 +161,11 @@ async def test_where_a_task_would_begin_by_itself_it_is_asked_first() -> None:
 
 async def test_it_is_known_after_a_restart_whether_somebody_else_has_stopped_it() -> None:
     found = {"omni": (2, True), "kuka1": (1, True), "cf1": (1, True)}
-    board = StopRegistry(found, {}, not_known_yet())
-    board.stop("omni", "p2", 5)
-    for robot in board:
-        board.stop(robot, "p1", 7)
-    facts = [stopped_by(robot, board) for robot in board]
+    stops = StopRegistry(found, {}, not_known_yet())
+    stops.stop("omni", "p2", 5)
+    for robot in stops:
+        stops.stop(robot, "p1", 7)
+    facts = [stopped_by(robot, stops) for robot in stops]
     before = msgspec.to_builtins(StoppedBy(1, "p1", 7))
     del before["stoppers"]  # as versions wrote it that did not keep them
     facts[2] = replace(facts[2], body=msgspec.msgpack.encode(before))

@@ -64,7 +64,7 @@ class HangingLatch(MemoryLatch):
 
 async def stopped(place: Receiving, robot: str) -> None:
     async with asyncio.timeout(STOPPED_WITHIN_S * pace()):
-        while not place.gateway.rooms.board[robot].latched:  # noqa: ASYNC110 - nobody is told
+        while not place.gateway.rooms.stops[robot].latched:  # noqa: ASYNC110 - nobody is told
             await asyncio.sleep(0.01)
 
 

@@ -108,7 +108,7 @@ async def test_all_are_stopped_and_who_does_not_confirm_is_named() -> None:
     async with warehouse() as here:
         here.appear()
         told = await here.say("stop")
-        assert all(here.gateway.rooms.board[f"r{n}"].latched for n in range(ROBOTS))
+        assert all(here.gateway.rooms.stops[f"r{n}"].latched for n in range(ROBOTS))
         assert "STOP sent to 1000 robots." in told
         assert "r7 has not confirmed the stop. Use its own stop button." in told
         assert "r800 has not confirmed" in told

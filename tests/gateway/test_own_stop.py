@@ -211,11 +211,11 @@ async def test_several_that_are_stopped_may_be_resumed_at_once() -> None:
 
 
 async def test_it_is_known_after_a_restart_whose_own_order_was_stopped() -> None:
-    board = StopRegistry(["omni", "kuka1"], {}, not_known_yet())
-    for robot in board:
-        board.stop(robot, "p1", 7)
-    board["omni"].own = "p1"
-    facts = [stopped_by(robot, board) for robot in board]
+    stops = StopRegistry(["omni", "kuka1"], {}, not_known_yet())
+    for robot in stops:
+        stops.stop(robot, "p1", 7)
+    stops["omni"].own = "p1"
+    facts = [stopped_by(robot, stops) for robot in stops]
     later = StopRegistry(
         ["omni", "kuka1"], {"omni": (1, True), "kuka1": (1, True)}, not_known_yet()
     )

@@ -53,7 +53,7 @@ async def test_what_is_at_rest_is_taken_without_a_stop_that_somebody_has_to_undo
         assert organiser.holder("omni") is not None
         await revoke(place, "Bo")
         assert organiser.holder("omni") is None
-        assert place.gateway.rooms.board["omni"].latched is bool(work_s)
+        assert place.gateway.rooms.stops["omni"].latched is bool(work_s)
         assert place.robot("omni").gate.latched is bool(work_s)
 
 
@@ -72,7 +72,7 @@ async def test_what_may_still_move_is_stopped(
         said = replace(robot.presence(), at_rest=at_rest, holds=holds)
         robot.presence = lambda: said  # type: ignore[method-assign]
         await revoke(place, "Bo")
-        assert place.gateway.rooms.board["omni"].latched
+        assert place.gateway.rooms.stops["omni"].latched
 
 
 async def test_a_typed_question_mark_costs_as_much_as_any_line() -> None:

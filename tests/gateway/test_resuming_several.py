@@ -44,7 +44,7 @@ class BreaksAfterOne(BrokenStore):
 
 
 def _latched(place: Place) -> set[str]:
-    return {robot for robot, stopped in place.gateway.rooms.board.items() if stopped.latched}
+    return {robot for robot, stopped in place.gateway.rooms.stops.items() if stopped.latched}
 
 
 def _begun_by(place: Place) -> list[Collection[str]]:

@@ -223,7 +223,7 @@ def test_a_stop_is_found_before_anything_that_came_with_it_is_followed() -> None
         follow = pipeline._carry
 
         async def take(messenger: Any, inbound: Any, arrived_ns: int) -> None:  # noqa: ANN401
-            heard.append(place.gateway.rooms.board["omni"].latched)
+            heard.append(place.gateway.rooms.stops["omni"].latched)
             await follow(messenger, inbound, arrived_ns)
 
         pipeline._carry = take  # type: ignore[method-assign]
@@ -261,12 +261,12 @@ def test_what_takes_longest_to_read_is_not_waited_for() -> None:
     """A stop is obeyed that came while posts in strangers' channels, which may stop, are read."""
 
     async def act(place: Receiving) -> None:
-        board, reading, left = place.gateway.rooms.board, place.listener.reading, []
+        stops, reading, left = place.gateway.rooms.stops, place.listener.reading, []
         place.give(*(place.post(CHANNEL - n, NAMED[:LONGEST]) for n in range(90)))
         while not reading.behind:  # noqa: ASYNC110 - nobody is told when the first are read
             await asyncio.sleep(0)
         place.give(place.message(ADA, "stop"))
-        while not board["omni"].latched:  # noqa: ASYNC110 - nor when a robot is stopped
+        while not stops["omni"].latched:  # noqa: ASYNC110 - nor when a robot is stopped
             await asyncio.sleep(0)
         left.append(len(reading._unread))
         await place.drained()
@@ -281,7 +281,7 @@ def test_a_stop_behind_a_mix_is_found_as_soon_as_it_is_handed_over(answers: int)
     """Of each answer the first is a stranger's message and the rest are posts in their channels."""
 
     async def act(place: Receiving) -> None:
-        board, reading, read = place.gateway.rooms.board, place.listener.reading, []
+        stops, reading, read = place.gateway.rooms.stops, place.listener.reading, []
         news = reading.news
 
         def noted(number: int, update: Any, received: Any, **of: bool) -> Any:  # noqa: ANN401
@@ -296,7 +296,7 @@ def test_a_stop_behind_a_mix_is_found_as_soon_as_it_is_handed_over(answers: int)
             )
         stop = place.message(ADA, "stop")
         place.give(stop)
-        while not board["omni"].latched:  # noqa: ASYNC110 - nobody is told
+        while not stops["omni"].latched:  # noqa: ASYNC110 - nobody is told
             await asyncio.sleep(0)
         before = read[: read.index(stop["update_id"])]
         # What was read while the first of it came: of each post a stop is looked for, for 6 ms.
@@ -333,7 +333,7 @@ def test_a_stop_of_nobody_is_found_before_anything_that_came_with_it_is_followed
         await place.longest(place.message(ADA, "status", chat=group))
 
         async def take(messenger: Any, inbound: Any, arrived_ns: int) -> None:  # noqa: ANN401
-            heard.append(place.gateway.rooms.board["omni"].latched)
+            heard.append(place.gateway.rooms.stops["omni"].latched)
             await follow(messenger, inbound, arrived_ns)
 
         pipeline._carry = take  # type: ignore[method-assign]
@@ -357,7 +357,7 @@ def test_of_strangers_words_no_stop_is_looked_for() -> None:
         place.gateway.pipeline._reader = Counted(place.gateway.rooms.vocabularies)
         await place.longest(place.message(STRANGER, "stop"), place.message(BO, "help"))
         assert asked == ["help"]
-        assert not place.gateway.rooms.board["omni"].latched
+        assert not place.gateway.rooms.stops["omni"].latched
         passed_over = place.listener.counts["passed-over"]
         await place.longest(place.message(STRANGER, "@other_bot stop\n/stop@other_bot"))
         assert place.listener.counts["passed-over"] == passed_over + 1

@@ -406,7 +406,7 @@ async def test_a_shout_among_other_words_stops_in_a_group(text: str) -> None:
     async with Place().open() as place:
         await _in_group(place, text)
 
-        assert place.gateway.rooms.board["omni"].latched
+        assert place.gateway.rooms.stops["omni"].latched
 
 
 async def test_what_only_speaks_of_a_stop_in_a_group_is_answered_with_the_button() -> None:
@@ -414,7 +414,7 @@ async def test_what_only_speaks_of_a_stop_in_a_group_is_answered_with_the_button
         answer, labels = await _in_group(place, "where is the stop button over there")
         assert answer == "To stop, send stop in a line of its own."
         assert labels == ["stop"]
-        assert not place.gateway.rooms.board["omni"].latched
+        assert not place.gateway.rooms.stops["omni"].latched
         assert await _in_group(place, "we meet at the bus stop over there") == ("", [])
         assert await _in_group(place, "where is the button over there") == ("", [])
 

@@ -148,7 +148,7 @@ def test_the_same_stop_again_changes_nothing_after_a_resume() -> None:
     gate.apply_stop(Stop("r", 1))
     gate.resume(1)
     gate.apply_stop(Stop("r", 1))
-    assert not gate.latched, "the board says that it may move: nobody could resume it any more"
+    assert not gate.latched, "the registry says that it may move: nobody could resume it any more"
 
 
 async def test_a_resume_that_is_cut_off_takes_no_stop_from_the_disk() -> None:

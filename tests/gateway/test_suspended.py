@@ -275,8 +275,8 @@ async def test_what_is_late_is_not_handed_to_the_robot(clock_of: str) -> None:
 
     clock, kind = ManualClock(), FLEET[0]
     robot = Recording(kind, OrderGate.new(kind.id), clock)
-    board = StopRegistry((kind.id,), {}, not_known_yet())
-    linker = Linker({kind.id: robot}, board, MemoryLatch(), clock, clock.wall_ns, Policy(0))
+    stops = StopRegistry((kind.id,), {}, not_known_yet())
+    linker = Linker({kind.id: robot}, stops, MemoryLatch(), clock, clock.wall_ns, Policy(0))
     order = OrderBook(kind, clock).order("wave")
     order = replace(order, permit=replace(order.permit, epoch=linker.epoch))
     late = replace(order, **{clock_of: getattr(order, clock_of) - 6 * 10**9})

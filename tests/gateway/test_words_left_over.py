@@ -20,7 +20,7 @@ ALL = {"omni", "kuka1", "cf1", "cf2"}
 
 
 def _latched(place: Place) -> set[str]:
-    return {robot for robot, stopped in place.gateway.rooms.board.items() if stopped.latched}
+    return {robot for robot, stopped in place.gateway.rooms.stops.items() if stopped.latched}
 
 
 @pytest.mark.parametrize(

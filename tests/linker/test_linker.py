@@ -124,19 +124,19 @@ async def stopped(
     """A robot that was stopped, durably, for the first time."""
     clock = ManualClock()
     robot = kind(PROFILE, OrderGate.new("omni"), clock)
-    board = StopRegistry(["omni"], {}, not_known_yet())
-    linker = Linker({"omni": robot}, board, latch, clock, clock.wall_ns, Policy(0))
+    stops = StopRegistry(["omni"], {}, not_known_yet())
+    linker = Linker({"omni": robot}, stops, latch, clock, clock.wall_ns, Policy(0))
     halting = linker.stop(["omni"], "p1")
     assert await halting.latched
-    return linker, board, robot
+    return linker, stops, robot
 
 
 async def test_a_resume_lets_go_on_disk_too() -> None:
     latch = MemoryLatch()
-    linker, board, robot = await stopped(MemoryRobot, latch)
+    linker, stops, robot = await stopped(MemoryRobot, latch)
     assert await linker.resume("omni", 1)
     assert latch.read() == {"omni": (1, False)}
-    assert not board["omni"].latched
+    assert not stops["omni"].latched
     assert not robot.gate.latched
 
 
@@ -145,23 +145,23 @@ async def test_a_resume_that_failed_leaves_the_robot_stopped_on_disk_too(
     tmp_path: Path, kind: type[MemoryRobot], error: type[Exception]
 ) -> None:
     latch = FileLatch(tmp_path / "latch")
-    linker, board, _ = await stopped(kind, latch)
+    linker, stops, _ = await stopped(kind, latch)
     with pytest.raises(error):
         await linker.resume("omni", 1)
-    assert board["omni"].latched
+    assert stops["omni"].latched
     assert FileLatch(tmp_path / "latch").read() == {"omni": (1, True)}
     await latch.close()
 
 
 async def test_a_resume_that_was_cut_off_leaves_the_robot_stopped_on_disk_too() -> None:
     latch = MemoryLatch()
-    linker, board, _ = await stopped(Silent, latch)
+    linker, stops, _ = await stopped(Silent, latch)
     resuming = asyncio.create_task(linker.resume("omni", 1))
     await settle()
     resuming.cancel()
     with pytest.raises(asyncio.CancelledError):
         await resuming
-    assert board["omni"].latched
+    assert stops["omni"].latched
     assert latch.read() == {"omni": (1, True)}
 
 
@@ -170,8 +170,8 @@ async def test_a_resume_whose_stop_file_hangs_ends_in_time_and_leaves_the_robot_
     latch.ready.set()
     clock = ManualClock()
     robot = MemoryRobot(PROFILE, OrderGate.new("omni"), clock)
-    board = StopRegistry(["omni"], {}, not_known_yet())
-    linker = Linker({"omni": robot}, board, latch, clock, clock.wall_ns, Policy(0))
+    stops = StopRegistry(["omni"], {}, not_known_yet())
+    linker = Linker({"omni": robot}, stops, latch, clock, clock.wall_ns, Policy(0))
     assert await linker.stop(["omni"], "p1").latched
     latch.ready.clear()
     for _ in range(3):
@@ -180,7 +180,7 @@ async def test_a_resume_whose_stop_file_hangs_ends_in_time_and_leaves_the_robot_
         await clock.advance(KEPT_WITHIN_S)
         with pytest.raises(StoreFault, match="The stop file does not answer"):
             await asyncio.wait_for(resuming, 60 * patience())
-        assert board["omni"].latched
+        assert stops["omni"].latched
         assert robot.gate.latched
     assert len(linker._latching) == 2, "only the first has begun to write"
     latch.ready.set()
@@ -193,8 +193,8 @@ async def test_a_resume_whose_stop_file_hangs_ends_in_time_and_leaves_the_robot_
 async def test_a_resume_waits_for_the_entry_of_its_stop_no_longer_than_that() -> None:
     latch, clock = SlowLatch(), ManualClock()
     robot = MemoryRobot(PROFILE, OrderGate.new("omni"), clock)
-    board = StopRegistry(["omni"], {}, not_known_yet())
-    linker = Linker({"omni": robot}, board, latch, clock, clock.wall_ns, Policy(0))
+    stops = StopRegistry(["omni"], {}, not_known_yet())
+    linker = Linker({"omni": robot}, stops, latch, clock, clock.wall_ns, Policy(0))
     linker.stop(["omni"], "p1")
     resuming = asyncio.create_task(linker.resume("omni", 1))
     await clock.advance(KEPT_WITHIN_S)
@@ -222,13 +222,13 @@ async def test_a_resume_that_could_not_be_kept_is_not_written_by_the_next_stop(
     """What failed is written again with what comes next: that must not be the resume."""
     disk = Disk()
     latch = FileLatch(tmp_path / "latch", wait_for_disk=disk.wait)
-    linker, board, _ = await stopped(MemoryRobot, latch)
+    linker, stops, _ = await stopped(MemoryRobot, latch)
     disk.full = True
     with pytest.raises(StoreFault, match="could not be kept on disk"):
         await linker.resume("omni", 1)
     disk.full = False
     await latch.write("kuka1", 1, latched=True)
-    assert board["omni"].latched
+    assert stops["omni"].latched
     assert FileLatch(tmp_path / "latch").read()["omni"] == (1, True)
     await latch.close()
 
@@ -246,11 +246,11 @@ class Asked(MemoryRobot):
 async def test_a_resume_that_a_later_stop_overtook_says_so_and_keeps_the_later_stop() -> None:
     latch = MemoryLatch()
     Asked.undone = []
-    linker, board, robot = await stopped(Asked, latch)
+    linker, stops, robot = await stopped(Asked, latch)
     await linker.stop(["omni"], "p2").latched
     assert await linker.resume("omni", 1) is False
     assert Asked.undone == [], "its side may count otherwise: it is not asked at all"
-    assert board["omni"].latched
+    assert stops["omni"].latched
     assert robot.gate.latched
     assert latch.read() == {"omni": (2, True)}
 

@@ -57,10 +57,10 @@ class Place:
     ) -> None:
         self.clock = ManualClock()
         self.robot = Coasting(self.clock)
-        self.board = StopRegistry(["omni"], found or {}, not_known_yet())
+        self.stops = StopRegistry(["omni"], found or {}, not_known_yet())
         self.latch = MemoryLatch() if latch is None else latch
         self.linker = Linker(
-            {"omni": self.robot}, self.board, self.latch, self.clock, self.clock.wall_ns, Policy(0)
+            {"omni": self.robot}, self.stops, self.latch, self.clock, self.clock.wall_ns, Policy(0)
         )
 
     @property
@@ -82,14 +82,14 @@ async def test_what_is_not_there_and_was_never_seen_at_rest_stays_stopped(place:
     place.robot.online = False
     with pytest.raises(RobotUnreachable, match="omni is not there; its stop was never confirmed"):
         await place.linker.resume("omni", 1)
-    assert place.board["omni"].latched
+    assert place.stops["omni"].latched
 
     place.robot.online = True
     await place.pass_s(5 * EVERY_S)
     assert place.robot.at_rest
     place.robot.online = False  # it went away at rest, as it was seen
     assert await place.linker.resume("omni", 1)
-    assert not place.board["omni"].latched
+    assert not place.stops["omni"].latched
 
 
 async def test_what_an_earlier_run_stopped_may_be_resumed_while_it_is_away() -> None:
@@ -217,7 +217,7 @@ async def test_what_came_of_a_stop_stays_known_when_a_later_one_is_undone(place:
     assert rest is not None
     place.robot.at_rest = False
     await stopped(place)
-    place.board.resume("omni", 2)
+    place.stops.resume("omni", 2)
     await place.pass_s(2 * EVERY_S)
     assert "omni" not in place.linker.pursuit
     assert await place.linker.pursuit.rested("omni", 1) == rest
@@ -225,7 +225,7 @@ async def test_what_came_of_a_stop_stays_known_when_a_later_one_is_undone(place:
 
 async def test_a_stop_that_stands_no_more_is_not_applied_again(place: Place) -> None:
     await stopped(place)
-    place.board.resume("omni", 1)  # whoever keeps the board need not tell the pursuit
+    place.stops.resume("omni", 1)  # whoever keeps the stops need not tell the pursuit
     await place.pass_s(60)
     assert place.robot.told == [1]
     assert "omni" not in place.linker.pursuit
@@ -233,7 +233,7 @@ async def test_a_stop_that_stands_no_more_is_not_applied_again(place: Place) -> 
 
 async def test_a_stop_that_is_not_the_last_one_is_not_applied_again(place: Place) -> None:
     await stopped(place)
-    place.board.stop("omni", "p2", 0)
+    place.stops.stop("omni", "p2", 0)
     await place.pass_s(60)
     assert place.robot.told == [1]
 
@@ -251,7 +251,7 @@ async def test_a_stop_that_comes_while_an_earlier_one_is_undone_stands() -> None
     place.linker.stop(["omni"], "p2")
     latch.ready.set()
     assert await resuming is False
-    assert place.board["omni"].latched
+    assert place.stops["omni"].latched
     assert "omni" in place.linker.pursuit
 
 
@@ -264,7 +264,7 @@ async def test_what_moves_is_not_resumed_and_stays_stopped_on_disk_too(place: Pl
     await stopped(place)
     with pytest.raises(RobotUnreachable, match="omni still moves: its stop is not confirmed yet"):
         await place.linker.resume("omni", 1)
-    assert place.board["omni"].latched
+    assert place.stops["omni"].latched
     assert place.robot.gate.latched
     assert place.latch.read() == {"omni": (1, True)}
     place.robot.times = 2

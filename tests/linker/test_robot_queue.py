@@ -284,10 +284,10 @@ class LinkerBench(Bench):
 
     def __init__(self, busy: Busy) -> None:
         super().__init__(busy)
-        self.board = StopRegistry(["r"], {}, not_known_yet())
+        self.stops = StopRegistry(["r"], {}, not_known_yet())
         self.latch, self.policy = MemoryLatch(), Policy(1)
         self.linker = Linker(
-            {"r": self.robot}, self.board, self.latch, self.clock, self.clock.wall_ns, self.policy
+            {"r": self.robot}, self.stops, self.latch, self.clock, self.clock.wall_ns, self.policy
         )
 
     def order(self) -> Order:
@@ -325,7 +325,7 @@ async def test_what_is_replaced_before_it_was_relayed_never_begins(busy: Busy) -
     bench.profile = replace(bench.profile, busy=busy, skills={"go": GO, "land": LAND})
     bench.robot.profile = bench.profile
     bench.linker = Linker(
-        {"r": bench.robot}, bench.board, bench.latch, bench.clock, bench.clock.wall_ns, bench.policy
+        {"r": bench.robot}, bench.stops, bench.latch, bench.clock, bench.clock.wall_ns, bench.policy
     )
     first, lands, after = bench.entry(), bench.entry(), bench.entry()
     lands.order = replace(lands.order, skill=LAND)
@@ -374,7 +374,7 @@ async def test_what_was_replaced_comes_to_rest_though_the_gateway_closes() -> No
     bench = LinkerBench(Busy.REPLACE)
     robot = ComesToRestSlowly(bench.profile, OrderGate.new("r"), bench.clock)
     linker = Linker(
-        {"r": robot}, bench.board, bench.latch, bench.clock, bench.clock.wall_ns, Policy(1)
+        {"r": robot}, bench.stops, bench.latch, bench.clock, bench.clock.wall_ns, Policy(1)
     )
     first = bench.entry()
     linker.put(first)
@@ -398,7 +398,7 @@ async def test_a_stop_is_handed_over_before_it_is_written() -> None:
     await settle()
     halting = bench.linker.stop(["r"], "p")
     assert bench.robot.gate.latched
-    assert bench.board["r"].latched
+    assert bench.stops["r"].latched
     assert (await asyncio.wait_for(halting.rests["r"], 60 * pace())).confirmed
     assert await asyncio.wait_for(halting.latched, 60 * pace())
     assert bench.latch.read() == {"r": (1, True)}
@@ -410,9 +410,9 @@ async def test_a_resume_of_an_older_stop_changes_nothing() -> None:
     bench.linker.stop(["r"], "p")
     bench.linker.stop(["r"], "p")
     await bench.linker.resume("r", 1)
-    assert bench.board["r"].latched
+    assert bench.stops["r"].latched
     await bench.linker.resume("r", 2)
-    assert not bench.board["r"].latched
+    assert not bench.stops["r"].latched
     await settle()
     assert bench.latch.read() == {"r": (2, False)}
 

@@ -152,7 +152,7 @@ OF_CANCELLING = (
         name="I5 the operator's resume undoes a stop that came meanwhile",
         file="gateway/resume.py",
         guard="            await self._container.resume(cid, OPERATING, robot, generation)\n",
-        without="            generation = self._board[robot].generation\n"
+        without="            generation = self._stops[robot].generation\n"
         "            await self._container.resume(cid, OPERATING, robot, generation)\n",
         caught_by=(
             f"{SEVERAL}::test_a_stop_that_comes_meanwhile_is_not_undone_by_the_operators_resume",
@@ -161,7 +161,7 @@ OF_CANCELLING = (
     Fault(
         name="stopping what somebody else has stopped makes it one's own",
         file="gateway/stop.py",
-        guard="if r in own and (not board[r].latched or board[r].own == by)]",
+        guard="if r in own and (not stops[r].latched or stops[r].own == by)]",
         without="if r in own]",
         caught_by=(f"{OWN_STOP}::test_what_others_stopped_besides_is_not_ones_own",),
     ),

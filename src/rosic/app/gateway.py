@@ -26,7 +26,7 @@ from rosic.app.maintenance import (
 from rosic.app.messenger_setup import take_in
 from rosic.app.people import remember, seed
 from rosic.app.robot_provisioning import RobotProvisioning
-from rosic.app.robot_startup import RobotStartup, board_of, robots_of, warn_of_thieves
+from rosic.app.robot_startup import RobotStartup, robots_of, stop_registry_of, warn_of_thieves
 from rosic.app.settings import GatewayParts, GatewaySettings
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
 from rosic.config.plugins import LANGUAGES, catalogue, whose
@@ -163,9 +163,9 @@ class Gateway(RunningGateway):
     async def _compose(self, memory: Memory, vocabulary: Vocabulary) -> None:
         parts, settings = self._parts, self._settings
         profiles = self.profiles = {profile.id: profile for profile in settings.profiles}
-        board = board_of(profiles, parts.latch.read(), memory)
+        stops = stop_registry_of(profiles, parts.latch.read(), memory)
         numbers = {robot: memory.numbers.get(robot, (0, 0)) for robot in profiles}
-        self.robots = robots_of(parts, profiles, numbers, board)
+        self.robots = robots_of(parts, profiles, numbers, stops)
         time = MonotonicWallClock(parts.clock)
         authoriser = authoriser_of(time, parts.clock, parts.entropy)
         self.preferences = preferences_of(profiles.values(), parts.units, parts.clock, memory)
@@ -175,7 +175,7 @@ class Gateway(RunningGateway):
             authority,
             parts.store,
             parts.entropy,
-            board,
+            stops,
             PlaceNames(settings.place, self._names(authoriser)),
         )
         self._leaves.append(self._leave_access)
@@ -184,7 +184,7 @@ class Gateway(RunningGateway):
         organiser = Organiser(
             authority.in_force,
             profiles,
-            board,
+            stops,
             self.access.state,
             rates=rates_of(settings, profiles, rights, time, parts.store.note),
             lease_idle_s=settings.lease_idle_s,
@@ -201,10 +201,10 @@ class Gateway(RunningGateway):
         for choice in memory.selected:
             container.restore_selection(choice.principal, choice.chat, choice.robot)
         linker = Linker(
-            self.robots, board, parts.latch, parts.clock, time.wall_ns, authority.in_force
+            self.robots, stops, parts.latch, parts.clock, time.wall_ns, authority.in_force
         )
         self.rooms = Components(
-            authoriser, organiser, container, linker, vocabularies, profiles, board
+            authoriser, organiser, container, linker, vocabularies, profiles, stops
         )
         self._leaves.insert(0, self._save_rates)
         self.authority = authority

@@ -155,7 +155,7 @@ class RobotProvisioning:
         self, wanted: AddRobotRequest, by: PrincipalId, check_right: Callable[[], None]
     ) -> str:
         async with self._one:
-            stops, _ = self._gateway.rooms.board.newest()
+            stops, _ = self._gateway.rooms.stops.newest()
             profile, advice = await self.check(wanted.draft, wanted.role)
             newcomer = await self._make(profile)
             await self._open(newcomer.robot)
@@ -287,7 +287,7 @@ class RobotProvisioning:
             Whether it was stopped because of that.
         """
         gateway, profile = self._gateway, newcomer.profile
-        meanwhile, by = gateway.rooms.board.newest()
+        meanwhile, by = gateway.rooms.stops.newest()
         number, fence = self._numbers.get(profile.id, (0, 0))
         added = AddedRobot(
             profile=profile,
@@ -306,7 +306,7 @@ class RobotProvisioning:
         lines = [words.added(profile)]
         if stopped:
             lines.append(words.STOPPED_MEANWHILE)
-        elif self._gateway.rooms.board[profile.id].latched:
+        elif self._gateway.rooms.stops[profile.id].latched:
             lines.append(words.LEFT_STOPPED)
         if standing := robot_messages.standing(self._standing(profile.id)):
             lines.append(standing)

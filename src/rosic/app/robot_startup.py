@@ -97,7 +97,7 @@ def robots_of(
     parts: GatewayParts,
     profiles: Mapping[RobotId, Profile],
     numbers: Mapping[RobotId, tuple[int, int]],
-    board: StopRegistry,
+    stops: StopRegistry,
 ) -> dict[RobotId, Robot]:
     """Return the robots, not connected yet, each behind a gate that knows where it was.
 
@@ -105,7 +105,7 @@ def robots_of(
         parts: Makes adapters.
         profiles: Of the robots.
         numbers: The highest order number and fence of each so far.
-        board: What is stopped.
+        stops: What is stopped.
     """
     return {
         robot: parts.robot_factory(profile.link.kind)(
@@ -114,8 +114,8 @@ def robots_of(
                 robot,
                 n=numbers[robot][0],
                 fence=numbers[robot][1],
-                generation=board[robot].generation,
-                latched=board[robot].latched,
+                generation=stops[robot].generation,
+                latched=stops[robot].latched,
             ),
             parts.clock,
         )
@@ -123,7 +123,7 @@ def robots_of(
     }
 
 
-def board_of(
+def stop_registry_of(
     profiles: Mapping[RobotId, Profile], found: Mapping[RobotId, tuple[int, bool]], memory: Memory
 ) -> StopRegistry:
     """Return which robots are stopped, by whom and since when, as far as earlier runs tell.
@@ -133,9 +133,9 @@ def board_of(
         found: What the latch says.
         memory: What the record says.
     """
-    board = StopRegistry(profiles, stops_of(found, memory.generations), not_known_yet())
-    restore(board, memory.facts.get(STOPPED_BY, ()))
-    return board
+    stops = StopRegistry(profiles, stops_of(found, memory.generations), not_known_yet())
+    restore(stops, memory.facts.get(STOPPED_BY, ()))
+    return stops
 
 
 def stops_of(

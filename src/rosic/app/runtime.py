@@ -73,7 +73,7 @@ def _begins(gateway: Gateway, task: Task) -> bool:
     rooms, fleet = gateway.rooms, gateway.features.get(FleetFeature)
     state, candidate = fleet.dispatching.fleet, fleet.watching.candidate
     return state.ready(task) and any(
-        not rooms.board[robot].latched
+        not rooms.stops[robot].latched
         and state.standing(robot) is FleetMembership.ACTIVE
         and rooms.linker.presence(robot).online is not False
         and fits(task, candidate(robot))

@@ -104,7 +104,7 @@ class AccessRegistry:
         authority: PolicyService,
         store: Store,
         entropy: Entropy,
-        board: StopRegistry,
+        stops: StopRegistry,
         place: PlaceNames,
     ) -> None:
         self.keys = authoriser.keys
@@ -133,7 +133,7 @@ class AccessRegistry:
         self.access_requests = AccessRequests(self.time.wall_ns, entropy)
         self.forget_newcomer: Deferred[[PrincipalId], Awaitable[None]] = Deferred(nothing_kept)
         self._authoriser = authoriser
-        self._authority, self._board = authority, board
+        self._authority, self._stops = authority, stops
         self.calendar = Calendar(self.time, place.calendar)
         self.time.when_behind.connect(self._set_back)
         self.time.when_ahead.connect(self.waiting.age)
@@ -188,7 +188,7 @@ class AccessRegistry:
 
     def _set_back(self, behind: bool) -> None:
         if not behind:
-            self._board.not_later(self.time.wall_ns())
+            self._stops.not_later(self.time.wall_ns())
         self._authority.moved()
         self._authority.when_changed.emit()
 

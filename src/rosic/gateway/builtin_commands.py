@@ -149,7 +149,7 @@ class BuiltinCommands:
         self._container = rooms.container
         self._linker = rooms.linker
         self._vocabularies = rooms.vocabularies
-        self._board = rooms.board
+        self._stops = rooms.stops
         self._profiles = rooms.profiles
         self._choosing = choosing
         self._help_menu = HelpMenu(rooms)
@@ -278,7 +278,7 @@ class BuiltinCommands:
         """Return by whom a robot is taken, and by whom it is stopped, as one of them may read."""
         holder, stopped, name_of = (
             self._organiser.whose(robot),
-            self._board[robot],
+            self._stops[robot],
             self._organiser.name_of,
         )
         by = messages.by_whom(stopped.by, reader, name_of) if stopped.latched else None

@@ -83,11 +83,11 @@ class CancelGeneration:
     """
 
     def __init__(
-        self, board: StopRegistry, principal: PrincipalId, robots: Iterable[RobotId]
+        self, stops: StopRegistry, principal: PrincipalId, robots: Iterable[RobotId]
     ) -> None:
-        self._board = board
+        self._stops = stops
         self._principal = principal
-        self._cancels = {robot: board.cancelled(principal, robot) for robot in robots}
+        self._cancels = {robot: stops.cancelled(principal, robot) for robot in robots}
 
     def check(self, robots: Collection[RobotId]) -> None:
         """See that one of some robots at least is not among those of a cancel since then.
@@ -95,7 +95,7 @@ class CancelGeneration:
         Raises:
             OrderVoid: All of them are: nothing of it is done.
         """
-        cancelled, who = self._board.cancelled, self._principal
+        cancelled, who = self._stops.cancelled, self._principal
         if all(self._cancels.get(robot, 0) < cancelled(who, robot) for robot in robots):
             raise OrderVoid(CANCELLED_BEFORE)
 
@@ -157,7 +157,7 @@ class CancelLane:
         who = caller.principal
         robots = self._named(names, who)
         self.last[who] = (inbound.received_ns, self._clock.monotonic_ns())
-        self._rooms.board.cancel(who, robots)
+        self._rooms.stops.cancel(who, robots)
         waited = self._executor.take_out(who, robots)
         ending = self._end(caller, inbound, robots, waited)
         where = (messenger.name, inbound.chat.id)

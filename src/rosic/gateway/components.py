@@ -20,7 +20,7 @@ class Components(msgspec.Struct, frozen=True):
 
     Attributes:
         vocabularies: Holds what can be said now.
-        board: Which robots are stopped; written by the linker alone.
+        stops: Which robots are stopped; written by the linker alone.
     """
 
     authoriser: Authoriser
@@ -29,7 +29,7 @@ class Components(msgspec.Struct, frozen=True):
     linker: Linker
     vocabularies: VocabularyHolder
     profiles: Mapping[RobotId, Profile]
-    board: StopRegistry
+    stops: StopRegistry
 
     @property
     def vocabulary(self) -> Vocabulary:

@@ -129,7 +129,7 @@ class RequestFactory:
     """Makes requests of lines."""
 
     def __init__(self, rooms: Components, clock: Clock) -> None:
-        self._board = rooms.board
+        self._stops = rooms.stops
         self._profiles = rooms.profiles
         self._clock = clock
 
@@ -165,14 +165,14 @@ class RequestFactory:
             )
             if now_ns > request.deadline_ns or sent_ns < inbound.listening_since_ns:
                 check_fresh(inbound, request, now_ns)
-            if received_ns <= self._board[robot].at_ns:
+            if received_ns <= self._stops[robot].at_ns:
                 self._check_later_than_stop(inbound, request)
             requests.append(request)
         return requests
 
     def _check_later_than_stop(self, inbound: Inbound, request: Request) -> None:
         """Refuse motion received before its robot's last stop, wherever it waited since (I5)."""
-        stopped = self._board[request.robot]
+        stopped = self._stops[request.robot]
         if inbound.received_ns <= stopped.at_ns and not stopped.latched and request.skill.actuates:
             shown = self._profiles[request.robot].shown
             raise Expired(

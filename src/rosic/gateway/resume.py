@@ -64,7 +64,7 @@ class ResumeHandler:
         self._organiser = rooms.organiser
         self._container = rooms.container
         self._linker = rooms.linker
-        self._board = rooms.board
+        self._stops = rooms.stops
 
     async def resume(self, message: MessageContext, line: Resume, cid: CommandId) -> str:
         """Resume every robot of the line that is stopped. Return what to say.
@@ -93,7 +93,7 @@ class ResumeHandler:
             self._check_not_barred(robot)
             self._check_later(message, robot)
         # As they were when this was asked: what is stopped meanwhile stays stopped.
-        generations = {robot: self._board[robot].generation for robot in stopped}
+        generations = {robot: self._stops[robot].generation for robot in stopped}
 
         async def one(robot: RobotId, generation: int) -> None:
             robot_cid = robot_command_id(cid, robot)
@@ -106,7 +106,7 @@ class ResumeHandler:
                 raise
 
         told = await self._each(generations, one)
-        spared = [self._linker.profile(r).shown for r in line.spared if self._board[r].latched]
+        spared = [self._linker.profile(r).shown for r in line.spared if self._stops[r].latched]
         return joined("\n", (told, messages.still_stopped(spared))) if spared else told
 
     async def by_operator(self, robots: Collection[RobotId], at_ns: int) -> str:
@@ -120,7 +120,7 @@ class ResumeHandler:
             Refusal: What bars one, or it is not written: this one and those after it stay stopped,
                 and the sentence says which went on.
         """
-        generations = {r: self._board[r].generation for r in robots if self._board[r].latched}
+        generations = {r: self._stops[r].generation for r in robots if self._stops[r].latched}
         for robot in generations:
             self._check_not_barred(robot)
 
@@ -156,7 +156,7 @@ class ResumeHandler:
         except Refusal as why:
             if why.silent:
                 raise  # the message came before: its first robots are the ones it resumed then
-            others = [self._linker.profile(r).shown for r in left if self._board[r].latched]
+            others = [self._linker.profile(r).shown for r in left if self._stops[r].latched]
             parts = (self._told(done) if done else "", why.sentence, messages.still_stopped(others))
             why.reworded(joined("\n", filter(None, parts)))
             raise
@@ -198,22 +198,22 @@ class ResumeHandler:
         try:
             self._organiser.check_word(message.caller, robot, RESUME, auth_context)
         except NotPermitted:
-            own = stopped_own(self._organiser, self._board, message.caller.principal, robot)
+            own = stopped_own(self._organiser, self._stops, message.caller.principal, robot)
             least = self._organiser.rights.caution(robot, RESUME).assurance
             if not own or auth_context.channel < least:
                 raise
 
     def may(self, principal: PrincipalId, robot: RobotId) -> bool:
         """Whether somebody could resume a robot now, for offering it."""
-        if not self._board[robot].latched or self._board.barred(robot) is not None:
+        if not self._stops[robot].latched or self._stops.barred(robot) is not None:
             return False
-        return may_resume(self._organiser, self._board, principal, robot)
+        return may_resume(self._organiser, self._stops, principal, robot)
 
     def warning(
         self, principal: PrincipalId, robots: Collection[RobotId]
     ) -> tuple[str, tuple[tuple[Button, ...], ...]]:
         """Return who has stopped which of some robots, and what resumes those; mostly nothing."""
-        stopped = [robot for robot in robots if self._board[robot].latched]
+        stopped = [robot for robot in robots if self._stops[robot].latched]
         if not stopped:
             return "", ()
         sentence = self._organiser.why_stopped.since(principal, stopped)
@@ -231,14 +231,14 @@ class ResumeHandler:
         return ((together,), *rows(each)) if len(each) > 1 else rows(each)
 
     def _check_not_barred(self, robot: RobotId) -> None:
-        why = self._board.barred(robot)
+        why = self._stops.barred(robot)
         if why is not None:
             raise why
 
     def _check_later(self, message: MessageContext, robot: RobotId) -> None:
         inbound = message.inbound
         check_heard_in_time(inbound, RESUME_LIFETIME_NS, f"resume {robot}")
-        stopped_ns = self._board[robot].at_ns
+        stopped_ns = self._stops[robot].at_ns
         if 0 < message.shown_ns < stopped_ns:
             again = said(
                 "{shown} was stopped again since this was shown. It stays stopped.",
@@ -257,9 +257,9 @@ class ResumeHandler:
 
     def _stopped(self, caller: Caller, line: Resume) -> list[RobotId]:
         visible = self._organiser.visible(caller.principal)
-        stopped = [r for r in line.robots or sorted(visible) if self._board[r].latched]
+        stopped = [r for r in line.robots or sorted(visible) if self._stops[r].latched]
         if not line.robots and len(stopped) > 1:
-            free = [robot for robot in stopped if self._board.barred(robot) is None]
+            free = [robot for robot in stopped if self._stops.barred(robot) is None]
             if not free:
                 self._check_not_barred(stopped[0])
             may = [robot for robot in free if self.may(caller.principal, robot)]

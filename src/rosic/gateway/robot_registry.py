@@ -134,7 +134,7 @@ class RobotRegistry:
         """
         rooms, profile = self._rooms, newcomer.profile
         self._profiles[profile.id] = profile
-        rooms.board.add_robot(profile.id, newcomer.stop)
+        rooms.stops.add_robot(profile.id, newcomer.stop)
         rooms.linker.add_robot(newcomer.robot)
         rooms.organiser.add_robot(profile, newcomer.fence)
         rooms.container.add_robot(profile.id, newcomer.number)

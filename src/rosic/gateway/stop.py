@@ -133,7 +133,7 @@ class StopLane:
         self._company = GroupChatPeople(rooms, clock)
         self.hears = self._company.hears
         self._linker = rooms.linker
-        self._board = rooms.board
+        self._stops = rooms.stops
         self._profiles = rooms.profiles
         self._vocabularies = rooms.vocabularies
         self._store = store
@@ -194,12 +194,12 @@ class StopLane:
             by: Who stops them; empty: nobody who is known.
             own: Those among them that carry out an order of theirs by which they are stopped.
         """
-        board = self._board
-        again = frozenset(r for r in robots if board[r].latched)
-        mine = [r for r in robots if r in own and (not board[r].latched or board[r].own == by)]
+        stops = self._stops
+        again = frozenset(r for r in robots if stops[r].latched)
+        mine = [r for r in robots if r in own and (not stops[r].latched or stops[r].own == by)]
         halting = self._linker.stop(robots, by)
         for robot in mine:
-            board[robot].stopped_their_own(by)
+            stops[robot].stopped_their_own(by)
         self._note(robots, by, again)
         return halting
 
@@ -223,14 +223,14 @@ class StopLane:
             *(
                 Stopped(
                     robot=robot,
-                    generation=self._board[robot].generation,
+                    generation=self._stops[robot].generation,
                     principal=by,
                     at_ns=at_ns,
                     repeated=self._is_repeated(robot, by, now_ns, again=robot in again),
                 )
                 for robot in robots
             ),
-            *(stopped_by(robot, self._board) for robot in robots),
+            *(stopped_by(robot, self._stops) for robot in robots),
         )
 
     def _is_repeated(self, robot: RobotId, by: PrincipalId, now_ns: int, *, again: bool) -> bool:
@@ -257,7 +257,7 @@ class StopLane:
     async def _answer_when_at_rest(
         self, messenger: Messenger, inbound: Inbound, halting: StopInProgress, by: PrincipalId
     ) -> None:
-        generations = {robot: self._board[robot].generation for robot in halting.rests}
+        generations = {robot: self._stops[robot].generation for robot in halting.rests}
         self._leave_off(messenger, inbound, generations)
         shown = [self._profiles[robot].shown for robot in halting.rests]
         catalogue = self._languages.of_sender(inbound)
@@ -325,7 +325,7 @@ class StopLane:
         Whoever stopped it before others did is told, too; nobody once it was resumed.
         """
         rested = await self._linker.pursuit.rested(robot, generation)
-        if rested is None or not self._board[robot].latched:
+        if rested is None or not self._stops[robot].latched:
             return
         text = messages.at_rest_now(self._profiles[robot].shown)
         plain = in_language(text, self._languages.of_sender(inbound))
@@ -365,11 +365,11 @@ class StopLane:
 
         Of what they may move, if they may move any of it: the rest is nobody's concern here.
         """
-        stopped = [robot for robot in robots if self._board[robot].latched]
+        stopped = [robot for robot in robots if self._stops[robot].latched]
         if not by or not stopped or inbound.chat.kind is ChatKind.GROUP:
             return "", ()
         why, organiser = self._organiser.why_stopped, self._organiser
-        free = [robot for robot in stopped if self._board.barred(robot) is None]
+        free = [robot for robot in stopped if self._stops.barred(robot) is None]
         left = [robot for robot in free if not self.resuming.may(by, robot)]
         theirs = [robot for robot in left if organiser.why_not_move(by, robot) is None]
         left = theirs or left

@@ -49,18 +49,18 @@ _encode = msgspec.msgpack.Encoder().encode
 _decode = msgspec.msgpack.Decoder(StoppedBy).decode
 
 
-def stopped_by(robot: RobotId, board: StopRegistry) -> Fact:
+def stopped_by(robot: RobotId, stops: StopRegistry) -> Fact:
     """Return what is to be noted about the last stop of a robot."""
-    entry = board[robot]
+    entry = stops[robot]
     stoppers = tuple(entry.stoppers.items())[:STOPPERS_AT_MOST]
     body = _encode(StoppedBy(entry.generation, entry.by, entry.since_ns, bool(entry.own), stoppers))
     return Fact(kind=KIND, key=robot, body=body)
 
 
-def restore(board: StopRegistry, facts: Iterable[Fact]) -> None:
-    """Say on the board whose stop each robot is under, where that is known."""
+def restore(stops: StopRegistry, facts: Iterable[Fact]) -> None:
+    """Say whose stop each robot is under, where that is known."""
     for fact in facts:
-        entry = board.get(fact.key)
+        entry = stops.get(fact.key)
         if entry is None or not fact.body:
             continue
         try:

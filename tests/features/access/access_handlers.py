@@ -118,13 +118,13 @@ class Hall:
         self.directory = self.authoriser.directory
         rulebook = RoleRules(roles=ROLES)
         self.authority = PolicyService(rulebook, FLEET, known_units(), self.clock, lambda _who: ())
-        self.board = StopRegistry([profile.id for profile in FLEET], {}, not_known_yet())
+        self.stops = StopRegistry([profile.id for profile in FLEET], {}, not_known_yet())
         self.access = AccessRegistry(
             self.authoriser,
             self.authority,
             self.store,
             entropy,
-            self.board,
+            self.stops,
             PlaceNames("lab", UNNAMED),
         )
         self.changes, self.time = self.access.changes, self.access.time
@@ -138,7 +138,7 @@ class Hall:
         self.organiser = Organiser(
             self.authority.in_force,
             {profile.id: profile for profile in FLEET},
-            self.board,
+            self.stops,
             self.access.state,
             rates=RateLimits(self.clock, RateLimit(), {}, rights.rates, self.store.note, str),
             lease_idle_s=30.0,

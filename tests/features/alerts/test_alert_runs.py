@@ -241,6 +241,6 @@ async def test_without_a_disk_nothing_moves_and_it_is_said() -> None:
 async def test_a_rule_may_stop_its_robot() -> None:
     async with place(replace(DRIFT, run="stop", author="Vi")).open() as here:
         told = await drift(here)
-        assert here.gateway.rooms.board["omni"].latched
+        assert here.gateway.rooms.stops["omni"].latched
         assert told[ADA][-1] == "omni was stopped by the rule drift."
         assert VI not in told

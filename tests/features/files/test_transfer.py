@@ -91,8 +91,8 @@ async def test_what_ends_while_a_file_is_written_keeps_it_from_the_robot(
     async with place(tmp_path) as ward:
 
         def ended() -> bool:
-            board, locks = ward.gateway.rooms.board, ward.gateway.access.locks
-            return board["omni"].latched or locks.locked(ward.id_of(BO))
+            stops, locks = ward.gateway.rooms.stops, ward.gateway.access.locks
+            return stops["omni"].latched or locks.locked(ward.id_of(BO))
 
         async def pieces(*of: Any) -> AsyncGenerator[bytes]:  # noqa: ANN401 - handed on
             ward.chat.say(line, account=ADA, chat=ADA)

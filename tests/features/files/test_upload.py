@@ -107,7 +107,7 @@ async def test_what_is_written_beneath_is_followed_if_it_means_something() -> No
 async def test_a_stop_beneath_a_file_stops() -> None:
     async with a_ward() as ward:
         await send(ward, text="stop")
-        assert ward.gateway.rooms.board["omni"].latched
+        assert ward.gateway.rooms.stops["omni"].latched
 
 
 @pytest.mark.parametrize("standing", [s for s in MessageValidity if s is not MessageValidity.FRESH])

@@ -29,12 +29,12 @@ async def test_a_robot_that_is_disabled_in_the_middle_gives_its_task_away_and_st
         assert "w1 is stopped and takes no part: not to be used now." in told
         assert tasks(here)["1"].robot in {"w2", "w3"}
         assert "so it stays stopped" in await here.say("resume w1")
-        assert here.gateway.rooms.board["w1"].latched
+        assert here.gateway.rooms.stops["w1"].latched
         assert "not to be used now already" in await here.say("/robot disable w1")
         assert "takes part again" in await here.say("/robot enable w1")
-        assert here.gateway.rooms.board["w1"].latched, "motion wants a resume of its own"
+        assert here.gateway.rooms.stops["w1"].latched, "motion wants a resume of its own"
         await here.say("resume w1")
-        assert not here.gateway.rooms.board["w1"].latched
+        assert not here.gateway.rooms.stops["w1"].latched
         assert "in the fleet already" in await here.say("/robot add w1")
 
 
@@ -45,7 +45,7 @@ async def test_a_retired_robot_is_given_nothing_also_after_a_restart_until_it_is
         told = await here.say("/robot retire w1") + await heard(here, 2)
         assert "Task 1 (wave): failed" in told, "nobody else was wanted"
     async with later(store).open() as here:
-        here.gateway.rooms.board["w1"].latched = False
+        here.gateway.rooms.stops["w1"].latched = False
         await here.say("/task warehouse wave", message="another")
         assert tasks(here)["2"].robot in {"w2", "w3"}
         assert "/robot add w1" in await here.say("/robot enable w1")
@@ -99,7 +99,7 @@ async def test_only_whoever_may_assign_decides_who_takes_part() -> None:
         assert "Only somebody who may assign" in await here.say("/robot disable w1", account=BO)
         assert "w1 can:" in await here.say("/robot w1", account=VI)
         assert "no robot called w9" in await here.say("/robot w9")
-        assert not here.gateway.rooms.board["w1"].latched
+        assert not here.gateway.rooms.stops["w1"].latched
 
 
 async def test_the_view_shows_every_robot_every_task_and_what_is_not_as_it_should_be() -> None:

@@ -112,7 +112,7 @@ async def test_one_that_hears_of_the_start_too_late_ends_it_for_all() -> None:
         cut = "stopped before it ended 12:00:00: all or none, and w2 did not begin"
         assert told.count(cut) == 2
         assert [here.acted(name) for name in NAMES] == [1, 0, 1]
-        assert not any(here.gateway.rooms.board[name].latched for name in NAMES)
+        assert not any(here.gateway.rooms.stops[name].latched for name in NAMES)
 
 
 async def test_what_is_asked_of_each_for_itself_goes_on_without_one() -> None:

@@ -154,7 +154,7 @@ async def test_a_lost_robot_is_cut_off_and_its_late_answer_counts_for_nothing() 
         lost.end(OrderEnding.DONE)
         await heard(here)
         assert tasks(here)["1"] == task, "it went on with another"
-        assert here.gateway.rooms.board["w1"].latched
+        assert here.gateway.rooms.stops["w1"].latched
         worker(here, task.robot).end(OrderEnding.DONE)
         assert f"done by {task.robot}" in await heard(here)
 
@@ -166,7 +166,7 @@ async def test_whoever_is_late_is_brought_to_rest_and_another_goes_on() -> None:
         told = await heard(here, 3)
         assert "w1 takes too long" in told
         assert tasks(here)["1"].robot != "w1"
-        assert not here.gateway.rooms.board["w1"].latched
+        assert not here.gateway.rooms.stops["w1"].latched
         assert here.robot("w1").presence().doing == ""
 
 
@@ -353,9 +353,9 @@ async def test_nothing_moves_that_could_not_be_written_down() -> None:
         assert "nothing was changed" in await here.say("/task w1 wave")
         assert not tasks(here)
         store.tasks = True
-        here.gateway.rooms.board["w1"].latched = True
+        here.gateway.rooms.stops["w1"].latched = True
         await here.say("/task w1 wave")
-        here.gateway.rooms.board["w1"].latched = False
+        here.gateway.rooms.stops["w1"].latched = False
         store.tasks = False
         await heard(here, 5)
         assert here.acted("w1") == 0
@@ -367,10 +367,10 @@ async def test_nothing_moves_that_could_not_be_written_down() -> None:
 
 async def test_a_task_whose_words_are_erased_is_carried_out_by_nobody() -> None:
     async with warehouse().open() as here:
-        here.gateway.rooms.board["w1"].latched = True
+        here.gateway.rooms.stops["w1"].latched = True
         await here.say("/task w1 wave")
         here.gateway.features.get(FleetFeature).dispatching.letters._said.clear()
-        here.gateway.rooms.board["w1"].latched = False
+        here.gateway.rooms.stops["w1"].latched = False
         await heard(here, 3)
         assert tasks(here)["1"].state is TaskState.CANCELLED
         assert here.acted("w1") == 0

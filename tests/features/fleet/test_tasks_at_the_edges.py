@@ -249,7 +249,7 @@ async def test_a_robot_is_taken_out_of_the_fleet_although_nothing_can_be_written
         assert "is stopped and takes no part" in await here.say("/robot disable w1")
         store.broken = False
         assert "so it stays stopped" in await here.say("resume w1")
-        assert here.gateway.rooms.board["w1"].latched
+        assert here.gateway.rooms.stops["w1"].latched
 
 
 async def test_times_of_missions_outlast_a_disk_that_was_full() -> None:

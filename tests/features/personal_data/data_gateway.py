@@ -151,7 +151,7 @@ class Ward(Place):
         self.receiving = FileUpload(self.data_context, gateway.pipeline.answer, plain)
         gateway.pipeline.hooks.enclosed = Deferred(self.receiving.take)
         self.aside = BackgroundTransfer(gateway.pipeline.answer, plain, clock)
-        ways = TransferWays(folders_of(rooms.profiles), rooms.linker.deliver, rooms.board)
+        ways = TransferWays(folders_of(rooms.profiles), rooms.linker.deliver, rooms.stops)
         handing = FileTransfer(
             self.data_context, organiser, rooms.profiles, ways, plain, self.aside
         )

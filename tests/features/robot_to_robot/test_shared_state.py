@@ -59,7 +59,7 @@ async def test_rights_are_checked_like_a_persons() -> None:
         assert (await here.says("cf2", "get", robot="cf1"))["found"] is True
         refused = await here.says("cf2", "help", what="stuck")
         assert (refused["ok"], refused["code"]) == (False, "not-permitted")
-        assert here.messaging.circle.board.of("kuka1") == ()
+        assert here.messaging.circle.shared_state.of("kuka1") == ()
 
 
 async def test_a_robot_whose_key_is_taken_back_or_that_is_locked_is_heard_no_more() -> None:
@@ -91,18 +91,18 @@ async def test_data_of_10_mb_is_refused_in_a_sentence_and_nothing_is_kept() -> N
 
 async def test_topics_and_bytes_of_one_robot_are_bounded() -> None:
     async with PeerRobots().open() as here:
-        board = here.messaging.circle.board
+        shared_state = here.messaging.circle.shared_state
         for number in range(TOPICS_A_ROBOT):
             here.speaks("omni", "share", topic=f"t{number}", data=number)
             await here.clock.advance(0.06)
-        assert len(board.of("omni")) == TOPICS_A_ROBOT
+        assert len(shared_state.of("omni")) == TOPICS_A_ROBOT
         refused = await here.says("omni", "share", topic="one_more", data=1)
         assert "at most 32 topics" in refused["why"]
         piece = "x" * (DATA_BYTES - 10)
         for number in range(ROBOT_BYTES // DATA_BYTES + 1):
             here.speaks("omni", "share", topic=f"t{number}", data=piece)
             await here.clock.advance(0.06)
-        assert sum(len(shared.data) for shared in board.of("omni")) <= ROBOT_BYTES
+        assert sum(len(shared.data) for shared in shared_state.of("omni")) <= ROBOT_BYTES
 
 
 async def test_what_is_not_of_the_published_form_is_refused_with_what_is_wrong() -> None:
@@ -123,7 +123,7 @@ async def test_what_is_not_of_the_published_form_is_refused_with_what_is_wrong()
             await here.clock.advance(0.1)
             [answer] = here.heard("omni")
             assert (answer["ok"], answer["code"]) == (False, "not-understood"), words
-        assert here.messaging.circle.board.of("omni") == ()
+        assert here.messaging.circle.shared_state.of("omni") == ()
 
 
 async def test_it_is_forgotten_when_it_is_too_old() -> None:

@@ -56,7 +56,7 @@ async def test_ten_thousand_a_second_are_bounded_and_the_newest_gets_through() -
         assert inbox.taken + inbox.dropped + WAITING_AT_MOST >= total
         await here.clock.advance(1)
         assert inbox.taken + inbox.dropped == total, "each is either taken or counted"
-        [shared] = here.messaging.circle.board.of("omni")
+        [shared] = here.messaging.circle.shared_state.of("omni")
         assert shared.data == str(total).encode(), "the newest gets through"
         told = [t.outbound for t in here.chat.told if "says more to the other" in t.outbound.text]
         assert sorted(outbound.chat.id for outbound in told) == [ADA, BO], "once each"

@@ -130,8 +130,8 @@ async def test_a_robot_cannot_speak_for_another_and_10_mb_are_refused(graph: Ros
         assert "at most 64 KiB" in refused["why"]
         await omni.say("share", topic="road", data=1, **{"from": "cf1"})
         assert (await omni.heard("result"))["code"] == "not-understood"
-        board = here.messaging.circle.board
-        assert (board.of("omni"), board.of("cf1")) == ((), ())
+        shared_state = here.messaging.circle.shared_state
+        assert (shared_state.of("omni"), shared_state.of("cf1")) == ((), ())
 
 
 async def test_a_node_that_shares_10_000_times_a_second_hinders_nobody(
@@ -157,8 +157,8 @@ async def test_a_node_that_shares_10_000_times_a_second_hinders_nobody(
             seconds.append(time.perf_counter() - begun)
             await asyncio.sleep(0.1)
         await storm
-        board = here.messaging.circle.board
-        await until(lambda: any(s.data == b'"last"' for s in board.of("omni")))
+        shared_state = here.messaging.circle.shared_state
+        await until(lambda: any(s.data == b'"last"' for s in shared_state.of("omni")))
         taken, dropped = inbox.taken, inbox.dropped
         said = f"{taken} taken, {dropped} dropped; others {max(seconds):.3f} s"
         said = f"{said}, a stop {stopped_s:.3f} s"

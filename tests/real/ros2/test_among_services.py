@@ -73,8 +73,8 @@ async def what_one_shares_another_reads(here: OnRos, omni: Brain, cf1: Brain) ->
     assert await share(omni, **shared) == [GOOD] * len(shared)
     assert await get(cf1, *(f"omni.{name}" for name in shared)) == list(shared.values())
     assert await share(omni, road='{"wet": true, "at": [1, 2]}') == [GOOD]
-    board = here.messaging.circle.board
-    [data] = [one.data for one in board.of("omni") if one.topic == "road"]
+    shared_state = here.messaging.circle.shared_state
+    [data] = [one.data for one in shared_state.of("omni") if one.topic == "road"]
     assert json.loads(data) == {"wet": True, "at": [1, 2]}
     road, age_s, at_s, newest, nothing = await get(
         cf1, "omni.road", "omni.road.age_s", "omni.road.at_s", "omni", "omni.river"

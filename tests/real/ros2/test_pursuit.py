@@ -37,8 +37,8 @@ def omni(tmp_path: Path, interfaces: Path) -> Iterator[Simulated]:  # noqa: ARG0
 
 
 def linker_of(robot: TriedRobot, clock: SystemClock, *, latched: bool = False) -> Linker:
-    board = StopRegistry(["omni"], {"omni": (1, latched)}, not_known_yet())
-    return Linker({"omni": robot}, board, MemoryLatch(), clock, clock.wall_ns, Policy(0))
+    stops = StopRegistry(["omni"], {"omni": (1, latched)}, not_known_yet())
+    return Linker({"omni": robot}, stops, MemoryLatch(), clock, clock.wall_ns, Policy(0))
 
 
 async def moving(robot: TriedRobot) -> asyncio.Task[Outcome]:

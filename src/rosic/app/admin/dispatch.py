@@ -210,7 +210,7 @@ class AdminDispatcher:
     def _status(self, robot: RobotId) -> str:
         rooms = self._gateway.rooms
         holder = rooms.organiser.whose(robot)
-        stopped = rooms.board[robot]
+        stopped = rooms.stops[robot]
         name_of = rooms.organiser.name_of
         by = (name_of(stopped.by) if stopped.by else "") if stopped.latched else None
         return messages.status_line(
@@ -231,7 +231,7 @@ class AdminDispatcher:
 
     def _state(self, robot: RobotId) -> dict[str, object]:
         rooms = self._gateway.rooms
-        presence, stopped = rooms.linker.presence(robot), rooms.board[robot]
+        presence, stopped = rooms.linker.presence(robot), rooms.stops[robot]
         holder = rooms.organiser.whose(robot)
         return {
             "robot": robot,
@@ -301,7 +301,7 @@ class AdminDispatcher:
         """
         rooms = self._gateway.rooms
         named = self._robots([name for name in names if name != ALL])
-        stopped = [robot for robot in named if rooms.board[robot].latched]
+        stopped = [robot for robot in named if rooms.stops[robot].latched]
         if not names and len(stopped) > 1:
             listed = ", ".join(stopped)
             raise NotUnderstood(

@@ -156,9 +156,9 @@ class OfflineAdmin:
         preferences = preferences_of(robots, known_units(), clock, memory)
         authority = PolicyService(rulebook, robots, known_units(), time, preferences.limits)
         authority.restore(memory, roles)
-        stops = await self._stops(memory, profiles)
+        found = await self._stops(memory, profiles)
         place = "rosic" if config is None else config.name
-        board = StopRegistry(profiles, stops, not_known_yet())
+        stops = StopRegistry(profiles, found, not_known_yet())
         zone = UNIVERSAL if config is None else config.zone
         names = CalendarNames(
             name_of=lambda who: clean(authoriser.directory.name(who)),
@@ -166,12 +166,12 @@ class OfflineAdmin:
             zone_of=lambda who: preferences.of(who).zone or zone,
         )
         access = AccessRegistry(
-            authoriser, authority, store, entropy, board, PlaceNames(place, names)
+            authoriser, authority, store, entropy, stops, PlaceNames(place, names)
         )
         rights = authority.draw_up()
         rates = RateLimits(time, RateLimit(), {}, rights.rates, _nothing_is_asked, str)
         organiser = Organiser(
-            authority.in_force, profiles, board, access.state, rates=rates, lease_idle_s=1.0
+            authority.in_force, profiles, stops, access.state, rates=rates, lease_idle_s=1.0
         )
         access.restore(memory, organiser)
         around = DataContext(

@@ -61,7 +61,7 @@ class StopViolations:
 
     async def look(self) -> None:
         """Look once."""
-        for number, (robot, entry) in enumerate(tuple(self._rooms.board.items())):
+        for number, (robot, entry) in enumerate(tuple(self._rooms.stops.items())):
             if number % AT_ONCE == AT_ONCE - 1:
                 await asyncio.sleep(0)
             if entry.latched and self._told.get(robot) != entry.generation:
@@ -89,7 +89,7 @@ class StopViolations:
         self._reach.tell(self._whom(robot), text, urgent=True)
 
     def _whom(self, robot: RobotId) -> tuple[PrincipalId, ...]:
-        by = self._rooms.board[robot].by
+        by = self._rooms.stops[robot].by
         if by and self._circles.may_hear(by, robot):
             return (by,)
         return self._circles.of(robot, RecipientCircle.HOLDER, 0)
@@ -199,7 +199,7 @@ class OfflineNotices:
         who = self._moving.pop(robot).principal
         self._listen()
         if presence.at_rest:
-            if not self._rooms.board[robot].latched:
+            if not self._rooms.stops[robot].latched:
                 self._reach.tell((who,), messages.at_rest_now(self._shown(robot)))
         elif presence.moves:
             text = said("{shown} still moves. Please look.", shown=self._shown(robot))

@@ -67,7 +67,7 @@ def _context(kernel: Kernel) -> BookingContext:
     organiser, clock = rooms.organiser, kernel.clock
 
     def ready(robot: RobotId) -> bool:
-        stopped = rooms.board[robot].latched
+        stopped = rooms.stops[robot].latched
         return not stopped and rooms.linker.presence(robot).online is not False
 
     sides = BookingQueries(
@@ -79,7 +79,7 @@ def _context(kernel: Kernel) -> BookingContext:
         zone_of=organiser.calendar.zone,
         lease=organiser.lease,
         ready=ready,
-        barred=lambda robot: rooms.board.barred(robot),  # noqa: PLW0108 - replaced
+        barred=lambda robot: rooms.stops.barred(robot),  # noqa: PLW0108 - replaced
         may_resume=kernel.pipeline.resuming.may,
         handover=handover.end,
         may_stay=lambda who, slot: handover.outranks(who, slot.principal, slot.robot),

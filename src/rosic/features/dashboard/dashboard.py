@@ -434,7 +434,7 @@ class RobotSnapshots:
             yield words.now(unmeasured(presence))
 
     def _stopped(self, robot: RobotId, *, named: bool) -> str:
-        entry = self._rooms.board[robot]
+        entry = self._rooms.stops[robot]
         if not entry.latched:
             return ""
         name = self._rooms.organiser.name_of(entry.by) if entry.by and named else ""

@@ -61,7 +61,7 @@ def setup(kernel: Kernel) -> Feature:
     if containers is None:
         return Feature()
     aside = BackgroundTransfer(pipeline.answer, pipeline.plain, kernel.machine_clock)
-    ways = TransferWays(kernel.folders, rooms.linker.deliver, rooms.board)
+    ways = TransferWays(kernel.folders, rooms.linker.deliver, rooms.stops)
     handing = FileTransfer(containers, rooms.organiser, rooms.profiles, ways, pipeline.plain, aside)
     FileCommands(containers, aside, handing, pipeline.plain).register(kernel.commands)
     receiving = FileUpload(containers, pipeline.answer, pipeline.plain)

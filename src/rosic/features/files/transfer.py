@@ -138,12 +138,12 @@ class TransferWays(NamedTuple):
 
     Attributes:
         deliver: Hands one to the robot's side; see ``contracts.robot.deliver_of``.
-        board: Which robots are stopped.
+        stops: Which robots are stopped.
     """
 
     folders: FileFolders
     deliver: Callable[[RobotId, FileForRobot], Awaitable[Receipt]]
-    board: StopRegistry
+    stops: StopRegistry
 
 
 class FileTransfer:
@@ -164,7 +164,7 @@ class FileTransfer:
         self._folders = ways.folders
         self._outboxes = RobotOutbox(ways.folders, data_context)
         self._deliver = ways.deliver
-        self._board = ways.board
+        self._stops = ways.stops
         self._plain = plain
         self._aside = aside
 
@@ -309,11 +309,11 @@ class FileTransfer:
             most = int(takes.max_mb * words.MB)
             raise OutOfBounds(words.too_large_for(profile.shown, filed.size, most))
         # What lies in an inbox may set a robot going: what holds for moving it holds for that.
-        if self._board[robot].latched:
-            barred = self._board.barred(robot)
+        if self._stops[robot].latched:
+            barred = self._stops.barred(robot)
             if barred is not None:
                 raise barred
-            may = may_resume(self._organiser, self._board, caller.principal, robot)
+            may = may_resume(self._organiser, self._stops, caller.principal, robot)
             offers = (f"resume {robot}",) if may else ()
             raise RobotStopped(words.is_stopped(profile.shown), offers=offers)
         holder = self._organiser.holder(robot)

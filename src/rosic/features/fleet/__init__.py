@@ -187,7 +187,7 @@ def setup(kernel: Kernel) -> FleetFeature:
     )
     robots.register(commands)
     pipeline.resuming.begins.bind(robots.begins)
-    rooms.board.barred.bind(robots.barred)  # from here on robots are resumed
+    rooms.stops.barred.bind(robots.barred)  # from here on robots are resumed
     pausing = PauseCommands(
         rooms, dispatching, pipeline.executor, pipeline.resuming, pipeline.hooks
     )

@@ -276,7 +276,7 @@ class TaskDispatcher:
         current = self.fleet.tasks.get(task.id)
         if current is not None and current.author != task.author:
             self._give_back(robot, task.author)  # it was handed over meanwhile
-        stopped = self._rooms.board[robot].generation != order.permit.stop_generation
+        stopped = self._rooms.stops[robot].generation != order.permit.stop_generation
         end = end_after(outcome, stopped=stopped)
         self.why[task.id] = outcome.note  # not what an earlier attempt came to
         if end is e.AttemptEnd.DONE:

@@ -266,7 +266,7 @@ class MissionCommands:
     ) -> tuple[str, int]:
         """Give all tasks of a mission at once; each waits for those before it."""
         self._dispatching.origins.check(cid)
-        before = CancelGeneration(self._rooms.board, who, self._rooms.profiles)
+        before = CancelGeneration(self._rooms.stops, who, self._rooms.profiles)
         tasks = await self._capable(who, meant)
 
         def made() -> Given:

@@ -49,7 +49,7 @@ def why_not_ready(rooms: Components, fleet: FleetState, robot: RobotId, who: Pri
     hindrances = (
         (presence.online is False, words.NOT_THERE),
         (fleet.standing(robot) is not FleetMembership.ACTIVE, words.NO_PART),
-        (rooms.board[robot].latched, words.STOPPED),
+        (rooms.stops[robot].latched, words.STOPPED),
         (holder is not None and holder != who, words.ANOTHERS),
         (rooms.linker.current(robot) is not None, words.AT_WORK),
         (presence.moves, words.NOT_AT_REST),
@@ -310,7 +310,7 @@ class FleetMonitor:
         free = (
             presence.online is not False
             and not presence.moves
-            and not rooms.board[robot].latched
+            and not rooms.stops[robot].latched
             and rooms.linker.current(robot) is None
             and (helping or not self._engaged(robot))
         )

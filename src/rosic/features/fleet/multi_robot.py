@@ -78,7 +78,7 @@ class AllOrNothingStart:
             self._cutting = [
                 asyncio.create_task(self._executor.cut_order(robot, other.cid, reason))
                 for robot, other in self._open.items()
-                if not self._rooms.board[robot].latched  # a stop sees to it, and says so better
+                if not self._rooms.stops[robot].latched  # a stop sees to it, and says so better
             ]
 
     def _never_began(self, order: Order, outcome: Outcome) -> bool:
@@ -294,7 +294,7 @@ class MultiRobotCommands:
         return ResolvedRobots(name, tuple(robots), " ".join(line.split()), again)
 
     def _cancel_generation(self, asked: CommandContext, meant: ResolvedRobots) -> CancelGeneration:
-        return CancelGeneration(self._rooms.board, asked.caller.principal, meant.robots)
+        return CancelGeneration(self._rooms.stops, asked.caller.principal, meant.robots)
 
     def _said(self, asked: CommandContext) -> MessageContext:
         now_ns = self._clock.monotonic_ns()

@@ -115,7 +115,7 @@ class FleetOverview:
         standing = fleet.standing(robot)
         if standing is not FleetMembership.ACTIVE:
             wrong.append(words.out_of_fleet(standing))
-        elif rooms.board[robot].latched:
+        elif rooms.stops[robot].latched:
             wrong.append(words.stopped())
         if presence.online is False:
             wrong.append(words.not_there())

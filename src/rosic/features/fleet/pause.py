@@ -162,14 +162,14 @@ class PauseCommands:
         is offered. So is what would let a robot begin by itself. What it raises, `go_on` says.
         """
         who = asked.caller.principal
-        board = self._rooms.board
+        stops = self._rooms.stops
         seen = sorted(robots or self._rooms.organiser.visible(who))
-        stopped = tuple(robot for robot in seen if board[robot].latched)
+        stopped = tuple(robot for robot in seen if stops[robot].latched)
         if not stopped:
             return Reply(words.NOTHING_PAUSED)
         if len(stopped) > 1 and not robots:
             stopped = ()  # which one is asked
-        elif asked.inbound.nonce is not None or not all(board[r].alone(who) for r in stopped):
+        elif asked.inbound.nonce is not None or not all(stops[r].alone(who) for r in stopped):
             raise self._rooms.organiser.why_stopped.refusal(who, stopped)
         elif begins := self._begin_by_themselves(who, stopped):
             return begins
@@ -195,9 +195,9 @@ class PauseCommands:
         Raises:
             RobotStopped: Offers to resume what one has.
         """
-        board = self._rooms.board
+        stops = self._rooms.stops
         seen = sorted(self._rooms.organiser.visible(who))
-        theirs = [r for r in seen if board[r].latched and who in board[r].stoppers]
+        theirs = [r for r in seen if stops[r].latched and who in stops[r].stoppers]
         if theirs:
             raise self._rooms.organiser.why_stopped.refusal(who, theirs)
         return Reply("")

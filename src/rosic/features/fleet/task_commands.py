@@ -196,7 +196,7 @@ class TaskCommands:
         organiser, who = self._rooms.organiser, asked.caller.principal
         wish = read_wish(asked.rest, organiser.wall_ns(), organiser.calendar.zone(who))
         wanted, robots, used = self._target(wish, who)
-        before = CancelGeneration(self._rooms.board, who, robots)
+        before = CancelGeneration(self._rooms.stops, who, robots)
         lines = wish.lines(used)
         organiser.charge_work(asked.caller, readings(robots, lines) / READINGS_OF_ONE)
         steps = PermittedSteps(self._rooms, who)

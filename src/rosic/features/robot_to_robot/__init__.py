@@ -59,14 +59,14 @@ def setup(kernel: Kernel) -> RobotToRobotFeature:
     rooms, changes, reach = kernel.rooms, kernel.changes, kernel.reach
     clock, entropy = kernel.machine_clock, kernel.entropy
     rights, guard = PeerPermissions(rooms), LoopGuard()
-    board = SharedState(clock.wall_ns)
-    post = Subscriptions(rights, board, guard, clock)
+    shared_state = SharedState(clock.wall_ns)
+    post = Subscriptions(rights, shared_state, guard, clock)
     book = HelpRequests(kernel.clock.wall_ns)
     around = RobotToRobotContext(rights, rooms, changes, reach, post, kernel.store, clock, entropy)
     chat_sender = kernel.orders.chat_sender
     circle = PeerGroup(
         around,
-        board,
+        shared_state,
         guard,
         HelpService(book, around, kernel.shared.robot_tasks.find),
         Strategies(around),

@@ -85,7 +85,7 @@ class RobotToRobotCommands:
         if rest and rest[-1] in {FOLLOW, UNFOLLOW}:
             return await self._follow(asked, robot, rest)
         if rest:
-            one = self._circle.board.get(robot, "_".join(rest))
+            one = self._circle.shared_state.get(robot, "_".join(rest))
             if one is not None:
                 row = (Button(words.follow_label(), f"/shared {robot} {one.topic} follow"),)
                 return Reply(words.whole(one, shown, self._past_s(one.at_ns)), (row,), about=robot)
@@ -99,7 +99,9 @@ class RobotToRobotCommands:
 
     def _lines(self, robot: RobotId) -> list[str]:
         shown = self._around.rights.shown(robot)
-        return [words.line(s, shown, self._past_s(s.at_ns)) for s in self._circle.board.of(robot)]
+        return [
+            words.line(s, shown, self._past_s(s.at_ns)) for s in self._circle.shared_state.of(robot)
+        ]
 
     def _past_s(self, at_ns: int) -> float:
         return max(0, self._around.clock.wall_ns() - at_ns) / 1e9

@@ -123,7 +123,7 @@ class HelpService:
                 break
             presence = self._rooms.linker.presence(robot)
             free = presence.online is not False and not presence.doing
-            free = free and not self._rooms.board[robot].latched  # it could not go
+            free = free and not self._rooms.stops[robot].latched  # it could not go
             if robot != made.robot and free and self._rights.operates(who, robot):
                 row.append(
                     Button(words.send(self._rights.shown(robot)), f"/assist {made.id} {robot}")

@@ -72,7 +72,7 @@ class PeerGroup(NamedTuple):
     """What robot messaging is made of."""
 
     around: RobotToRobotContext
-    board: SharedState
+    shared_state: SharedState
     guard: LoopGuard
     helping: HelpService
     strategies: Strategies
@@ -113,7 +113,7 @@ class RobotMessaging:
         """Take over what earlier runs wrote, and keep what is written from now on."""
         circle, around = self.circle, self.around
         changes = around.changes
-        circle.board.restore(facts.get(SHARED, ()))
+        circle.shared_state.restore(facts.get(SHARED, ()))
         for kind, apply in (
             (EARS, around.post.apply),
             (HELPS, circle.helping.book.apply),
@@ -128,7 +128,7 @@ class RobotMessaging:
     def _decided(self, decided: Decided) -> None:
         """Forget what was in a container that is erased."""
         if decided.act == "erase" and decided.about in self.inboxes:
-            self.circle.board.forget(decided.about)
+            self.circle.shared_state.forget(decided.about)
             self.circle.helping.book.forget(decided.about)
 
     def stand_by(self, robot: RobotId, peer: PeerRobot) -> None:
@@ -192,7 +192,7 @@ class RobotMessaging:
             log.warning("a request for help could not be ended: %s", unwritten)
 
     def _save(self) -> None:
-        due = self.circle.board.due()
+        due = self.circle.shared_state.due()
         if due:
             self.around.store.note(*due)
 
@@ -243,7 +243,7 @@ class RobotMessaging:
         until_ns = now_ns + int(said.keep_s * 1e9)
         data, ident = bytes(said.data), self._new_id()
         shared = Shared(robot, said.topic, now_ns, until_ns, data, ident, hops)
-        circle.board.put(shared)
+        circle.shared_state.put(shared)
         circle.guard.remember(ident, robot, hops)
         around.post.bring(shared)
         text = words.shares(around.rights.shown(robot), said.topic, data)
@@ -252,7 +252,7 @@ class RobotMessaging:
 
     async def _get(self, caller: Caller, _robot: RobotId, said: said_by.Get) -> Answer:
         self.around.rights.check(caller, said.robot, READ)
-        shared = self.circle.board.get(said.robot, said.topic)
+        shared = self.circle.shared_state.get(said.robot, said.topic)
         if shared is None:
             return {"found": False, "from": said.robot, "topic": said.topic}
         return {"found": True, **described(shared, self.around.clock.wall_ns())}

@@ -77,11 +77,11 @@ class Subscriptions:
     """
 
     def __init__(
-        self, rights: PeerPermissions, board: SharedState, guard: LoopGuard, clock: Clock
+        self, rights: PeerPermissions, shared_state: SharedState, guard: LoopGuard, clock: Clock
     ) -> None:
         self.peers: dict[RobotId, PeerRobot] = {}
         self._rights = rights
-        self._board = board
+        self._shared_state = shared_state
         self._guard = guard
         self._clock = clock
         self._ears: dict[str, Subscriber] = {}
@@ -196,7 +196,7 @@ class Subscriptions:
         """Bring what came too fast, as far as there is room now: the newest of it."""
         late, self._late = self._late, {}
         for robot, topic, to in late:
-            shared = self._board.get(robot, topic)
+            shared = self._shared_state.get(robot, topic)
             if shared is not None:
                 self._bring(shared, to)
 
