@@ -65,13 +65,13 @@ async def _minded(
     console: Console, place: Place, others: tuple[str, ...]
 ) -> AsyncIterator[asyncio.Event]:
     left = asyncio.Event()
-    minding = asyncio.create_task(mind_console(console, place.gateway, left.set, others))
+    watching = asyncio.create_task(mind_console(console, place.gateway, left.set, others))
     await place.quiet()
     try:
         yield left
     finally:
-        minding.cancel()
-        await asyncio.gather(minding, return_exceptions=True)
+        watching.cancel()
+        await asyncio.gather(watching, return_exceptions=True)
 
 
 async def test_the_first_one_stops_everything_and_the_second_one_ends() -> None:

@@ -32,7 +32,7 @@ def said(level: str, *secrets: Secret) -> str:
     """Return what is on standard error after some things were logged."""
     err = io.StringIO()
     log_to_standard_error(level, lambda _at_ns: "14:02:07", secrets)
-    log = logging.getLogger("rosic.telling")
+    log = logging.getLogger("rosic.delivery")
     with redirect_stderr(err):
         log.info("not told\nyet: %s", "4242:a-long-token")
         log.debug("details")
@@ -47,9 +47,9 @@ def said(level: str, *secrets: Secret) -> str:
 def test_one_line_each_without_traces() -> None:
     lines = said("info").splitlines()
 
-    assert lines[0] == "14:02:07 info rosic.telling: not told yet: 4242:a-long-token"
+    assert lines[0] == "14:02:07 info rosic.delivery: not told yet: 4242:a-long-token"
     assert lines[1].startswith(
-        "14:02:07 error rosic.telling: it broke (ValueError: invalid literal"
+        "14:02:07 error rosic.delivery: it broke (ValueError: invalid literal"
     )
     assert lines[1].endswith(")")
     assert len(lines) == 2

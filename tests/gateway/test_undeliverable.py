@@ -76,7 +76,7 @@ async def test_if_nobody_can_be_reached_nothing_is_tried_for_ever(
         await ordered(place)
         place.chat.gone |= {BO, ADA}
         refused = place.chat.refused
-        with caplog.at_level(logging.ERROR, "rosic.telling"):
+        with caplog.at_level(logging.ERROR, "rosic.delivery"):
             assert await ended(place) == []
         assert 3 <= place.chat.refused - refused <= 6
         assert "nobody can be told any more" in caplog.text
@@ -90,7 +90,7 @@ async def test_whoever_has_never_written_is_named_in_one_sentence(
 ) -> None:
     async with Place().open() as place:
         place.chat.not_begun.add(ADA)
-        with caplog.at_level(logging.INFO, "rosic.telling"):
+        with caplog.at_level(logging.INFO, "rosic.delivery"):
             for _ in range(2):
                 place.gateway.kernel.reach.tell(
                     (who(place, ADA),), "Which?", ((Button("help", "help"),),)

@@ -95,9 +95,9 @@ async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: 
     if script is not None:
         messenger.pace_by(script.line)
     # Whoever closes the pipe knows that nothing reaches them any more.
-    telling = logging.getLogger("rosic.telling")
+    delivery_log = logging.getLogger("rosic.delivery")
     unread = lambda _record: not messenger.gone  # noqa: E731 - removed by its identity
-    telling.addFilter(unread)
+    delivery_log.addFilter(unread)
     try:
         took_s = (clock.monotonic_ns() - begun_ns) / 1e9
         greeting = filled(GREETING, took_s=took_s, fleet=", ".join(FLEET))
@@ -106,7 +106,7 @@ async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: 
         await _take_leave(gateway, messenger, script=script is not None)
     finally:
         await close_in_time(gateway, CLOSE_WITHIN_S)
-        telling.removeFilter(unread)
+        delivery_log.removeFilter(unread)
     return 1 if script is not None and script.late else 0
 
 

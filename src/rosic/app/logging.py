@@ -55,7 +55,7 @@ SHORTEST_SECRET = 4
 
 
 class OneLine(logging.Formatter):
-    """``14:02:07 warning rosic.telling: not told yet: ...``; a trace becomes its last place.
+    """``14:02:07 warning rosic.delivery: not told yet: ...``; a trace becomes its last place.
 
     Args:
         face: Shows the time of day.

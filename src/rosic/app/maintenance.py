@@ -173,7 +173,7 @@ EVERY_S = 60.0
 # A right that ends ends what moves under it within a second.
 SOONEST_S = 0.2
 
-log = logging.getLogger("rosic.minding")
+log = logging.getLogger("rosic.maintenance")
 
 
 class Maintenance:

@@ -148,8 +148,8 @@ class GatewayService:
         tasks = [working, ending]
         if (console := console_of(self._parts.messengers)) is not None:
             others = tuple(m.name for m in self._parts.messengers if not isinstance(m, Console))
-            minding = mind_console(console, self._gateway, self._end, others)
-            tasks.append(asyncio.create_task(minding))
+            watching = mind_console(console, self._gateway, self._end, others)
+            tasks.append(asyncio.create_task(watching))
         if isinstance(store := self._parts.store, ForgettingStore):
             tasks.append(asyncio.create_task(forget_daily(store, self._clock)))
         try:

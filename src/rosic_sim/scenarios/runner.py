@@ -310,11 +310,11 @@ async def _sit_down(
     curtain.plain("\n".join(f"  {hint}" for hint in stage.play.hints))
     curtain.plain(f"{NUMBERED}\nAlso: status, help. Deutsch: /language de. Ctrl-D leaves.")
     seat.taken.set()
-    minding = asyncio.create_task(mind_console(seat, stage.gateway, seat.ended.set, ()))
+    watching = asyncio.create_task(mind_console(seat, stage.gateway, seat.ended.set, ()))
     try:
         await ending.over
     finally:
-        minding.cancel()
+        watching.cancel()
     alone = is_terminal(sys.stdin) or seat.gone
     if not alone:
         return await _finish(stage, ending.signalled)

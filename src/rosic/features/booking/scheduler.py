@@ -35,7 +35,7 @@ AGAIN_S = 10.0
 """After a handover that failed."""
 CLOSE_WITHIN_S = 2.0
 
-log = logging.getLogger("rosic.times")
+log = logging.getLogger("rosic.booking")
 
 
 class SlotEnd:

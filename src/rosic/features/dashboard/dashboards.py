@@ -50,7 +50,7 @@ CARDS_AT_MOST: Final = 1_000
 CARDS_A_PERSON: Final = 20
 TRIES_TO_LEAVE: Final = 8
 
-log = logging.getLogger("rosic.livecards")
+log = logging.getLogger("rosic.dashboards")
 
 
 class Dashboards:

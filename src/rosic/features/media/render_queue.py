@@ -39,7 +39,7 @@ SEND_WITHIN_S = 90.0
 SOON_S = 2.0
 ENDINGS = {"image/jpeg": "jpg", "image/png": "png", "image/gif": "gif"}
 
-log = logging.getLogger("rosic.seeing")
+log = logging.getLogger("rosic.media")
 
 
 class RenderJob(msgspec.Struct, frozen=True):

@@ -133,7 +133,7 @@ def _place(pose: Pose) -> tuple[float, float, float]:
 
 # ---- sampling ----
 
-log = logging.getLogger("rosic.seeing")
+log = logging.getLogger("rosic.media")
 
 
 class TelemetrySampler:

@@ -286,7 +286,7 @@ def take_over(
 
 # ---- once a day ----
 
-log = logging.getLogger("rosic.containers")
+log = logging.getLogger("rosic.personal_data")
 
 
 async def tidy(data_context: ContainerContext, erasing: ErasureCommands) -> int:

@@ -26,7 +26,7 @@ KIND: Final = "erased"
 REST_WITHIN_S: Final = 10.0
 LOOK_EVERY_S: Final = 0.1
 
-log = logging.getLogger("rosic.containers")
+log = logging.getLogger("rosic.personal_data")
 
 
 class ErasureQueries(msgspec.Struct, frozen=True, kw_only=True):

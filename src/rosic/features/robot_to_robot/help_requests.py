@@ -29,7 +29,7 @@ ENGAGED_NS: Final = HOUR_NS
 KEPT_NS: Final = DAY_NS
 KEPT_OVER: Final = 500
 
-log = logging.getLogger("rosic.among")
+log = logging.getLogger("rosic.robot_to_robot")
 
 
 class _Body(msgspec.Struct, frozen=True, array_like=True):

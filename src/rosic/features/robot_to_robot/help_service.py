@@ -31,7 +31,7 @@ SENT_AT_MOST: Final = 2
 # People are called by each request; a robot that cries wolf is not heard any more.
 CALLS: Final = RateLimit(burst=6.0, per_s=1 / 60)
 
-log = logging.getLogger("rosic.among")
+log = logging.getLogger("rosic.robot_to_robot")
 
 
 class HelpService:

@@ -31,7 +31,7 @@ FLOOD_DROPPED: Final = 100
 SHORTEST_S: Final = 0.001
 CALM_NS: Final = MINUTE_NS
 
-log = logging.getLogger("rosic.among")
+log = logging.getLogger("rosic.robot_to_robot")
 
 
 class Inbox:

@@ -54,7 +54,7 @@ LOOK_EVERY_S: Final = 0.5
 SAVE_EVERY_S: Final = 5.0
 NOTICE_LIVES_S: Final = float(HOUR_S)
 
-log = logging.getLogger("rosic.among")
+log = logging.getLogger("rosic.robot_to_robot")
 
 
 class SilencedRobot(msgspec.Struct, frozen=True, array_like=True):

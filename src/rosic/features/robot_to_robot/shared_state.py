@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 KIND: Final = "shared"
 
-log = logging.getLogger("rosic.among")
+log = logging.getLogger("rosic.robot_to_robot")
 
 
 class _Body(msgspec.Struct, frozen=True, array_like=True):

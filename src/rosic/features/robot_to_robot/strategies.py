@@ -30,7 +30,7 @@ LOOK_EVERY_S: Final = 0.2
 IDLE_WITHIN_S: Final = 600.0
 ANSWER_WITHIN_S: Final = 10.0
 
-log = logging.getLogger("rosic.among")
+log = logging.getLogger("rosic.robot_to_robot")
 
 
 class ChosenStrategy(msgspec.Struct, frozen=True, array_like=True):

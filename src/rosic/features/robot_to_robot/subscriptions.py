@@ -34,7 +34,7 @@ EARS_OF_ONE: Final = 64
 PAIR_PACE: Final = RateLimit(burst=10.0, per_s=5.0)
 PAIRS_AT_MOST: Final = 8_192
 
-log = logging.getLogger("rosic.among")
+log = logging.getLogger("rosic.robot_to_robot")
 
 _json = msgspec.json.Encoder().encode
 

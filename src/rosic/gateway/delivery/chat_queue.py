@@ -90,7 +90,7 @@ DROPPED_TOGETHER = 100
 """What finds no room is logged so often."""
 FIRST_WAIT_S = 0.5
 
-log = logging.getLogger("rosic.telling")
+log = logging.getLogger("rosic.delivery")
 
 
 class Speaker(Protocol):

@@ -199,7 +199,7 @@ def _nothing(_who: PrincipalId, _matter: bytes) -> None:
 TO_ADMINS: Final = 2
 """How often a text that has come to the admins has been passed on."""
 
-log = logging.getLogger("rosic.telling")
+log = logging.getLogger("rosic.delivery")
 
 
 def nobody_to_tell(_item: Item, _why: ChatGone) -> None:

@@ -34,7 +34,7 @@ LONGEST_NS: Final = 47 * HOUR_NS
 LOOK_EVERY_S: Final = 5.0
 AGAIN_NS: Final = 30 * SECOND_NS
 
-log = logging.getLogger("rosic.retracting")
+log = logging.getLogger("rosic.redaction")
 
 
 class KeptSecret(msgspec.Struct, frozen=True, array_like=True):

@@ -52,7 +52,7 @@ ASIDE_AT_MOST = 10_000
 PROGRESS_EVERY_S = 2.0
 QUEUES_AT_MOST = 10_000
 
-log = logging.getLogger("rosic.telling")
+log = logging.getLogger("rosic.delivery")
 
 
 class ChatSender:
