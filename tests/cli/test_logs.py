@@ -65,7 +65,7 @@ def test_secrets_are_masked_in_lines_and_in_traces() -> None:
 
 def test_a_fault_is_looked_for_in_microseconds() -> None:
     assert re.match(
-        r"14:02:07\.\d{6} debug rosic\.telling: details$", said("debug").splitlines()[1]
+        r"14:02:07\.\d{6} debug rosic\.delivery: details$", said("debug").splitlines()[1]
     )
 
 
