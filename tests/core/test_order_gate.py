@@ -145,6 +145,12 @@ def test_what_is_too_late_is_told_for_what(late_ns: int, why: str) -> None:
     assert str(void.value) == why
 
 
+def test_a_robot_that_keeps_no_common_start_begins_as_its_order_arrives() -> None:
+    gate, missed_ns = OrderGate.new("r"), NOW_NS - TOO_LATE_NS - 1
+    gate.pass_order(replace(order(1, 1, 0, NOW_NS), start_ns=missed_ns), NOW_NS, WALL_NS)
+    assert gate.n == 1
+
+
 def test_a_new_gate_has_seen_nothing() -> None:
     gate = OrderGate.new("r")
     assert (gate.robot, gate.n, gate.fence, gate.generation) == ("r", 0, 0, 0)
