@@ -189,12 +189,10 @@ class BuiltinCommands:
             return Reply(page or text, (*rows(sections), *self._robots(visible)))
         if members == [topic]:
             profile = self._profiles[topic]
-            return Reply(messages.help_for(profile), self._skills(principal, profile), about=topic)
-        kinds: dict[frozenset[str], list[Profile]] = {}
-        for profile in map(self._profiles.__getitem__, members):
-            kinds.setdefault(frozenset(profile.skills), []).append(profile)
-        each = (messages.help_for(k[0], ", ".join(p.shown for p in k)) for k in kinds.values())
-        return Reply(joined("\n", each), self._robots(members), about=topic)
+            text = self._help_menu.of_robots(principal, (profile,))
+            return Reply(text, self._skills(principal, profile), about=topic)
+        text = self._help_menu.of_robots(principal, map(self._profiles.__getitem__, members))
+        return Reply(text, self._robots(members), about=topic)
 
     def _linked(
         self, caller: Caller, chat: Chat, line: Start, visible: frozenset[RobotId]

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Final
+
+from msgspec.structs import replace
 
 from rosic.core import messages
 from rosic.core.i18n import figure, joined, said
@@ -22,10 +25,14 @@ if TYPE_CHECKING:
     from rosic.core.language.command import Command
     from rosic.core.language.compiled import CompiledParameter, CompiledSkill
     from rosic.core.robot.profile import Profile, RobotId
+    from rosic.core.robot.skill import Parameter, Skill
     from rosic.gateway.components import Components
 
 
 EXAMPLES: Final = 3
+ANY: Final = (-inf, inf)
+NAMED: Final = "{shown}"
+"""Stands for a robot's name while two are compared."""
 SEVERAL: Final = 2
 MOVE: Final = said("Move")
 SEE: Final = said("See")
@@ -151,6 +158,40 @@ class HelpMenu:
                 return any(organiser.allows(principal, robot, GRANT) for robot in (FLEET, *visible))
         return organiser.allows(principal, FLEET, needs)
 
+    # ---- one robot ----
+
+    def of_robots(self, principal: PrincipalId, profiles: Iterable[Profile]) -> str:
+        """Return what robots can do for this person, and how far; those that are alike together."""
+        kinds: dict[str, list[Profile]] = {}
+        for profile in profiles:
+            theirs = messages.help_for(self._theirs(principal, profile), NAMED)
+            kinds.setdefault(theirs, []).append(profile)
+        return joined("\n", (self._of_kind(principal, kind) for kind in kinds.values()))
+
+    def _of_kind(self, principal: PrincipalId, kind: Sequence[Profile]) -> str:
+        shown = ", ".join(profile.shown for profile in kind)
+        theirs = self._theirs(principal, kind[0])
+        if not theirs.skills:
+            return said("You may look at {shown}. What you lack, ask for: /ask", shown=shown)
+        return messages.help_for(theirs, shown)
+
+    def _theirs(self, principal: PrincipalId, profile: Profile) -> Profile:
+        """Return a profile with what this person may let its robot do, within their limits."""
+        skills: dict[str, Skill] = {}
+        for skill in profile.skills.values():
+            widest = self._widest(principal, profile.id, skill.id)
+            compiled = self._vocabularies.current.compiled_skill(profile.id, skill.id)
+            if widest is None or compiled is None:
+                continue
+            of_theirs = {
+                name: _narrowed(parameter, compiled.by_name[name], *widest[name])
+                if name in widest
+                else parameter
+                for name, parameter in skill.parameters.items()
+            }
+            skills[skill.id] = replace(skill, parameters=of_theirs)
+        return replace(profile, skills=skills)
+
     # ---- examples ----
 
     def examples(self, principal: PrincipalId, visible: Iterable[RobotId]) -> list[str]:
@@ -182,33 +223,66 @@ class HelpMenu:
             compiled = self._vocabularies.current.compiled_skill(robots[0], skill.id)
             every = all(self._organiser.allows(principal, robot, skill.id) for robot in robots)
             if every and compiled is not None and all(map(_shared(skill.id), self._of(robots))):
-                values = list(_values(compiled))
+                values = list(_values(compiled, self._bounds(principal, skill.id, robots)))
                 if None not in values:
                     command = shown_command(skill.id, compiled.spoken, skill.titles)
                     return joined(" ", (name, command, *filter(None, values)))
         return ""
 
+    def _widest(
+        self, principal: PrincipalId, robot: RobotId, skill: str
+    ) -> dict[str, tuple[float, float]] | None:
+        organiser = self._organiser
+        return organiser.rights.widest(principal, robot, skill, organiser.wall_ns())
+
+    def _bounds(
+        self, principal: PrincipalId, skill: str, robots: Iterable[RobotId]
+    ) -> dict[str, tuple[float, float]]:
+        """Return how far somebody may go with a skill of every one of some robots, SI."""
+        found: dict[str, tuple[float, float]] = {}
+        for robot in robots:
+            for name, (low, high) in (self._widest(principal, robot, skill) or {}).items():
+                before = found.get(name, (low, high))
+                found[name] = (max(low, before[0]), min(high, before[1]))
+        return found
+
     def _of(self, robots: Iterable[RobotId]) -> Iterator[Profile]:
         return (self._profiles[robot] for robot in robots)
+
+
+def _narrowed(
+    parameter: Parameter, compiled: CompiledParameter, least: float, most: float
+) -> Parameter:
+    """Return a parameter with its bounds within two others, SI; those have some slack."""
+    bounds = (float(f"{compiled.unit.from_si(bound):.8g}") for bound in (least, most))
+    low, high = (bound if isfinite(bound) else None for bound in bounds)
+    low = parameter.min if low is None else max(low, parameter.min or 0.0)
+    high = parameter.max if high is None else min(high, parameter.max or 0.0)
+    usual = parameter.default
+    if isinstance(usual, int | float) and low is not None and high is not None:
+        usual = min(max(usual, low), high)
+    return replace(parameter, min=low, max=high, default=usual)
 
 
 def _shared(skill: str) -> Callable[[Profile], bool]:
     return lambda profile: skill in profile.skills
 
 
-def _values(compiled: CompiledSkill) -> Iterator[str | None]:
+def _values(
+    compiled: CompiledSkill, bounds: Mapping[str, tuple[float, float]]
+) -> Iterator[str | None]:
     """Yield what has to be said beside a skill; None where only a person can know."""
     wanted = [p for p in compiled.parameters if p.default is None]
     numbers = sum(p.is_number for p in wanted)
     for parameter in wanted:
-        yield _value(parameter, named=numbers > 1)
+        yield _value(parameter, bounds.get(parameter.name, ANY), named=numbers > 1)
 
 
-def _value(parameter: CompiledParameter, *, named: bool) -> str | None:
+def _value(parameter: CompiledParameter, bounds: tuple[float, float], *, named: bool) -> str | None:
     value = beginning(parameter)
     if value is None or not parameter.is_number:
         return None if value is None else shown_name(str(value))
-    number = parameter.unit.from_si(float(value))
+    number = parameter.unit.from_si(min(max(float(value), bounds[0]), bounds[1]))
     text, symbol = f"{number:.4g}", parameter.unit.symbol
     if named:
         return joined("=", (parameter.shown, figure(text)))

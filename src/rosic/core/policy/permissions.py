@@ -180,6 +180,23 @@ class Permissions:
             return ()
         return tuple(dict.fromkeys(tuple([limit.said for limit in way.limits]) for way in live))
 
+    def widest(
+        self, principal: PrincipalId, robot: RobotId, skill: str, now_ns: int
+    ) -> dict[str, tuple[float, float]] | None:
+        """Return how far somebody may go with each parameter that is limited, SI.
+
+        Over every way in which they have the right now; None: they have it in none.
+        """
+        live = [way for way, held in self.ways(principal, robot, skill) if now_ns < held.until_ns]
+        if not live:
+            return None
+        limited = [{limit.parameter: limit for limit in way.limits} for way in live]
+        names = frozenset(limited[0]).intersection(*limited[1:])
+        return {
+            name: (min(of[name].min for of in limited), max(of[name].max for of in limited))
+            for name in sorted(names)
+        }
+
     def moves_until_ns(self, principal: PrincipalId, robot: RobotId) -> int | None:
         """Return when the last of somebody's rights to move a robot ends; None: one has no end."""
         ends = [

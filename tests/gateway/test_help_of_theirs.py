@@ -1,0 +1,56 @@
+"""Help about a robot shows what its reader may let it do, and how far."""
+
+from __future__ import annotations
+
+import pytest
+from msgspec.structs import replace
+
+from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
+from tests.gateway.place import BO, VI, Place, profile
+
+MAY = "omni can:\n  move: direction (forward, back, left), distance 0.01 to 0.3 m\n  look"
+
+
+class School(Place):
+    """Bo may only move, and not far."""
+
+    rulebook = RoleRules(
+        roles={
+            **DEFAULT_ROLES,
+            "student": Role(scopes=("*:read", "*:move"), limits=("distance <= 30 cm",)),
+        }
+    )
+    people = tuple(
+        replace(person, roles=("student",)) if person.name == "Bo" else person
+        for person in Place.people
+    )
+
+
+async def test_bounds_are_those_of_whoever_asks() -> None:
+    async with School().open() as place:
+        assert "wave" in await place.say("help omni")
+        assert "distance 0.01 to 5 m" in await place.say("help omni")
+        told = await place.say("help omni", account=BO, chat="2")
+        assert told == MAY
+
+
+@pytest.mark.parametrize("asked", ["help swarm", "omni", "help"])
+async def test_no_skill_and_no_example_beyond_their_rights(asked: str) -> None:
+    async with School().open() as place:
+        told = await place.say(asked, account=BO, chat="2")
+        assert "wave" not in told
+        assert " 0.5 m" not in told
+        assert "to 5 m" not in told
+        if asked == "help swarm":
+            assert told == MAY.replace("omni", "cf1, cf2")
+        if asked == "help":
+            example = told.splitlines()[1].strip()
+            assert "above" not in (said := await place.say(example, account=BO, chat="2"))
+            assert "accepted" in said or "done" in said
+
+
+async def test_whoever_may_only_look_is_told_so() -> None:
+    fleet = (replace(profile("omni"), skills={"move": profile("omni").skills["move"]}),)
+    async with Place(fleet=fleet).open() as place:
+        told = await place.say("help omni", account=VI, chat="3")
+        assert told == "You may look at omni. What you lack, ask for: /ask"
