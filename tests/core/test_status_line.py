@@ -43,3 +43,16 @@ def test_what_was_reported_long_ago_is_told_with_its_age(age_s: float, age: str)
     card = battery(replace(AGV, telemetry=described), presence)
     step = {"": 0, ", 10 s ago": 10, ", 4 min ago": 120, ", 2 h ago": 3600}[age]
     assert card == "battery 80 %" + (f", not heard for over {step} s" if step else "")
+
+
+def test_of_what_is_no_number_is_said_so() -> None:
+    described = {"battery": Telemetry(unit="%", alert_below=20), "x": Telemetry(unit="m")}
+    profile = replace(AGV, telemetry=described)
+    presence = Presence(
+        online=True, values={"x": 1.5}, ages_s={"battery": 240.0}, no_number=("battery",)
+    )
+    assert status_line(profile, presence, holder="", stopped_by=None, waiting=0) == (
+        "agv: free · battery not known, as the robot gives no number, 4 min ago · x 1.50 m"
+    )
+    assert battery(profile, presence) == "battery not known, as the robot gives no number"
+    assert battery(profile, Presence(online=True)) == "", "nothing was heard of it"

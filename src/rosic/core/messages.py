@@ -40,6 +40,7 @@ NOTHING_VISIBLE = said(
 )
 
 STALE_S = 10.0
+NO_NUMBER: Final = said("not known, as the robot gives no number")
 """What a robot reported so long ago, or longer, is told with its age."""
 
 NAMED_AT_MOST = 50
@@ -218,9 +219,12 @@ def _link(presence: Presence) -> str:
 def _values(profile: Profile, presence: Presence) -> Iterable[str]:
     for name, described in profile.telemetry.items():
         value = presence.values.get(name)
-        if value is None:
+        text: str
+        if name in presence.no_number:
+            text = NO_NUMBER
+        elif value is None:
             continue
-        if isinstance(value, str):
+        elif isinstance(value, str):
             text = value
         else:
             shown = f"{value:.0f}" if described.unit == "%" else f"{value:z.2f}"

@@ -266,6 +266,22 @@ async def test_nothing_new_moves_what_did_not_come_to_rest_after_a_break(base: R
         assert (await robot.do("drive", SLOWLY)).ending is OrderEnding.DONE
 
 
+async def test_a_battery_that_is_no_number_does_not_vanish_without_a_word(
+    base: RosProcess,
+) -> None:
+    async with opened(profile(), SystemClock()) as robot:
+        await until(lambda: "battery" in robot.presence().values)
+        await told(base, "battery=nan")
+        await until(lambda: robot.presence().no_number == ("battery",))
+        presence = robot.presence()
+        assert "battery" not in presence.values
+        assert status_line(robot.profile, presence, holder="", stopped_by=None, waiting=0).endswith(
+            " · battery not known, as the robot gives no number"
+        )
+        await told(base, "battery=0.5")
+        await until(lambda: robot.presence().no_number == () and bool(robot.presence().values))
+
+
 async def test_a_drive_is_broken_off_once_its_motion_is_not_measured(base: RosProcess) -> None:
     async with opened(profile(), SystemClock()) as robot:
         await until(lambda: robot.presence().at_rest is True)

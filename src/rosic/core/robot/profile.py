@@ -238,6 +238,7 @@ class Presence(msgspec.Struct, frozen=True, kw_only=True):
         holds: It keeps its place, if not on the ground; None: that is not told from rest.
         values: Newest telemetry in the profile's units.
         ages_s: Since each of them was heard; one that is not named is of now.
+        no_number: What it reports and has no value, as what it says is no number (NaN).
         pose: Where it is; None unless the profile names a ``pose`` and it is fresh.
     """
 
@@ -249,6 +250,7 @@ class Presence(msgspec.Struct, frozen=True, kw_only=True):
     doubt: str = ""
     values: dict[str, float | str] = {}
     ages_s: dict[str, float] = {}
+    no_number: tuple[str, ...] = ()
     pose: Pose | None = None
 
     @property

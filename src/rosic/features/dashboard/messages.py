@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import joined, said, said_n
 from rosic.core.language.sanitise import echo
-from rosic.core.messages import STALE_S
+from rosic.core.messages import NO_NUMBER, STALE_S
 from rosic.core.units import measured
 
 if TYPE_CHECKING:
@@ -85,6 +85,8 @@ def waiting(count: int) -> str:
 def battery(profile: Profile, presence: Presence) -> str:
     """How full it is; empty when that is not known."""
     value, described = presence.values.get("battery"), profile.telemetry.get("battery")
+    if described is not None and "battery" in presence.no_number:
+        return said("battery {value}", value=NO_NUMBER)
     if value is None or described is None:
         return ""
     # As seldom as whether it is heard: every other age would be another edit of the message.

@@ -405,6 +405,7 @@ class Ros2Robot:
             doubt=self._measured.doubt(),
             values=self._measured.values(),
             ages_s=self._measured.ages_s(),
+            no_number=self._measured.no_number(),
             pose=self._camera_map.pose() if online is not False else None,
         )
 

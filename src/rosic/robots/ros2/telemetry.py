@@ -17,7 +17,7 @@ from rosic.robots.ros2.messages.decode import FieldReader, Plain, compile_path
 from rosic.robots.ros2.rest_reading import ODOMETRY, RestReading, numbers
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.robots.ros2.client.graph import GraphSnapshot
@@ -399,21 +399,26 @@ class Measurements:
 
     def values(self) -> dict[str, float | str]:
         """Return the newest of everything the profile names; what cannot be read is left out."""
-        found: dict[str, float | str] = {}
+        told = ((name, _shown(value, scale)) for name, value, scale in self._told())
+        return {name: shown for name, shown in told if shown is not None}
+
+    def no_number(self) -> tuple[str, ...]:
+        """Return of which of them the newest is none, such as NaN."""
+        return tuple(
+            name
+            for name, value, _ in self._told()
+            if isinstance(value, float) and not isfinite(value)
+        )
+
+    def _told(self) -> Iterator[tuple[str, Plain, UnitScale]]:
         for name, source, read, scale in self._values:
-            message = None
-            try:
+            with suppress(BadValue):
                 message = source.message()
-                value = None if message is None else read(message)
-            except BadValue:
-                continue
-            shown = _shown(value, scale)
-            if shown is not None:
-                found[name] = shown
-        return found
+                if message is not None:
+                    yield name, read(message), scale
 
 
-def _shown(value: Plain | None, scale: UnitScale) -> float | str | None:
+def _shown(value: Plain, scale: UnitScale) -> float | str | None:
     if isinstance(value, str):
         return clean_text(value, max_bytes=_TEXT_BYTES)
     if isinstance(value, (bool, int, float)) and isfinite(value):
