@@ -272,6 +272,18 @@ async def test_what_moves_is_not_resumed_and_stays_stopped_on_disk_too(place: Pl
     assert await place.linker.resume("omni", 1)
 
 
+async def test_one_that_this_run_brings_to_rest_is_not_resumed_while_it_is_not_there() -> None:
+    place = Place({"omni": (1, True)})
+    place.robot.times = None
+    place.linker.watch_stopped()
+    await place.pass_s(EVERY_S)
+    assert place.told == 1
+    place.robot.online = False
+    with pytest.raises(RobotUnreachable):
+        await place.linker.resume("omni", 1)
+    assert place.stops["omni"].latched
+
+
 async def test_a_resume_ends_it(place: Place) -> None:
     place.robot.at_rest = place.robot.times = None
     await stopped(place)
