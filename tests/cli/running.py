@@ -30,10 +30,15 @@ class Ran(NamedTuple):
     err: str
 
 
+# What a person is sent lies there for them to open, and is not taken away when they leave.
+SENT = tempfile.TemporaryDirectory(prefix="tests-of-rosic-")
+
+
 def environment(extra: Mapping[str, str] | None = None) -> dict[str, str]:
     own = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
     paths = [str(SOURCE), *filter(None, [own.get("PYTHONPATH")])]
-    return own | {"PYTHONPATH": os.pathsep.join(paths), "TZ": "UTC"} | dict(extra or {})
+    ours = {"PYTHONPATH": os.pathsep.join(paths), "TZ": "UTC", "TMPDIR": SENT.name}
+    return own | ours | dict(extra or {})
 
 
 def rosic(

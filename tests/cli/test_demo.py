@@ -14,6 +14,7 @@ import sys
 import termios
 import time
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -23,7 +24,6 @@ from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
 SCRIPT = """omni move forward 0.5 m
 kuka1 grasp
@@ -211,6 +211,18 @@ def test_by_hand_it_completes_asks_and_leaves(hand: Hand) -> None:
     hand.type("\x04")
     hand.see("Left. Nothing was kept.")
     assert hand.process.wait(60) == 0
+
+
+def test_whoever_was_sent_a_picture_reads_on_leaving_where_it_lies(hand: Hand) -> None:
+    hand.see("\n>")
+    hand.type("picture omni\r")
+    hand.see("It lies in ")
+    hand.type("\x04")
+    left = " ".join(hand.see("then rosic run").split())
+    assert "nothing else was kept" in left
+    folder = re.search(r"What you were sent lies in (/\S+);", left)
+    assert folder, left
+    assert [file.name for file in Path(folder[1]).iterdir()] == ["omni.jpg"]
 
 
 def test_at_a_german_terminal_it_speaks_german_until_somebody_chooses() -> None:

@@ -6,6 +6,7 @@ import os
 import re
 from contextlib import asynccontextmanager
 from pathlib import Path
+from shutil import rmtree
 from typing import TYPE_CHECKING
 
 import pytest
@@ -105,6 +106,9 @@ class TestTerminal(MessengerConformance):
     @pytest.fixture
     def stage(self) -> Iterator[TerminalStage]:
         reading, writing = os.pipe()
-        yield TerminalStage(reading, writing)
+        stage = TerminalStage(reading, writing)
+        yield stage
+        if stage.messenger.downloads.folder is not None:
+            rmtree(stage.messenger.downloads.folder)
         os.close(reading)
         os.close(writing)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from shutil import rmtree
+
 from rosic.config.plugins import catalogue
 from rosic.core.message import Attachment, Chat, Outbound
 from rosic.gateway.delivery.translation import translated
@@ -20,3 +22,8 @@ async def test_where_a_file_lies_is_said_in_the_readers_language() -> None:
     german, english = script.shown
     assert german.startswith("omni, Kamera\nEs liegt in /")
     assert english.startswith("omni, Kamera\nIt lies in /")
+    folder = messenger.downloads.folder
+    assert folder is not None
+    assert sorted(file.name for file in folder.iterdir()) == ["omni-1.jpg", "omni.jpg"]
+    rmtree(folder)
+    assert messenger.downloads.folder is None

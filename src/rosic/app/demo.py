@@ -48,6 +48,10 @@ GREETING = said(
 LATE = said("Still under way after {seconds:.0f} s; going on.")
 AT_THE_END = said("At the end:")
 LEFT = said("Left. Nothing was kept. For real robots: rosic init, then rosic run")
+LEFT_FILES = said(
+    "Left. What you were sent lies in {folder}; nothing else was kept. For real robots: "
+    "rosic init, then rosic run"
+)
 # Somebody's name, not a word of a sentence: in German that would need its case.
 YOU = titled("you", {"de": "Gast"})
 
@@ -153,7 +157,9 @@ async def _take_leave(gateway: Gateway, messenger: TerminalMessenger, *, script:
     if moving:
         async for line in AdminDispatcher(gateway).stop(moving):
             messenger.show(read_at(messenger, gateway, line))
-    messenger.show(read_at(messenger, gateway, LEFT))
+    folder = messenger.downloads.folder
+    left = LEFT if folder is None else filled(LEFT_FILES, folder=folder)
+    messenger.show(read_at(messenger, gateway, left))
 
 
 async def _until_over(

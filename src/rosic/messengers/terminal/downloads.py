@@ -26,6 +26,12 @@ class DownloadFolder:
     def __init__(self) -> None:
         self._folder: Path | None = None
 
+    @property
+    def folder(self) -> Path | None:
+        """Where files lie that were sent; None: there are none."""
+        folder = self._folder
+        return folder if folder is not None and folder.is_dir() and any(folder.iterdir()) else None
+
     async def put(self, attachment: Attachment, lies_in: str = "") -> str:
         """Write a file, over none that is there, and return a sentence about where it lies.
 

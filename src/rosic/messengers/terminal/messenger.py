@@ -136,6 +136,7 @@ class TerminalMessenger:
         locale: What the terminal is set to; only the default for whoever has not chosen.
 
     Attributes:
+        downloads: Where the files lie that it was sent.
         interrupted: Set by each Ctrl-C; see `take_interrupts`.
         ended: Set when there is nothing more to read. `run` goes on: others may still talk.
         gone: What is shown reaches nobody any more; `ended` is set then, too.
@@ -170,7 +171,7 @@ class TerminalMessenger:
         self._screen = screen
         self._completer = Completer()
         self._choices = Choices()
-        self._drawer = DownloadFolder()
+        self.downloads = DownloadFolder()
         self._chat = Chat(self.platform, CHAT)
         self._serial = 0
         self._interrupts = 0
@@ -275,7 +276,7 @@ class TerminalMessenger:
         """Show a text, where its file lies, and its choices. See the contract."""
         message = self._next_id()
         if outbound.attachment is not None:
-            lies = await self._drawer.put(outbound.attachment, outbound.lies_in)
+            lies = await self.downloads.put(outbound.attachment, outbound.lies_in)
             outbound = replace(outbound, text=f"{outbound.text}\n{lies}".strip())
         if self.ended.is_set():  # nobody types any more, so nothing can be chosen
             outbound = replace(outbound, buttons=())
