@@ -66,13 +66,17 @@ class OrderMessage:
         "words",
     )
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - a record of them would cost every order a call
         self,
         messenger: Messenger,
         chat: Chat,
         reply_to: str,
         principal: PrincipalId,
         words: StatusTexts = ENGLISH,
+        *,
+        about: str = "",
+        buttons: tuple[tuple[Button, ...], ...] = (),
+        after: tuple[tuple[Button, ...], ...] = (),
     ) -> None:
         self.messenger = messenger
         self.in_place = messenger.edits
@@ -81,15 +85,15 @@ class OrderMessage:
         self.reply_to = reply_to
         self.principal = principal
         self.message = ""
-        self.about = ""
+        self.about = about
         self.adopted = False
         self.words = words
         self.dirty = self.doubted = False
         self.lines: tuple[str, ...] = ()
         self.untold: tuple[CommandId, ...] = ()
         self.cids: tuple[CommandId, ...] = ()
-        self.buttons: tuple[tuple[Button, ...], ...] = ()
-        self.after: tuple[tuple[Button, ...], ...] = ()
+        self.buttons = buttons
+        self.after = after
         self._statuses: tuple[OrderStatus, ...] = ()
         self.open = 0
 

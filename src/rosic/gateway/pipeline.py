@@ -264,10 +264,17 @@ class Pipeline:
             orders = begin_together(orders, self._clock.monotonic_ns())
         catalogue = self._languages.of(caller.principal)
         words = ENGLISH if catalogue is None else wording_in(catalogue)
-        order_message = OrderMessage(messenger, chat, origin.message, caller.principal, words)
-        order_message.about = line.group or line.robots[0]
-        order_message.buttons = stop_button(order_message.about)
-        order_message.after = self.ends[order_message.about, line.text, catalogue]
+        about = line.group or line.robots[0]
+        order_message = OrderMessage(
+            messenger,
+            chat,
+            origin.message,
+            caller.principal,
+            words,
+            about=about,
+            buttons=stop_button(about),
+            after=self.ends[about, line.text, catalogue],
+        )
         if message.confirmed and messenger.edits and len(message.asked) == len(orders):
             # The question that was answered becomes the message of the order that it asked about.
             order_message.adopt(message.inbound.under)

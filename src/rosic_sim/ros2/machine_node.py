@@ -152,25 +152,37 @@ class MachineNode:
     the machine's. All of it runs on one thread, so nothing here is locked.
 
     Attributes:
-        starts: Takes down when it begins to move.
-        watch: Whether anybody is still there who could stop it.
         linked: False while its radio is cut on purpose: it hears nothing and says nothing.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - what a process of robots has, each robot is given
         self,
         ros_node: RosObject,
         robot: str,
         world: SimulatedWorld,
         clock: WaitingClock,
         log: ActuationLog,
+        *,
+        starts: ActuationLog,
+        watch: LinkWatchdog,
     ) -> None:
+        """Make it.
+
+        Args:
+            ros_node: Speaks for it.
+            robot: Its id.
+            world: Where its machine is.
+            clock: When it wants its next turn.
+            log: Takes down what is asked of it.
+            starts: Takes down when it begins to move.
+            watch: Whether anybody is still there who could stop it.
+        """
         self.id = robot
         self.node = ros_node
         self.model = model_of(robot)
         self.machine = world.machines[robot]
         self.linked = True
-        self.starts = ActuationLog(None)
+        self._starts = starts
         self._clock = clock
         self._log = log
         self._count = 0
@@ -178,7 +190,7 @@ class MachineNode:
         self._waits = False
         self._stepped: tuple[float, RosObject] | None = None
         self._noted = ""
-        self.watch = LinkWatchdog()
+        self._watch = watch
         self._goals = MachineActions(self)
         self._reports = TelemetryPublisher(ros_node, self.machine)
         self._faults = RobotFaults(self, world)
@@ -247,7 +259,7 @@ class MachineNode:
         self.machine.step(now_s)
         if self._waits and now_s >= self.machine.start_s:
             self._waits = False
-            self.starts.moved(self.id, time.time_ns())
+            self._starts.moved(self.id, time.time_ns())
         self._stepped = now_s, self.node.get_clock().now()
 
     def turn(self) -> None:
@@ -257,7 +269,7 @@ class MachineNode:
             return
         (now_s, stepped), self._stepped = self._stepped, None
         stamp = stepped.to_msg()
-        if self.machine.moving and self.watch.lost(now_s):
+        if self.machine.moving and self._watch.lost(now_s):
             self.machine.link_lost(now_s)
         self._tell_note()
         if not self.linked:
@@ -286,7 +298,7 @@ class MachineNode:
         """Take down that the machine begins to act."""
         self._count += 1
         self._waits = True
-        self.watch.begin(self.now_s())
+        self._watch.begin(self.now_s())
         self._log.add(self.id, skill, goal, self._count)
         self._due_s = 0.0
 
@@ -302,7 +314,7 @@ class MachineNode:
 
     def _heard(self, header: RosObject) -> None:
         if self.linked:
-            self.watch.heard(self.when_s(header.stamp))
+            self._watch.heard(self.when_s(header.stamp))
 
     def _told(self, words: RosObject) -> None:
         """Take on a strategy, and say so: what the robot's own node does among other robots."""

@@ -23,11 +23,9 @@ from rosic.robots.ros2.client.rclpy_import import (
     make_executor,
 )
 from rosic.robots.ros2.messages.names import did_you_mean
-from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.machines.field_robots import FireWatcher, Rover
 from rosic_sim.robots.machines.omni import Omni
-from rosic_sim.robots.machines.swarm import Swarm
-from rosic_sim.robots.machines.world import SWARM_PLACES, SimulatedWorld, build_world
+from rosic_sim.robots.machines.world import SimulatedWorld, build_world
 from rosic_sim.ros2.endpoints import MODELS, ActuationLog, model_of
 from rosic_sim.ros2.machine_node import LINK_LOST_S, NODE_NAME, LinkWatchdog, MachineNode
 from rosic_sim.ros2.waiting_clock import RealtimePriority, WaitingClock
@@ -214,20 +212,13 @@ def _robot(
 ) -> _Node:
     if robot in OTHERS:
         return OTHERS[robot][1](node, robot, clock, means.log)
-    made = MachineNode(node, robot, world, clock, means.log)
-    made.starts = means.starts
-    made.watch = LinkWatchdog(means.link_lost_s)
-    return made
+    watch = LinkWatchdog(means.link_lost_s)
+    return MachineNode(node, robot, world, clock, means.log, starts=means.starts, watch=watch)
 
 
 def _world(robots: Sequence[str]) -> SimulatedWorld:
-    """Build the world, but let every drone know only what it hears of the others."""
-    world = build_world()
-    drones = tuple(
-        Crazyflie(name, Swarm(tuple(SWARM_PLACES)), place) for name, place in SWARM_PLACES.items()
-    )
-    world.drones = drones
-    world.machines.update({drone.id: drone for drone in drones})
+    """Build the world, with every robot in it that is simulated here."""
+    world = build_world(one_swarm=False)
     for robot in robots:
         if robot not in KNOWN:
             world.add(MACHINES[model_of(robot)](robot))

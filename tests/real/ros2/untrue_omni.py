@@ -22,7 +22,7 @@ from rosic.robots.ros2.client.rclpy_import import find_own_interfaces, load_ros,
 from rosic_sim.robots.machines.activity import ActivityState
 from rosic_sim.robots.machines.world import build_world
 from rosic_sim.ros2.endpoints import ActuationLog
-from rosic_sim.ros2.machine_node import NODE_NAME, MachineNode
+from rosic_sim.ros2.machine_node import NODE_NAME, LinkWatchdog, MachineNode
 from rosic_sim.ros2.waiting_clock import WaitingClock
 
 OMNI = "omni"
@@ -79,7 +79,15 @@ class Site:
         )
         self._executor.add_node(node)
         self._log = ActuationLog(actuations)
-        self.omni = UntrueOmni(node, OMNI, build_world(), WaitingClock(), self._log)
+        self.omni = UntrueOmni(
+            node,
+            OMNI,
+            build_world(),
+            WaitingClock(),
+            self._log,
+            starts=ActuationLog(None),
+            watch=LinkWatchdog(),
+        )
 
     def turn(self) -> None:
         """Hear what comes for a moment, unless it ignores that; let the robot have its turn."""

@@ -209,10 +209,15 @@ class AlertActions:
         title = str(words.order_title(f"{shown}: {request.text}", rule))
         origin = ReplyTo(messenger.name, chat, "", title)
         [order] = await self._rooms.container.prepare(permits, [request], origin)
-        order_message = OrderMessage(messenger, chat, "", caller.principal)
-        order_message.buttons = words.stop_button(rule.robot)
         catalogue = hands.chat_sender.languages.of(caller.principal)
-        order_message.after = hands.ends[rule.robot, request.text, catalogue]
+        order_message = OrderMessage(
+            messenger,
+            chat,
+            "",
+            caller.principal,
+            buttons=words.stop_button(rule.robot),
+            after=hands.ends[rule.robot, request.text, catalogue],
+        )
         titled = str(words.order_title(f"{shown}: {order.words}", rule))
         status = OrderStatus(shown, titled, hands.face, self._clock.wall_ns())
         order_message.show(order.cid, status)

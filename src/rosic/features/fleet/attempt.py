@@ -197,11 +197,15 @@ class TaskAttempts:
         hands, robot = self._hands, request.robot
         catalogue = hands.chat_sender.languages.of(caller.principal)
         wording = ENGLISH if catalogue is None else wording_in(catalogue)
-        order_message = OrderMessage(*where, "", caller.principal, wording)
-        order_message.about = robot
-        order_message.buttons = stop_button(robot)
-        order_message.after = hands.ends[robot, request.text, catalogue]
-        return order_message
+        return OrderMessage(
+            *where,
+            "",
+            caller.principal,
+            wording,
+            about=robot,
+            buttons=stop_button(robot),
+            after=hands.ends[robot, request.text, catalogue],
+        )
 
     def _begin(
         self,

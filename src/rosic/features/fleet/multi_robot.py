@@ -379,10 +379,16 @@ class MultiRobotCommands:
         catalogue = hands.chat_sender.languages.of(asked.caller.principal)
         wording = ENGLISH if catalogue is None else wording_in(catalogue)
         who = asked.caller.principal
-        order_message = OrderMessage(asked.messenger, chat, reply_id(asked.inbound), who, wording)
-        order_message.about = meant.name
-        order_message.buttons = stop_button(meant.name.replace(JOINED, " "))
-        order_message.after = hands.ends[meant.name, meant.again, catalogue]
+        order_message = OrderMessage(
+            asked.messenger,
+            chat,
+            reply_id(asked.inbound),
+            who,
+            wording,
+            about=meant.name,
+            buttons=stop_button(meant.name.replace(JOINED, " ")),
+            after=hands.ends[meant.name, meant.again, catalogue],
+        )
         for order in orders:
             shown = self._shown(order.robot)
             what = in_language(order.words, catalogue)

@@ -113,12 +113,15 @@ def _cube() -> SimulatedObject:
     return SimulatedObject(CUBE, "kuka1", STATION_M, mass_kg=0.5, width_m=0.05)
 
 
-def build_world() -> SimulatedWorld:
+def build_world(*, one_swarm: bool = True) -> SimulatedWorld:
     """Build the world, always the same.
 
     The omni stands at its origin with the arm folded; kuka1 is at home with a cube at its
     station; yumi is at home with a part in its left gripper; cf1, cf2, cf3 stand on the ground
     in a line along y, 1 m apart, cf2 in the middle; batteries are full.
+
+    Args:
+        one_swarm: Every drone knows of all; otherwise only what it hears of the others.
     """
     things = SimulatedObjects(
         (_cube(), SimulatedObject(PART, "yumi", (0.0, 0.0, 0.0), mass_kg=0.1, width_m=0.02))
@@ -128,6 +131,9 @@ def build_world() -> SimulatedWorld:
     if part is not None:
         yumi.grippers["left"].take(part, FORCE_N)
     swarm = Swarm(tuple(SWARM_PLACES))
-    drones = tuple(Crazyflie(name, swarm, place) for name, place in SWARM_PLACES.items())
+    drones = tuple(
+        Crazyflie(name, swarm if one_swarm else Swarm(tuple(SWARM_PLACES)), place)
+        for name, place in SWARM_PLACES.items()
+    )
     machines: dict[str, SteppedMachine] = {m.id: m for m in (omni, kuka, yumi, *drones)}
     return SimulatedWorld(omni, kuka, yumi, drones, swarm, things, machines)
