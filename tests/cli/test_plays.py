@@ -206,6 +206,16 @@ def test_a_newcomer_acts_as_somebody_with_their_rights() -> None:
 
 
 @pytest.mark.limit(300)
+def test_a_student_who_stops_the_arm_can_let_it_go_on() -> None:
+    lines = "stop\nkuka1 home\nresume kuka1\nkuka1 home\n"
+    asked = ("demo", "class", "--interactive", "--as", "student 2", "--plain", "--fast")
+    done = rosic(*asked, stdin=lines)
+    assert (done.status, done.err) == (0, "")
+    assert "KUKA iiwa is ready again." in done.out
+    assert "1 order accepted: 1 done." in done.out
+
+
+@pytest.mark.limit(300)
 def test_tasks_and_missions_of_piped_lines_are_done_before_it_sums_up() -> None:
     lines = "/task carriers goto x=0.4 y=0.4 then goto x=0 y=0.4\n/mission start restock\n/fleet\n"
     done = rosic("demo", "fleet", "--interactive", "--plain", "--fast", stdin=lines)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
+from rosic.core.policy.scope import RESUME
 from rosic_sim.scenarios.robots import shipped
 from rosic_sim.scenarios.scenario import Person, Scenario
 
@@ -15,8 +16,10 @@ ARM: Final = "kuka1"
 TEACHER: Final = "Teacher"
 STUDENTS: Final = tuple(f"Student {number}" for number in range(1, 21))
 FIRST, SECOND, THIRD, *REST = STUDENTS
+# Any of them may stop the arm, and whoever plays one of them may be alone with it: nobody else in a
+# play resumes it.
 STUDENT: Final = Role(
-    scopes=(f"{ARM}:home", f"{ARM}:grasp", f"{ARM}:release", f"{ARM}:move_joint"),
+    scopes=tuple(f"{ARM}:{skill}" for skill in ("home", "grasp", "release", "move_joint", RESUME)),
     limits=("force <= 20 N",),
     priority=10,
 )
