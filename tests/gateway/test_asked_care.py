@@ -9,11 +9,14 @@ from msgspec.structs import replace
 
 from rosic.config.profiles import known_units
 from rosic.core.policy.limits import unit_converter
+from rosic.core.policy.permissions import fleet_of
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules, SkillPrecondition
 from rosic.core.policy.scope import FLEET, FLEET_VERBS, NO_SKILLS, RESUME
 from rosic.core.policy.validation import rulebook_mistakes
+from rosic.errors import ConfigurationError
 from rosic.messengers.memory import MemoryMessenger
 from tests.gateway.place import BO, PEOPLE, Place
+from tests.gateway.place import FLEET as ROBOTS
 
 if TYPE_CHECKING:
     from rosic.testing.clock import ManualClock
@@ -63,15 +66,18 @@ async def test_what_care_accepts_is_asked_for_and_the_rest_is_refused(
     scope: str, wanted: str
 ) -> None:
     rulebook = ruled(scope, wanted)
+    found = rulebook_mistakes(rulebook, fleet_of(ROBOTS), unit_converter(known_units()))
+    assert (not found) is ((scope, wanted) in ACCEPTED)
+    if found:
+        (mistake,) = found
+        assert mistake.place == ("care", 0, "scopes", 0)
+        assert mistake.sentence.startswith(f"'{scope}' is no skill: ")
+        with pytest.raises(ConfigurationError, match=r"^care\.0\.scopes\.0: .* is no skill: "):
+            async with place_with(rulebook).open():
+                pass
+        return
     async with place_with(rulebook).open() as place:
-        fleet = place.gateway.rooms.organiser.rights.fleet
-        found = rulebook_mistakes(rulebook, fleet, unit_converter(known_units()))
-        assert (not found) is ((scope, wanted) in ACCEPTED)
-        if found:
-            (mistake,) = found
-            assert mistake.place == ("care", 0, "scopes", 0)
-            assert mistake.sentence.startswith(f"'{scope}' is no skill: ")
-        elif scope == f"omni:{RESUME}":
+        if scope == f"omni:{RESUME}":
             await place.say("stop omni", account=BO, chat=BO)
             assert place.robot("omni").gate.latched, "a stop asks for nothing"
             await place.clock.advance(1.5)
@@ -108,3 +114,20 @@ async def test_what_a_resume_wants_holds_for_ones_own_stop_and_not_for_the_opera
             at_ns = place.clock.wall_ns()
             await place.gateway.pipeline.resuming.by_operator(["omni"], at_ns)
             assert not place.robot("omni").gate.latched
+
+
+async def test_a_gateway_made_in_python_has_no_rule_that_asks_for_nothing() -> None:
+    """A file with it is refused when it is read; here nobody read one."""
+    nothing = SkillPrecondition(scopes=("omni:move",))
+    place = place_with(RoleRules(roles=DEFAULT_ROLES, care=(nothing,)))
+    with pytest.raises(ConfigurationError, match=r"^care\.0: This asks for nothing\. Set confirm"):
+        async with place.open():
+            pass
+
+
+async def test_a_rule_for_robots_that_are_yet_to_be_added_is_none_that_asks_for_nothing() -> None:
+    care = SkillPrecondition(scopes=("*:move",), confirm=True)
+    ruled_place = place_with(RoleRules(roles=DEFAULT_ROLES, care=(care,)))
+    empty = type(ruled_place)(fleet=())
+    async with empty.open():
+        pass

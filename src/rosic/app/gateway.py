@@ -36,6 +36,9 @@ from rosic.contracts.console import SupportsCompletion
 from rosic.contracts.store import AuditStore
 from rosic.core.language import Vocabulary, VocabularyHolder, inert_text
 from rosic.core.message import Outbound
+from rosic.core.policy.limits import unit_converter
+from rosic.core.policy.permissions import fleet_of
+from rosic.core.policy.validation import rulebook_mistakes
 from rosic.core.signal import Deferred
 from rosic.errors import ConfigurationError
 from rosic.gateway import Pipeline
@@ -122,6 +125,7 @@ class Gateway(RunningGateway):
         try:
             if self._know_added(memory):
                 vocabulary = self._vocabulary()
+            self._check_care()
             await self._compose(memory, vocabulary)
             await self.features.restore()
             tell = partial(self._tell_admins, urgent=False)
@@ -153,6 +157,18 @@ class Gateway(RunningGateway):
         for messenger in self._parts.messengers:
             if isinstance(messenger, SupportsCompletion):
                 messenger.know(self.profiles.values(), self.rooms.vocabulary.commands)
+
+    def _check_care(self) -> None:
+        """See that no rule reads as if it protected, and is never asked for (I18).
+
+        A file is looked at when it is read; whoever makes a gateway in Python comes by here alone.
+        """
+        fleet, convert = fleet_of(self._settings.profiles), unit_converter(self._parts.units)
+        mistakes = rulebook_mistakes(self._settings.rulebook, fleet, convert)
+        # What is wrong with a role gives less, and a robot may yet be added.
+        for place, sentence, hint in mistakes if fleet.skills else ():
+            if place[0] == "care":
+                raise ConfigurationError(sentence, where=".".join(map(str, place)), hint=hint)
 
     def _vocabulary(self) -> Vocabulary:
         try:
