@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from rosic.app.people import ConfiguredPerson
 from rosic.core.identity import Address
 from tests.gateway.place import ADA, BO, VI, Place
@@ -44,6 +46,15 @@ async def test_help_names_skills_and_bounds() -> None:
         told = await place.say("help omni")
         assert "move: direction (forward, back, left), distance 0.01 to 5 m" in told
         assert "Say stop at any time" in await place.say("help")
+
+
+@pytest.mark.parametrize("word", ["menu", "Menü", "Menu!", "/menu", "hauptmenü"])
+async def test_menu_shows_what_the_button_of_that_name_shows(word: str) -> None:
+    async with Place().open() as place:
+        told = await place.say(word)
+        assert told.endswith("Which robot?")
+        labels = [b.label for row in place.last()[1].buttons for b in row]
+        assert labels == ["cf1", "cf2", "kuka1", "omni"]
 
 
 PAGES = ("move", "see", "share", "fleet", "alarms")

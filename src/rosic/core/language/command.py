@@ -164,7 +164,7 @@ GRAMMAR: Final = (
     ),
     Command(
         name="robots",
-        aliases=("roboter",),
+        aliases=("roboter", "menu", "menü", "hauptmenü"),
         typed=said("/robots"),
         summary=said("The robots you may see"),
         help=HelpEntry(HelpPage.SEE, 10),

@@ -82,7 +82,6 @@ HINTS: dict[str, str] = {
     "commands": "help",
     "go-on": "resume",
     "list": "robots",
-    "menu": "help",
     "select": "use",
     "state": "status",
     "unstop": "resume",
