@@ -16,6 +16,7 @@ from rosic.app.added_robots import KIND, AddRobotRequest, check_distinct, check_
 from rosic.app.people import ConfiguredPerson, admitted
 from rosic.app.robot_startup import stops_of
 from rosic.config.plugins import demand_good
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.contracts.robot import PeerRobot
 from rosic.core import messages as core_words
 from rosic.core.fleet.task import FleetMembership
@@ -84,7 +85,7 @@ class RobotProvisioning:
         self._stops = stops_of(parts.latch.read(), memory.generations)
         self._says = says
         self._one = asyncio.Lock()
-        self._adding: set[asyncio.Task[str]] = set()
+        self._adding: BackgroundTasks[str] = BackgroundTasks()
         self._closing = False
         gateway.access.changes.keep(KIND, lambda _fact: None)  # its effect follows: `_add_robot`
 
@@ -111,9 +112,7 @@ class RobotProvisioning:
         """
         if self._closing:
             raise NotUnderstood(words.CLOSING)
-        task = asyncio.create_task(self._add(AddRobotRequest(draft, role), by, check_right))
-        self._adding.add(task)
-        task.add_done_callback(self._adding.discard)
+        task = self._adding.begin(self._add(AddRobotRequest(draft, role), by, check_right))
         return await asyncio.shield(task)
 
     async def check(self, draft: ProfileDraft, role: str = "") -> tuple[Profile, Sequence[str]]:

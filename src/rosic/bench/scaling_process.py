@@ -27,6 +27,7 @@ from rosic.bench.paired_runs import COMMANDS, SETTLING_S, STOPS, take_turns
 from rosic.bench.reporting_robots import FrameProtocol, ReportDelivery, ReportingRobot, read_wish
 from rosic.bench.senders import BenchMessenger
 from rosic.bench.sites import CLOCK, parts_of
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
 from rosic.core.rate_limit import RateLimit
@@ -151,15 +152,13 @@ class RemoteSenders:
         self.latencies_ns: list[int] = []
         self.own_ns: list[int] = []
         self._gateway, self._messenger = gateway, messenger
-        self._waiting: set[asyncio.Task[None]] = set()
+        self._waiting: BackgroundTasks[None] = BackgroundTasks()
 
     def take(self, words: bytes) -> None:
         """Take one message."""
         wish = read_wish(words)
         inbound = inbound_of(str(wish.person), text_of(wish.robot, next(SAID)))
-        task = asyncio.create_task(self._follow(inbound, wish.sent_ns, wish.spent_ns))
-        self._waiting.add(task)
-        task.add_done_callback(self._waiting.discard)
+        self._waiting.begin(self._follow(inbound, wish.sent_ns, wish.spent_ns))
 
     def begin_anew(self) -> None:
         """Note what is told from now on in rows of its own."""

@@ -5,7 +5,6 @@ Features ask and change it through the kernel; what is written down becomes so h
 
 from __future__ import annotations
 
-import asyncio
 from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -21,6 +20,7 @@ from rosic.authoriser.keys import KeyRing
 from rosic.authoriser.locks import AccountLocks
 from rosic.authoriser.security_report import SecurityReports
 from rosic.authoriser.two_factor import TwoFactor
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.identity import Principal
 from rosic.core.policy.compiled import FOR_GOOD_NS
 from rosic.core.policy.scope import FLEET
@@ -283,7 +283,7 @@ class AbuseResponse:
         )
         self._changes, self._keys = access.changes, access.keys
         self._organiser, self._reach = organiser, reach
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks: BackgroundTasks[None] = BackgroundTasks()
 
     def proof_used(self, principal: PrincipalId, chat: Chat) -> None:
         """Begin the idle hour of a second factor anew; what has let pass has let pass."""
@@ -300,9 +300,7 @@ class AbuseResponse:
             return
         said = self._misuse.attempted(caller.principal, SkillClass.MOTION, refusal.code)
         if said is not None:
-            task = asyncio.create_task(self._invalidate(caller, said))
-            self._tasks.add(task)
-            task.add_done_callback(self._tasks.discard)
+            self._tasks.begin(self._invalidate(caller, said))
 
     async def _invalidate(self, caller: Caller, said: InvalidateKey) -> None:
         """End a key by rule: at once, written as soon as it can be, and both sides are told."""

@@ -6,9 +6,9 @@ of it. Only an order of one's own is ended by it.
 
 from __future__ import annotations
 
-import asyncio
 from typing import TYPE_CHECKING
 
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.i18n import said
 from rosic.core.language import Do
 from rosic.core.robot.profile import Busy
@@ -37,7 +37,7 @@ class BusyRobots:
     def __init__(self, rooms: Components, executor: OrderExecutor) -> None:
         self._rooms = rooms
         self._executor = executor
-        self._ending: set[asyncio.Task[None]] = set()
+        self._ending: BackgroundTasks[None] = BackgroundTasks()
 
     def check(self, request: Request, principal: PrincipalId, command: str) -> None:
         """See that a robot begins at once what is asked of it, or takes it into its queue.
@@ -99,6 +99,4 @@ class BusyRobots:
     def _end(self, order: Order) -> None:
         """End an order; what waits behind it begins when its robot is at rest."""
         ending = self._executor.cut_order(order.robot, order.cid, GIVES_WAY)
-        task = asyncio.create_task(ending)
-        self._ending.add(task)
-        task.add_done_callback(self._ending.discard)
+        self._ending.begin(ending)

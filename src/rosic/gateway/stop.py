@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from msgspec.structs import replace
 
 from rosic.authoriser.button_tokens import ANYBODY, MENU_LIFETIME_NS
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core import messages
 from rosic.core.i18n import in_language, joined, said
 from rosic.core.language import leaves_out
@@ -139,7 +140,7 @@ class StopLane:
         self._store = store
         self._clock = clock
         self._latch_wait = LatchWait(clock)
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks: BackgroundTasks[None] = BackgroundTasks()
         self._following: dict[tuple[str, str, RobotId], asyncio.Task[None]] = {}
         self._answering: Counter[tuple[str, str]] = Counter()
         self._outbox = outbox
@@ -416,9 +417,7 @@ class StopLane:
         return ""
 
     def _spawn(self, work: Coroutine[Any, Any, None]) -> None:
-        task = asyncio.create_task(work)
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        self._tasks.begin(work)
 
     async def close(self) -> None:
         """Wait for answers under way, briefly; robots are stopped already."""

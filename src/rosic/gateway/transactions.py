@@ -10,6 +10,7 @@ import logging
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Final, TypeVar
 
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.contracts.clock import done_within
 from rosic.core.i18n import said
 from rosic.core.records import Decided, Fact
@@ -52,7 +53,7 @@ class Transactions:
         self._one = asyncio.Lock()
         # What was taken away since the present turn began: it may have looked before that.
         self._taken: list[Callable[[], Iterable[Record]]] = []
-        self._writing: set[asyncio.Task[bool]] = set()
+        self._writing: BackgroundTasks[bool] = BackgroundTasks()
         self._since_ns: int | None = None
 
     def keep(self, kind: str, apply: Callable[[Fact], object]) -> None:
@@ -114,9 +115,7 @@ class Transactions:
         self._apply(records)
         if self._one.locked():
             self._taken.append(again)
-        writing = asyncio.create_task(_write_or_note(self._store, records))
-        self._writing.add(writing)
-        writing.add_done_callback(self._writing.discard)
+        writing = self._writing.begin(_write_or_note(self._store, records))
         return await done_within(self._clock, WRITTEN_WITHIN_S, (writing,)) and writing.result()
 
     def _apply(self, records: Iterable[Record]) -> None:

@@ -12,6 +12,7 @@ import logging
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Final
 
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.i18n import said, said_n
 from rosic.core.language import Misunderstood
 from rosic.core.message import Button, ChatKind, MessageValidity
@@ -80,7 +81,7 @@ class UnfollowedMessages:
         self._answered: OrderedDict[tuple[str, str, str], None] = OrderedDict()
         self._clock = clock
         self._given_up: dict[tuple[str, str, str], int] = {}
-        self._telling: set[asyncio.Task[None]] = set()
+        self._telling: BackgroundTasks[None] = BackgroundTasks()
 
     async def take(self, messenger: Messenger, inbound: Inbound) -> None:
         """Take a message that is not followed, or was a stop. Never raises."""
@@ -106,9 +107,7 @@ class UnfollowedMessages:
         before = self._given_up.get(where, 0)
         self._given_up[where] = before + 1
         if not before:
-            task = asyncio.create_task(self._tell(messenger, inbound, where))
-            self._telling.add(task)
-            task.add_done_callback(self._telling.discard)
+            self._telling.begin(self._tell(messenger, inbound, where))
 
     async def _tell(
         self, messenger: Messenger, inbound: Inbound, where: tuple[str, str, str]

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.contracts.messenger import reactions_of
 from rosic.core.i18n import joined, said
 from rosic.core.language import clean
@@ -314,7 +314,7 @@ class AlertReactions:
         self._alerting = alerting
         self._directory = directory
         self._reach = reach
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks: BackgroundTasks[None] = BackgroundTasks()
 
     def reacted(self, messenger: Messenger, reaction: Reaction) -> None:
         """Take an emoji beside an alarm that is open for what it says. Returns at once."""
@@ -344,9 +344,7 @@ class AlertReactions:
         self, messenger: Messenger, reaction: Reaction, who: PrincipalId, fresh: list[ActiveRule]
     ) -> None:
         text = self._alerting.noted(fresh)
-        task = asyncio.create_task(self._nod(messenger, reaction, who, text))
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        self._tasks.begin(self._nod(messenger, reaction, who, text))
 
     async def _nod(
         self, messenger: Messenger, reaction: Reaction, who: PrincipalId, otherwise: str

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import msgspec
 from msgspec.structs import replace
 
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.alerts.rule import read_run, rules_of
 from rosic.core.alerts.state import AlertEvent, AlertWatch
 from rosic.core.records import Decided
@@ -149,7 +150,7 @@ class AlertEvaluator:
         self._rooms = rooms
         self._clock = clock
         self._behind = WriteBehind(changes)
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks: BackgroundTasks[None] = BackgroundTasks()
         self._some = asyncio.Event()
 
     def follow(
@@ -320,9 +321,7 @@ class AlertEvaluator:
         self._behind.write(records)
 
     def _spawn(self, following: ActiveRule) -> None:
-        task = asyncio.create_task(self._run_for(following))
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        self._tasks.begin(self._run_for(following))
 
     async def _run_for(self, following: ActiveRule) -> None:
         """Let the robot do what the rule says, and tell whoever heard of it if it cannot."""

@@ -10,6 +10,7 @@ import logging
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.fleet import events as e
 from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import HELD, OVER, RESTING, TaskReason, TaskState, idle_first
@@ -84,7 +85,7 @@ class TaskDispatcher:
         self._clock = clock
         self._attempting = attempting
         self._recalling = recalling
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks: BackgroundTasks[None] = BackgroundTasks()
         self._closing = False
 
     # ---- what happens ----
@@ -211,9 +212,7 @@ class TaskDispatcher:
             self.patience.forget(task.id)
 
     def _spawn(self, work: Coroutine[object, object, None]) -> None:
-        task = asyncio.create_task(work)
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        self._tasks.begin(work)
 
     # ---- what follows ----
 

@@ -8,11 +8,11 @@ asked. There is no button under it, and no person's name on it.
 
 from __future__ import annotations
 
-import asyncio
 import logging
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.i18n import joined, said
 from rosic.core.language import clean_name
 from rosic.core.message import Button, Chat, ChatEventKind, ChatKind
@@ -91,7 +91,7 @@ class ChannelDisplays:
         self._asked: dict[tuple[str, str], str] = {}
         # Their card is being ended; should that not be written, they are not shown all the same.
         self._left: set[str] = set()
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks: BackgroundTasks[None] = BackgroundTasks()
 
     def register(self, commands: CommandRegistry) -> None:
         """Take the command."""
@@ -109,9 +109,7 @@ class ChannelDisplays:
             self._strange.pop(key, None)
             if self._live.of(messenger, passing.chat) is not None:
                 self._left.add(key)
-            task = asyncio.create_task(self._close(messenger, passing.chat))
-            self._tasks.add(task)
-            task.add_done_callback(self._tasks.discard)
+            self._tasks.begin(self._close(messenger, passing.chat))
         elif passing.what is ChatEventKind.ADDED:
             self._left.discard(key)
             self._added(key, messenger, passing)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.container.archive import Archive
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.contracts.clock import Clock
 from rosic.contracts.messenger import hearing_of
 from rosic.core.i18n import joined, said
@@ -72,7 +72,7 @@ class GroupMembership:
         self._around = around
         self._greetings = Bucket(GREETINGS, around.clock.monotonic_ns())
         self._deaf: set[str] = set()
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks: BackgroundTasks[None] = BackgroundTasks()
         around.changes.keep(KIND, self.apply)
 
     def restore(self, facts: Iterable[Fact]) -> None:
@@ -199,9 +199,7 @@ class GroupMembership:
     # ---- inside ----
 
     def _spawn(self, work: Coroutine[None, None, None]) -> None:
-        task = asyncio.create_task(self._follow(work))
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        self._tasks.begin(self._follow(work))
 
     async def _follow(self, work: Coroutine[None, None, None]) -> None:
         try:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import msgspec
 
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.contracts.robot import UTTERANCE_BYTES, PeerRobot
 from rosic.core.identity import REQUEST_ID_BYTES, PrincipalId
 from rosic.core.message import Button
@@ -105,7 +106,7 @@ class RobotMessaging:
             said_by.TellRobot: self._tell,
             said_by.Adjust: self._adjust,
         }
-        self._warnings: set[asyncio.Task[None]] = set()
+        self._warnings: BackgroundTasks[None] = BackgroundTasks()
 
     # ---- beginning and going on ----
 
@@ -316,9 +317,7 @@ class RobotMessaging:
 
     def _flooded(self, robot: RobotId) -> None:
         warning = self._warn(words.flood(self.around.rights.shown(robot)), robot)
-        task = asyncio.create_task(warning)
-        self._warnings.add(task)
-        task.add_done_callback(self._warnings.discard)
+        self._warnings.begin(warning)
 
     async def _warn(self, text: str, *robots: RobotId) -> None:
         """Tell those who operate a robot what it does, with what silences it."""

@@ -12,6 +12,7 @@ import logging
 from collections import deque
 from typing import TYPE_CHECKING, Final
 
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.contracts.messenger import waits_for_disk
 from rosic.core.i18n import joined, said, said_n
 from rosic.core.message import Outbound, SendPriority
@@ -67,7 +68,7 @@ class BacklogReplies:
         self._chat_sender = chat_sender
         self._clock = clock
         self._heaps: dict[tuple[str, str], _Heap] = {}
-        self._writing: set[asyncio.Task[None]] = set()
+        self._writing: BackgroundTasks[None] = BackgroundTasks()
         self._last_ns = 0
         self._waiting: asyncio.Task[None] | None = None
 
@@ -119,9 +120,7 @@ class BacklogReplies:
 
         A commit takes as long as the disk takes; one after the other, a day of them takes minutes.
         """
-        task = asyncio.create_task(self._write(writing))
-        self._writing.add(task)
-        task.add_done_callback(self._writing.discard)
+        self._writing.begin(self._write(writing))
 
     @staticmethod
     async def _write(writing: Coroutine[object, object, None]) -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.contracts.messenger import retract_of
 from rosic.core.identity import OUTBOX_KEY_BYTES
 from rosic.core.message import Chat
@@ -81,7 +82,7 @@ class SecretRedaction:
         self._kept: dict[str, tuple[int, KeptSecret]] = {}
         self._again_ns: dict[str, int] = {}
         self._watching: asyncio.Task[None] | None = None
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks: BackgroundTasks[None] = BackgroundTasks()
 
     def begin(self, messengers: Iterable[Messenger], facts: Mapping[str, Iterable[Fact]]) -> None:
         """Go on with what an earlier run has kept."""
@@ -141,9 +142,7 @@ class SecretRedaction:
                 continue
             if now_ns >= at_ns or not self._worth(kept.secret):
                 self._again_ns[key] = now_ns + AGAIN_NS
-                task = asyncio.create_task(self._retract(key, kept, at_ns))
-                self._tasks.add(task)
-                task.add_done_callback(self._tasks.discard)
+                self._tasks.begin(self._retract(key, kept, at_ns))
 
     def _worth(self, secret: str) -> bool:
         kind, _, name = secret.partition(" ")

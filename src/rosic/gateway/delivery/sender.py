@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.contracts.messenger import turn_of
 from rosic.core import messages
 from rosic.core.i18n import in_language
@@ -80,8 +81,8 @@ class ChatSender:
         self._queues: dict[tuple[str, str], ChatQueue] = {}
         # Asking a messenger what it can do costs as much as half an order: each is asked once.
         self._turns: dict[str, Turn | None] = {}
-        self._urgent: set[asyncio.Task[None]] = set()
-        self._aside: set[asyncio.Task[None]] = set()
+        self._urgent: BackgroundTasks[None] = BackgroundTasks()
+        self._aside: BackgroundTasks[None] = BackgroundTasks()
         self._due: dict[OrderMessage, None] = {}
         self._ticking: asyncio.Task[None] | None = None
         self._gone = gone
@@ -91,9 +92,7 @@ class ChatSender:
     def say(self, note: OutgoingMessage) -> None:
         """Say something after everything said before in its chat; an urgent one at once."""
         if note.outbound.urgent:
-            task = asyncio.create_task(self._speak(note))
-            self._urgent.add(task)
-            task.add_done_callback(self._urgent.discard)
+            self._urgent.begin(self._speak(note))
         else:
             self._queue(note.where_to, note).put(note)
 
@@ -171,9 +170,7 @@ class ChatSender:
             await self._clock.sleep(wait_s)
             wait_s *= 2
         if matters(item) and len(self._aside) < ASIDE_AT_MOST:
-            task = asyncio.create_task(self._speak_later(item))
-            self._aside.add(task)
-            task.add_done_callback(self._aside.discard)
+            self._aside.begin(self._speak_later(item))
 
     def let_go(self, item: Item, why: ChatGone) -> None:
         """Nobody is there to be told any more: it counts as told, and is tried no further."""
