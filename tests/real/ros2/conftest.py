@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 PEER = Path(__file__).with_name("peer.py")
 TYPES = (
     "geometry_msgs/msg/Twist",
+    "geometry_msgs/msg/PoseStamped",
     "geometry_msgs/msg/PoseWithCovarianceStamped",
     "nav_msgs/msg/Odometry",
     "rcl_interfaces/srv/SetParameters",

@@ -14,6 +14,7 @@ from rosic.core.robot.view import CompressedFrame, OccupancyMap, RawFrame, View,
 from rosic.errors import NothingToSee
 from rosic.rendering.draw import draw
 from rosic.robots.ros2 import camera_map
+from rosic.robots.ros2.client.topics import TopicQos
 from rosic.robots.ros2.profile import (
     Camera,
     MapSource,
@@ -25,11 +26,12 @@ from rosic.robots.ros2.profile import (
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.system import SystemClock
 from tests.pace import pace, patience
-from tests.real.ros2.simulated import opened, shipped
+from tests.real.ros2.simulated import opened, shipped, until
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
+    from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.testing.ros2.graph import RosGraph, RosProcess
 
 EYES = Path(__file__).with_name("eyes.py")
@@ -157,6 +159,25 @@ async def test_a_pose_in_another_frame_is_not_put_on_the_map(eyes: RosProcess) -
         grid = await placed(made, eyes, "odom")
         assert grid.pose is None
         assert grid.note == "robot not shown: its pose is in odom, the map in map"
+
+
+async def test_a_pose_that_was_kept_is_as_old_as_it_says(
+    runtime: RosRuntime, eyes: RosProcess
+) -> None:
+    kept = await runtime.publisher(
+        "/omni/pose", "geometry_msgs/msg/PoseStamped", TopicQos(latched=True, depth=1)
+    )
+    kept.publish({"pose.position.x": 0.75, "header.frame_id": "map"})
+    await ask(eyes, "room map")
+    await asyncio.sleep(camera_map.STALE_POSE_S + 0.1)
+    async with robot() as made:
+        await until(lambda: made.presence().pose is not None)
+        pose = made.presence().pose
+        assert pose is not None
+        assert pose.x_m == 0.75
+        grid = (await first(made, ViewKind.MAP)).content
+        assert isinstance(grid, OccupancyMap)
+        assert grid.note.startswith("robot as of "), "it was said before anybody looked"
 
 
 async def placed(

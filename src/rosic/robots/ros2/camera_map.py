@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.view import Content
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
-    from rosic.robots.ros2.profile import Camera, MapSource, Ros2Profile
+    from rosic.robots.ros2.profile import Camera, MapSource, PathSource, PoseSource, Ros2Profile
 
 FIRST_WITHIN_S = 5.0
 MOST_BYTES = 64_000_000
@@ -50,8 +50,8 @@ class CameraAndMap:
         self._profile = profile
         self._clock = clock
         self._runtime: RosRuntime | None = None
-        self._poses: list[LatestMessage] = []
-        self._paths: list[LatestMessage] = []
+        self._pose: LatestMessage | None = None
+        self._path: LatestMessage | None = None
 
     def types(self) -> set[str]:
         """Return the types of message that it takes."""
@@ -63,19 +63,24 @@ class CameraAndMap:
         """Listen to where the robot is and goes. Nothing is asked of camera or map yet."""
         self._runtime = runtime
         pose, path = self._profile.pose, self._profile.path
-        # A localisation speaks of a robot that moves; where it came to rest is kept.
-        for quality in (_VOLATILE, _KEPT):
-            if pose is not None:
-                self._poses.append(await runtime.latest(pose.topic, pose.type, quality))
-            if path is not None:
-                self._paths.append(await runtime.latest(path.topic, path.type, quality))
+        if pose is not None:
+            self._pose = await self._heard(runtime, pose)
+        if path is not None:
+            self._path = await self._heard(runtime, path)
 
     async def close(self) -> None:
         """Listen no more; whoever looks sees nothing new."""
         self._runtime = None
-        for source in (*self._poses, *self._paths):
-            await source.close()
-        self._poses, self._paths = [], []
+        sources, self._pose, self._path = (self._pose, self._path), None, None
+        for source in sources:
+            if source is not None:
+                await source.close()
+
+    async def _heard(self, runtime: RosRuntime, source: PoseSource | PathSource) -> LatestMessage:
+        """Listen. A localisation speaks of a robot that moves; where it came to rest is kept."""
+        latest = await runtime.latest(source.topic, source.type, _VOLATILE)
+        await runtime.hear_kept(latest)
+        return latest
 
     # ---- looking ----
 
@@ -192,14 +197,14 @@ class CameraAndMap:
             _pose(info.origin, frame),
             message.data.tobytes(),
             pose,
-            self._path(frame),
+            self._way(frame),
             note,
             None if pose is None else self._pose_ns(),
         )
 
     def pose(self) -> Pose | None:
         """Return where the robot last said that it is."""
-        source = _newest(self._poses)
+        source = self._pose
         try:
             message = None if source is None else source.message()
         except BadValue:
@@ -211,17 +216,15 @@ class CameraAndMap:
         return pose if isfinite(pose.x_m) and isfinite(pose.y_m) and isfinite(pose.z_m) else None
 
     def _pose_ns(self) -> int | None:
-        newest = _newest(self._poses)
-        return None if newest is None else newest.received_ns
+        return None if self._pose is None else self._pose.told_ns
 
     def _pose_age_s(self) -> float:
-        newest = _newest(self._poses)
-        age_s = None if newest is None else newest.age_s
+        age_s = None if self._pose is None else self._pose.told_age_s
         return 0.0 if age_s is None else age_s
 
-    def _path(self, frame: str) -> tuple[tuple[float, float], ...]:
+    def _way(self, frame: str) -> tuple[tuple[float, float], ...]:
         """Return the newest path, if it is in the map's frame and of a bearable length."""
-        newest = _newest(self._paths)
+        newest = self._path
         if newest is None:
             return ()
         try:
@@ -232,12 +235,6 @@ class CameraAndMap:
             return ()
         places = [stamped.pose.position for stamped in message.poses[:MOST_POINTS]]
         return tuple((float(place.x), float(place.y)) for place in places)
-
-
-def _newest(sources: list[LatestMessage]) -> LatestMessage | None:
-    """Return the source that was heard last; None when none ever was."""
-    heard = [source for source in sources if source.received_ns is not None]
-    return max(heard, key=lambda source: source.received_ns or 0, default=None)
 
 
 def _frame(message: RosObject) -> str:

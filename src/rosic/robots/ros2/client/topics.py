@@ -250,8 +250,14 @@ class LatestMessage(Subscription):
     @property
     def told_age_s(self) -> float | None:
         """Seconds since `message` came here, or was said if it was kept; None without one."""
+        told_ns = self.told_ns
+        return None if told_ns is None else (self._runtime.now_ns() - told_ns) / SECOND_NS
+
+    @property
+    def told_ns(self) -> int | None:
+        """When that was, on the runtime's clock; it may be before this clock began."""
         kept = self._kept
-        return self.age_s if kept is None else (self._runtime.now_ns() - kept.sent_ns) / SECOND_NS
+        return self.received_ns if kept is None else kept.sent_ns
 
     @property
     def size_bytes(self) -> int:
