@@ -71,7 +71,7 @@ MODULES = (
         ),
     ),
     Module(
-        "mailbox",
+        "queue of a robot",
         "linker/robot_queue.py",
         (
             "tests/linker/test_robot_queue.py",

@@ -39,7 +39,7 @@ TOLD_WITHIN_S = 30.0
 RESUMED_WITHIN_S = 60.0
 AGAIN_S = 0.01
 METHOD = (
-    "Stops, sent as messages while at least {queued} orders wait in the mailboxes of {robots} "
+    "Stops, sent as messages while at least {queued} orders wait in the queues of {robots} "
     "robots that work {work_ms:.0f} ms on each, and whose people send another for each that "
     "ends. Times run from the moment the message is handed over: until the robot's adapter is "
     "told to stop, until the stop is kept by the latch, until its author is told of confirmed "
