@@ -76,6 +76,11 @@ def test_a_whole_number_is_an_int(arguments: Arguments) -> None:
             ("omni move 500 cm left",),
         ),
         (
+            "omni move 5 km",
+            "omni: one move may be at most 5 m. Nothing was done.",
+            ("omni move 5 m",),
+        ),
+        (
             "omni move 20 ft",
             "omni: one move may be at most 16.4 ft. Nothing was done.",
             ("omni move 16.4 ft",),

@@ -79,6 +79,8 @@ MOST_OFFERS = 4
 # Parameters that say how much of the skill itself: "one move may be at most 5 m".
 _EXTENTS = frozenset({"angle", "distance", "duration"})
 _NOTHING_DONE = said("Nothing was done.")
+# A bound whose number in somebody's unit lies beyond these is said in the unit of the profile.
+LEAST_SAID, MOST_SAID = 0.1, 10_000.0
 
 
 class ValueErrorBuilder:
@@ -367,8 +369,13 @@ class ValueErrorBuilder:
                 ),
                 kind=OutOfBounds,
             )
+        word = value.word or unit.symbol
         bound = show_bound(parameter.low, parameter.high, unit, upper=upper)
-        offer = self._command(at, SpokenValue(value.name, float(bound), value.word or unit.symbol))
+        if unit != parameter.unit and not LEAST_SAID <= abs(float(bound)) <= MOST_SAID:
+            # Nobody says 0.005 km.
+            unit, word = parameter.unit, parameter.unit.symbol
+            bound = show_bound(parameter.low, parameter.high, unit, upper=upper)
+        offer = self._command(at, SpokenValue(value.name, float(bound), word))
         parts = {
             "subject": subject,
             "bound": shown_bound(parameter.low, parameter.high, unit, upper=upper),
