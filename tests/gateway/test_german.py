@@ -348,3 +348,27 @@ def test_a_german_word_of_ours_is_understood_where_a_skill_has_the_english_one()
     assert understand("/übergeben Bo", everybody, everything) == (CommandLine("handover", "Bo"),)
     [skill] = understand("handover", everybody, everything)
     assert isinstance(skill, Do)
+
+
+@pytest.mark.parametrize(
+    ("asked", "as_well"),
+    [
+        ("bild von omni", "picture omni"),
+        ("karte vom omni", "map omni"),
+        ("status von omni", "status omni"),
+        ("hilfe zu omni", "help omni"),
+        ("akku von omni", "status omni"),
+    ],
+)
+async def test_what_stands_before_a_name_in_german_is_no_name(asked: str, as_well: str) -> None:
+    async with Place().open() as place:
+        meant = await place.say(as_well)
+        assert await place.say(asked) == meant
+        assert "I know no" not in meant
+
+
+async def test_a_robot_is_taken_by_you_in_the_case_that_german_wants() -> None:
+    async with Place().open() as place:
+        await place.say("/language de")
+        await place.say("omni move 1 m")
+        assert "vergeben an dich" in await place.say("status omni")

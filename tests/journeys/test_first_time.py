@@ -115,7 +115,7 @@ async def test_the_same_in_german(
 
         await cy.start(code, "eingeladen")
         await cy.tap("Beitreten", "Was soll omni tun?")
-        await cy.tap("🚗 Geradeaus fahren", "0,50 m vorwärts?")
+        await cy.tap("🚗 Ein Stück fahren", "0,50 m vorwärts?")
         await cy.tap("Mach es", "0,50 m vorwärts gefahren")
 
         assert cy.taps <= TAPS_TO_A_MOTION
@@ -154,7 +154,7 @@ async def test_driving_and_stopping_with_buttons(
         bo = await said.newcomer(place, place.bo)
 
         await bo.start("", said("What should omni do?", "Was soll omni tun?"))
-        straight = said("🚗 Move in a straight line", "🚗 Geradeaus fahren")
+        straight = said("🚗 Move in a straight line", "🚗 Ein Stück fahren")
         await bo.tap(straight, said("0.50 m forward?", "0,50 m vorwärts?"))
         await bo.tap("+", said("1.00 m forward?", "1,00 m vorwärts?"))
         await bo.tap("+", said("2.00 m forward?", "2,00 m vorwärts?"))

@@ -189,8 +189,13 @@ def _state(profile: Profile, presence: Presence, holder: str, stopped_by: str | 
         parts.append(said("at rest"))
     elif rest_unmeasured(profile, presence):
         parts.append(unmeasured(presence))
-    parts.append(said("taken by {holder}", holder=holder) if holder else said("free"))
-    return parts
+    return [*parts, _taken(holder)]
+
+
+def _taken(holder: str) -> str:
+    if holder is BY_YOU:  # not what somebody is called: in German it has another case here
+        return said("taken by you")
+    return said("taken by {holder}", holder=holder) if holder else said("free")
 
 
 def rest_unmeasured(profile: Profile, presence: Presence) -> bool:

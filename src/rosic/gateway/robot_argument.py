@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rosic.core.i18n import said
 from rosic.core.language.compiled import fold
-from rosic.core.language.keywords import FILLERS
+from rosic.core.language.keywords import BEFORE_NAMES, FILLERS
 from rosic.core.language.syntax_errors import SyntaxErrorBuilder
 from rosic.core.messages import NOTHING_VISIBLE
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
@@ -98,7 +98,9 @@ class RobotArgument:
             raise NotPermitted(NOTHING_VISIBLE)
         raw = _split(text)
         low = [fold(word) for word in raw]
-        begin = next((i for i, word in enumerate(low) if word not in FILLERS), len(low))
+        called = self._vocabularies.current.longest_callee
+        skipped = (word in FILLERS or (word in BEFORE_NAMES and word not in called) for word in low)
+        begin = next((i for i, skips in enumerate(skipped) if not skips), len(low))
         name, robots, end = self._named(low, begin, visible)
         rest = " ".join(raw[end:])
         if len(robots) == 1:

@@ -98,6 +98,9 @@ FILLERS = frozenset({"a", "an", "and", "at", "by", "for", "of", "please", "the",
 # is called so, that is meant.
 SOFT_FILLERS = frozenset({"bitte", "mit", "nach", "um", "und"})
 
+# Before a name, where nothing is called so: ``bild von omni``, ``hilfe zu omni``.
+BEFORE_NAMES = frozenset({"den", "der", "für", "vom", "von", "zu", "zum", "zur"})
+
 # Said before or behind a name, where nothing is called so.
 POLITE = frozenset({"bitte"})
 

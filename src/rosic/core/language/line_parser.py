@@ -22,6 +22,7 @@ from rosic.core.language.ast import (
 from rosic.core.language.compiled import CompiledRobot, CompiledSkill, merge
 from rosic.core.language.keywords import (
     ALONG_ELSEWHERE,
+    BEFORE_NAMES,
     EVERYTHING,
     EVERYTHING_ELSEWHERE,
     HELP_PAGES,
@@ -173,6 +174,13 @@ class LineReader:
         at = past_fillers(self._low, at)
         while at < len(self._low) and self._low[at] in POLITE and not self._is_called(at):
             at = past_fillers(self._low, at + 1)
+        return at
+
+    def _to_name(self, at: int) -> int:
+        """Return where a name may stand: behind what says nothing, and behind ``von``, ``zu``."""
+        at = self._past_fillers(at)
+        while at < len(self._low) and self._low[at] in BEFORE_NAMES and not self._is_called(at):
+            at = self._past_fillers(at + 1)
         return at
 
     def _is_called(self, at: int) -> bool:
@@ -410,7 +418,7 @@ class LineReader:
         """Return whom the words from here on name, whether that is all, and where names end."""
         meant = dict.fromkeys(robot.id for callee in before for robot in callee.robots)
         everybody = False
-        while (at := self._past_fillers(at)) < len(self._low):
+        while (at := self._to_name(at)) < len(self._low):
             word = self._low[at]
             named, after = self._callee(at)
             if named is not None:
@@ -427,7 +435,7 @@ class LineReader:
 
     def help(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``help`` and the name after it."""
-        at = self._past_fillers(at)
+        at = self._to_name(at)
         if callee is not None or at == len(self._low):
             return Help(callee.name if callee is not None else "")
         named, _ = self._callee(at)
@@ -442,7 +450,7 @@ class LineReader:
 
     def use(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``use`` and the name after it."""
-        at = self._past_fillers(at)
+        at = self._to_name(at)
         if callee is None and (at == len(self._low) or self._low[at] in NOTHING):
             return Use()
         named, at = (callee, at) if callee is not None else self._callee(at)
