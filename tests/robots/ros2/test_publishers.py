@@ -76,3 +76,21 @@ def test_both_ways_in_which_rclpy_calls_back_are_one() -> None:
     informed(b"x", told)
     informed((b"x", told))
     assert heard == [(b"x", told)] * 2
+
+
+def test_what_was_kept_is_as_old_as_its_stamp_and_says_nothing_of_who_sends() -> None:
+    senders, now_ns = TopicPublishers(), 60 * SENDS_WITHIN_NS
+    assert senders.take_kept(about(0), now_ns + AHEAD_NS) == now_ns
+    assert senders.take_kept(about(0), now_ns + AHEAD_NS) is None, "it is known"
+    assert senders.take_kept(about(now_ns + MS), now_ns + AHEAD_NS) == 0, "of a clock ahead of ours"
+    assert senders.take_kept(about(0, b"b"), now_ns + AHEAD_NS) == now_ns, "of one that came later"
+    senders.take(about(now_ns), now_ns)
+    assert (senders.restarts, senders.several(now_ns)) == (0, False)
+
+
+def test_what_was_heard_is_not_taken_again_for_what_was_kept() -> None:
+    senders = TopicPublishers()
+    senders.take(about(5 * MS), 6 * MS)
+    assert senders.take_kept(about(5 * MS), 6 * MS + AHEAD_NS) is None
+    assert senders.take_kept(about(4 * MS), 6 * MS + AHEAD_NS) is None, "older than what was heard"
+    assert senders.take_kept(about(6 * MS), 6 * MS + AHEAD_NS) == 0, "the other was lost on its way"
