@@ -103,6 +103,15 @@ OF_KEEPING = (
         ),
     ),
     Fault(
+        name="a write that is cut off as its end arrives is waited for without end",
+        file="stores/write_thread.py",
+        guard="            job.told = True  # whoever is cut off in this turn asks\n",
+        without="",
+        caught_by=(
+            f"{LANE}::test_a_write_cut_off_in_the_turn_in_which_its_end_arrives_is_not_waited_for_for_ever",
+        ),
+    ),
+    Fault(
         name="I16 an agreement never expires",
         file="gateway/confirmation.py",
         guard=" or passed_ns(self._clock, request.asked) > int(ASKED_FOR_S * 1e9):",

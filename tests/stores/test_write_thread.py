@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -172,6 +172,32 @@ async def test_a_write_that_is_cut_off_is_waited_for_until_it_is_known_what_beca
         await failed
     assert isinstance(unwritten.value.__cause__, StoreFault)
     assert writer.groups == [["kept", "bad"]]
+    await lane.stop()
+
+
+@pytest.mark.parametrize("content", ["kept", "bad"])
+async def test_a_write_cut_off_in_the_turn_in_which_its_end_arrives_is_not_waited_for_for_ever(
+    content: str,
+) -> None:
+    """The end is on its way to the loop already; whoever is cut off asks for it a turn too late."""
+    lane, reported = GroupWriter().lane(), threading.Event()
+    report = lane._report
+
+    def seen(*arguments: Any) -> None:  # noqa: ANN401 - handed on
+        report(*arguments)
+        reported.set()
+
+    lane._report = seen  # type: ignore[method-assign, assignment]
+    writing = asyncio.create_task(lane.put(content))
+    for _ in range(3):
+        await asyncio.sleep(0)
+    assert reported.wait(10 * pace()), "the loop is held until the thread has told it"
+    writing.cancel()
+    await asyncio.wait((writing,), timeout=10 * pace())
+    assert writing.done()
+    with pytest.raises(asyncio.CancelledError) as ended:
+        await writing
+    assert isinstance(ended.value.__cause__, StoreFault) == (content == "bad")
     await lane.stop()
 
 

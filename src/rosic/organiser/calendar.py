@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Fact
     from rosic.core.robot.profile import RobotId
+    from rosic.core.slot import SlotRule
+    from rosic.errors import Refusal
     from rosic.organiser.timezones import Zone
 
 Named: TypeAlias = Callable[[str], str]
@@ -288,6 +290,15 @@ class Calendar(CalendarIndex):
                 robot, now_ns, self.limits.useful_s, None if required else principal
             ),
         )
+
+    def outside(
+        self, principal: PrincipalId, robot: RobotId, now_ns: int, rule: SlotRule
+    ) -> Refusal | None:
+        """Return what keeps somebody from a robot now as what they are told; None if nothing."""
+        if rule == "none":
+            return None
+        conflict = self.why_not(principal, robot, now_ns, rule == "required")
+        return None if conflict is None else self.refusal(conflict, principal)
 
     def refusal(self, conflict: SlotConflict, asking: PrincipalId) -> SlotTaken | OutsideSlot:
         """Return a hindrance as what the person is told, in their zone."""

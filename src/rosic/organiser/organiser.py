@@ -438,8 +438,8 @@ class Organiser:
 
     def whose(self, robot: RobotId) -> PrincipalId | None:
         """Return who has a robot now, or whose time with it is now."""
-        rule = self._rule(robot)
-        slot = None if rule == "none" else self.calendar.present(robot, self.wall_ns())
+        ruled = self._rule(robot) != "none"
+        slot = self.calendar.present(robot, self.wall_ns()) if ruled else None
         return self.holder(robot) or (slot.principal if slot is not None else None)
 
     def free_in(self, robot: RobotId) -> tuple[bool, float]:
@@ -461,12 +461,11 @@ class Organiser:
 
     def not_now(self, principal: PrincipalId, robot: RobotId) -> Refusal | None:
         """Return why somebody may not move a robot now, by right and by slot; None if they may."""
-        never = self.why_not_move(principal, robot)
-        rule = self._rule(robot)
-        if never is not None or rule == "none":
-            return never
-        conflict = self.calendar.why_not(principal, robot, self.wall_ns(), rule == "required")
-        return None if conflict is None else self.calendar.refusal(conflict, principal)
+        return self.why_not_move(principal, robot) or self.outside_slot(principal, robot)
+
+    def outside_slot(self, principal: PrincipalId, robot: RobotId) -> Refusal | None:
+        """Return why a robot is not somebody's now, by slots alone; None if it may be."""
+        return self.calendar.outside(principal, robot, self.wall_ns(), self._rule(robot))
 
     def release(self, robot: RobotId) -> None:
         """Take a robot from whoever has it; orders still under way become void."""

@@ -37,6 +37,7 @@ class WriteJob(msgspec.Struct, Generic[T], eq=False):
         then: Called in the event loop when the job was tried, done or not.
         error: Set by the thread when it was not done.
         result: Of a call.
+        told: Whether what became of it has reached the event loop.
     """
 
     content: T
@@ -44,6 +45,7 @@ class WriteJob(msgspec.Struct, Generic[T], eq=False):
     then: Callable[[], None] | None = None
     error: Exception | None = None
     result: object = None
+    told: bool = False
 
     def fail(self, error: Exception) -> None:
         """It was not done; whoever waits for it is told why."""
@@ -55,7 +57,7 @@ class WriteJob(msgspec.Struct, Generic[T], eq=False):
 
     async def decided(self) -> None:
         """Wait until it is known what became of it; nobody can call it back."""
-        if self.future is not None and self.future.cancelled():
+        if not self.told and self.future is not None and self.future.cancelled():
             self.future = asyncio.get_running_loop().create_future()
             await asyncio.wait((self.future,))
 
@@ -281,6 +283,7 @@ class WriteThread(Generic[T]):
 
     def _tell(self, jobs: list[WriteJob[T]]) -> None:
         for job in jobs:
+            job.told = True  # whoever is cut off in this turn asks
             future = job.future
             if job.then is not None:
                 self._call(job.then)

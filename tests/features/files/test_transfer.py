@@ -11,6 +11,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.container.files import pieces_of
+from rosic.core.robot.profile import Slots
 from rosic.robots.ros2.profile import Ros2Files
 from tests.features.files.test_upload import MAP, NOTE, send
 from tests.features.personal_data.data_gateway import Ward, a_ward
@@ -23,7 +24,9 @@ if TYPE_CHECKING:
 
 
 @asynccontextmanager
-async def place(folder: Path, **changed: object) -> AsyncIterator[Ward]:
+async def place(
+    folder: Path, slots: Slots = Slots.RESPECTED, **changed: object
+) -> AsyncIterator[Ward]:
     """Open a gateway whose omni takes pictures and notes."""
     for name in ("in", "out"):
         (folder / name).mkdir()
@@ -31,7 +34,7 @@ async def place(folder: Path, **changed: object) -> AsyncIterator[Ward]:
         accept=("png", "yaml"), max_mb=1, inbox=str(folder / "in"), outbox=str(folder / "out")
     )
     omni, *others = FLEET
-    fleet = (replace(omni, files=replace(files, **changed)), *others)
+    fleet = (replace(omni, files=replace(files, **changed), slots=slots), *others)
     async with a_ward(fleet=fleet) as ward:
         yield ward
 
@@ -108,6 +111,29 @@ async def test_what_ends_while_a_file_is_written_keeps_it_from_the_robot(
         told = await tapped(ward, "Put it there", BO)
         assert held(tmp_path) == set(), told
         assert "lies in the inbox" not in told
+
+
+@pytest.mark.parametrize("slots", [Slots.RESPECTED, Slots.NONE])
+async def test_no_file_goes_to_a_robot_in_the_time_of_somebody_else(
+    tmp_path: Path, slots: Slots
+) -> None:
+    """What lies in an inbox may set a robot going, so a slot counts as it does for motion."""
+    async with place(tmp_path, slots) as ward:
+        await send(ward, account=BO)
+        await asked(ward, "/files send map.png to omni", BO)
+        calendar, now_ns = ward.gateway.rooms.organiser.calendar, ward.clock.wall_ns()
+        async with ward.gateway.access.changes.turn() as turn:
+            await turn.write(calendar.book(ward.id_of(ADA), "omni", now_ns, 60, "test"))
+        told = await tapped(ward, "Put it there", BO)
+        assert bool(held(tmp_path)) == (slots is Slots.NONE), told
+        assert ("omni is taken by Ada until" in told) == (slots is Slots.RESPECTED)
+
+
+async def test_no_file_goes_to_a_robot_that_has_to_be_booked_first(tmp_path: Path) -> None:
+    async with place(tmp_path, Slots.REQUIRED) as ward:
+        await send(ward, account=BO)
+        told = await asked(ward, "/files send map.png to omni", BO)
+        assert "omni has to be booked first" in told
 
 
 async def test_a_question_is_good_once_and_for_its_asker(tmp_path: Path) -> None:

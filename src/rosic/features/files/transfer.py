@@ -320,6 +320,9 @@ class FileTransfer:
         if holder not in {None, caller.principal}:
             name = self._data_context.name(holder or "")
             raise RobotTaken(words.is_taken(profile.shown, name))
+        outside = self._organiser.outside_slot(caller.principal, robot)
+        if outside is not None:
+            raise outside
 
     # ---- and back ----
 
