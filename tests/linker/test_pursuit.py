@@ -304,6 +304,18 @@ async def test_one_whose_last_order_is_in_doubt_is_brought_to_rest_and_held(plac
     assert place.robot.at_rest
 
 
+async def test_a_stop_of_this_run_that_is_under_way_is_not_taken_for_an_earlier_runs() -> None:
+    place = Place({"omni": (7, True)})
+    place.robot.online, place.robot.at_rest = False, None
+    await stopped(place)
+    place.linker.watch_stopped()
+    with pytest.raises(RobotUnreachable):
+        await place.linker.resume("omni", 8)
+    place.robot.online = True  # it has not heard the stop, and measures nothing
+    await place.pass_s(EVERY_S)
+    assert place.robot.told == [8, 8]
+
+
 async def test_one_that_was_stopped_before_a_restart_is_stopped_again_only_where_it_moves() -> None:
     for moves, times in ((True, 1), (False, 0)):
         place = Place({"omni": (7, True)})

@@ -37,7 +37,7 @@ MODULES = (
         ),
     ),
     Module(
-        "stop board",
+        "stops",
         "core/stop_registry.py",
         (
             "tests/core/test_stop_registry.py",

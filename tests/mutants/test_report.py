@@ -77,7 +77,7 @@ def test_a_run_writes_the_lines_of_what_it_tried_and_leaves_the_others(tmp_path:
     assert page.endswith("|\n\nAfter.\n")
     assert lines(page) == [
         "| gate | `core/order_gate.py` | 3 | all | 3 | 2 | 1 | 0 | 66.7 | 2026-11-25 |",
-        "| stop board | `core/stop_registry.py` | 3 | all | 2 | 2 | 0 | 0 | 100.0 | 2026-11-25 |",
+        "| stops | `core/stop_registry.py` | 3 | all | 2 | 2 | 0 | 0 | 100.0 | 2026-11-25 |",
         "| all | | 6 | | 5 | 4 | 1 | 0 | 80.0 | |",
     ]
     (tmp_path / BOARD.file).write_text(SMALL * 2)
@@ -85,10 +85,7 @@ def test_a_run_writes_the_lines_of_what_it_tried_and_leaves_the_others(tmp_path:
     page = report.written(page, report.rows_of(later, (), 7, "2026-12-01", tmp_path))
     assert lines(page) == [
         "| gate | `core/order_gate.py` | 3 | all | 3 | 2 | 1 | 0 | 66.7 | 2026-11-25 |",
-        (
-            "| stop board | `core/stop_registry.py` | 6 | seed 7 | 3 | 3 | 0 | 0 | 100.0 "
-            "| 2026-12-01 |"
-        ),
+        ("| stops | `core/stop_registry.py` | 6 | seed 7 | 3 | 3 | 0 | 0 | 100.0 | 2026-12-01 |"),
         "| all | | 9 | | 6 | 5 | 1 | 0 | 83.3 | |",
     ]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any, Protocol
 
+from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.contracts.clock import done_within
 from rosic.contracts.robot import deliver_of
 from rosic.core import messages
@@ -105,9 +106,9 @@ class Linker:
         self._stops = stops
         self._latch = latch
         self._clock = clock
-        self._latching: set[asyncio.Task[Any]] = set()
-        self._clearing: set[asyncio.Task[None]] = set()
-        self._resting: set[asyncio.Task[RestReport]] = set()
+        self._latching: BackgroundTasks[Any] = BackgroundTasks()
+        self._clearing: BackgroundTasks[None] = BackgroundTasks()
+        self._resting: BackgroundTasks[RestReport] = BackgroundTasks()
         self.pursuit = StopPursuit(self._robots, stops, clock)
 
     @property
@@ -183,19 +184,14 @@ class Linker:
             robot = self._robots[stop.robot]
             robot.gate.apply_stop(stop)
             rests[stop.robot] = self._brake(stop)
-        latched = asyncio.create_task(self._write_latch(stops))
-        self._latching.add(latched)
-        latched.add_done_callback(self._latching.discard)
-        clearing = asyncio.create_task(self._clear(stops, latched))
-        self._clearing.add(clearing)
-        clearing.add_done_callback(self._clearing.discard)
+        latched = self._latching.begin(self._write_latch(stops))
+        self._clearing.begin(self._clear(stops, latched))
         return StopInProgress(rests, latched)
 
     def _brake(self, stop: Stop) -> asyncio.Task[RestReport]:
         """Hand a stop to its adapter, and go on with it until it is confirmed."""
-        task = asyncio.create_task(self._robots[stop.robot].stop(stop))
-        self._resting.add(task)  # whoever asked may be gone before it has come to rest
-        task.add_done_callback(self._resting.discard)
+        # Whoever asked may be gone before it has come to rest.
+        task = self._resting.begin(self._robots[stop.robot].stop(stop))
         self.pursuit.begin(stop, task)
         return task
 
@@ -264,9 +260,7 @@ class Linker:
 
     def _keep(self, writing: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
         """Begin to write an entry. The next resume waits for it: only the last entry counts."""
-        task = asyncio.create_task(writing)
-        self._latching.add(task)
-        task.add_done_callback(self._latching.discard)
+        task = self._latching.begin(writing)
         task.add_done_callback(_whatever_came_of_it)
         return task
 
