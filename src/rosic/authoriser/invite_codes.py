@@ -16,13 +16,18 @@ from typing import TYPE_CHECKING, Final
 
 import segno
 
-from rosic.core.identity import DIGEST_BYTES
+from rosic.core.identity import DIGEST_BYTES, ROBOT
 from rosic.core.language.stop_detection import hears_stop
 from rosic.core.secret import Secret
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from rosic.contracts.clock import Entropy
     from rosic.core.identity import Address
+
+TERMINAL: Final = "terminal"
+"""A platform of which there is one account at a gateway: whoever sits there."""
 
 
 # ---- words to compare ----
@@ -184,6 +189,14 @@ def _sign(character: str) -> str:
     if len(plain) == 1 and plain in ALPHABET:
         return plain
     return " " if plain.isalnum() else ""
+
+
+def only_here(platforms: Collection[str]) -> bool:
+    """Whether nobody could hand a code in: all there is to talk by is a terminal of ours.
+
+    Without any messenger it is not known yet by which one a code will come.
+    """
+    return bool(platforms) and {TERMINAL, ROBOT}.issuperset(platforms)
 
 
 def join_text(code: Secret) -> str:

@@ -43,6 +43,10 @@ BAD_SPAN = said(
     "A right and a code last at least some seconds, a code at most a week. Nothing was done."
 )
 TOO_MANY_OPEN = said("Too many invitations are open. Take some back, or wait until they end.")
+ONLY_HERE = said(
+    "There is only this terminal to talk by, so nobody could use an invitation. With a Telegram "
+    "bot others can join: rosic init. Nothing was done."
+)
 
 
 def lasting(seconds: float) -> str:

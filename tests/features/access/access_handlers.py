@@ -204,7 +204,7 @@ class Hall:
         notices = AccessNotices(registry, self.admin_policy)
         revocation = RevokeLockCommands(registry, self.admin_policy, notices)
         proving = SecondFactorCommands(registry, self.admin_policy)
-        inviting = InviteCommands(registry, self.admin_policy, link=self.link)
+        inviting = InviteCommands(registry, self.admin_policy, ("memory",), link=self.link)
         self.confirmation = Confirmation(
             self.organiser, registry.reach, OneAct(), self.clock, entropy, self.two_factor.is_set_up
         )

@@ -9,7 +9,8 @@ import msgspec
 from rosic.app.admin.naming import the_one, utc
 from rosic.authoriser import keys_messages, messages
 from rosic.authoriser.invitations import CODE_TTL_S, InvitationRequest, InvitedRights
-from rosic.authoriser.invite_codes import join_text
+from rosic.authoriser.invite_codes import join_text, only_here
+from rosic.authoriser.messages import ONLY_HERE
 from rosic.contracts.messenger import invite_link_of
 from rosic.core.i18n import joined
 from rosic.core.identity import OPERATOR
@@ -78,6 +79,10 @@ class AccessAdmin:
             RecordUnavailable: Not written.
         """
         self._check(asked)
+        # The first admin may be whoever sits at the terminal.
+        others = not self.nobody_is_admin()
+        if others and only_here([messenger.platform for messenger in self._books.messengers]):
+            raise NotUnderstood(ONLY_HERE)
         given = InvitedRights(
             roles=asked.roles, robots=asked.robots, limits=asked.limits, lasts_s=asked.lasts_s
         )

@@ -171,16 +171,15 @@ class LineReader:
     # ---- whom ----
 
     def _past_fillers(self, at: int) -> int:
-        at = past_fillers(self._low, at)
-        while at < len(self._low) and self._low[at] in POLITE and not self._is_called(at):
-            at = past_fillers(self._low, at + 1)
-        return at
+        return self._past(at, POLITE)
 
     def _to_name(self, at: int) -> int:
-        """Return where a name may stand: behind what says nothing, and behind ``von``, ``zu``."""
-        at = self._past_fillers(at)
-        while at < len(self._low) and self._low[at] in BEFORE_NAMES and not self._is_called(at):
-            at = self._past_fillers(at + 1)
+        return self._past(at, POLITE | BEFORE_NAMES)
+
+    def _past(self, at: int, words: frozenset[str]) -> int:
+        at = past_fillers(self._low, at)
+        while at < len(self._low) and self._low[at] in words and not self._is_called(at):
+            at = past_fillers(self._low, at + 1)
         return at
 
     def _is_called(self, at: int) -> bool:

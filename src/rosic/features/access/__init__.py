@@ -120,7 +120,12 @@ def setup(kernel: Kernel) -> AccessFeature:
         about,
         admitting,
         RevokeLockCommands(registry, admin_policy, notices),
-        InviteCommands(registry, admin_policy, link=invite_link_of),
+        InviteCommands(
+            registry,
+            admin_policy,
+            [messenger.platform for messenger in kernel.messengers],
+            link=invite_link_of,
+        ),
         SecondFactorCommands(registry, admin_policy),
         granting,
         request_commands,

@@ -11,7 +11,15 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.authoriser.invitations import CODE_TTL_S, InvitationRequest, InvitedRights
-from rosic.authoriser.invite_codes import drawn, join_text, qr_code, qr_text
+from rosic.authoriser.invite_codes import (
+    TERMINAL,
+    drawn,
+    join_text,
+    only_here,
+    qr_code,
+    qr_text,
+)
+from rosic.authoriser.messages import ONLY_HERE
 from rosic.core.i18n import joined
 from rosic.core.language import clean, clean_name
 from rosic.core.language.keywords import decimals_typed, option_typed
@@ -31,7 +39,7 @@ from rosic.features.access.roles import MAY, can_be_a_role
 from rosic.gateway.commands import Reply, check_length, check_private
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
 
     from rosic.contracts.messenger import Messenger
     from rosic.core.policy.permissions import Permissions
@@ -228,12 +236,21 @@ class _Reading:
         said = self._said if self._inviting else ""
         offers = tuple(f"/invite {_with(said, word, other)}" for other in close) if said else ()
         sentence = messages.no_role_no_robot(word, close, tuple(self._roles.values()))
+        person = "" if close or not said else self._person(word)
+        if person:
+            how = messages.invite_as(person, tuple(self._roles.values()))
+            return NotUnderstood(joined("\n", (sentence, how)))
         scope = "" if close else self._example_of(word)
         if not scope:
             return NotUnderstood(sentence, offers=offers)
         choice = (roles_messages.make_a_role(word), f"/role {word} {MAY} {scope}")
         how = roles_messages.to_make(word, scope)
         return NotUnderstood(joined("\n", (sentence, how)), choices=(choice,))
+
+    def _person(self, word: str) -> str:
+        """Return a word as it was typed if it looks like somebody's name; empty: it does not."""
+        typed = (raw for raw in _raw(self._said) if fold_word(raw).casefold() == word)
+        return clean_name(next((raw for raw in typed if raw.istitle()), ""))
 
     def _example_of(self, word: str) -> str:
         """Return what a role of this name might give; empty: none can be made of it here."""
@@ -276,8 +293,6 @@ def _limits_a_scope(low: list[str], at: int) -> bool:
 
 INVITATION = "invitation"
 """What a message holds that goes once nobody can be let in by it."""
-TERMINAL = "terminal"
-"""The one platform whose letters all have the same width."""
 
 
 def _no_link(_messenger: Messenger, _code: Secret) -> str:
@@ -301,6 +316,7 @@ class InviteCommands:
     Args:
         registry: Who knows people.
         admin_policy: Who may.
+        platforms: Of all that people talk by here.
         link: Returns the link that hands a code in on the messenger where it was asked for; empty
             where there is none. It shows a secret.
     """
@@ -309,11 +325,13 @@ class InviteCommands:
         self,
         registry: AccessContext,
         admin_policy: AdminPolicy,
+        platforms: Collection[str],
         *,
         link: Callable[[Messenger, Secret], str] = _no_link,
     ) -> None:
         self._registry = registry
         self._admin_policy = admin_policy
+        self._platforms = platforms
         self._link = link
 
     async def invite(self, asked: CommandContext) -> Reply:
@@ -338,6 +356,8 @@ class InviteCommands:
     async def _invite(self, asked: CommandContext, rest: str) -> Reply:
         by = asked.caller.principal
         wanted = read_invitation(rest, self._registry.rights())
+        if only_here(self._platforms):
+            raise NotUnderstood(ONLY_HERE)
         async with self._registry.changes.turn() as turn:
             self._admin_policy.check(by, INVITE)
             self._admin_policy.check_give(by, wanted.given, within_s=wanted.code_ttl_s)

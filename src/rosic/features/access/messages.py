@@ -236,6 +236,16 @@ def no_role_no_robot(word: str, close: Sequence[str], roles: Sequence[str]) -> s
     )
 
 
+def invite_as(name: str, roles: Sequence[str]) -> str:
+    """Return how somebody is invited whose name was said where a role belongs."""
+    role = "viewer" if "viewer" in roles else next(iter(roles), "viewer")
+    return said(
+        "If that is whom you invite, say first as what: /invite {role} as {name}",
+        role=role_shown(role),
+        name=name,
+    )
+
+
 def no_length(which: str, word: str) -> str:
     """Return which length cannot be read."""
     wrong = (

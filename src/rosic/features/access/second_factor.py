@@ -6,13 +6,13 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.authoriser import keys_messages
-from rosic.authoriser.invite_codes import qr_text
+from rosic.authoriser.invite_codes import TERMINAL, qr_text
 from rosic.authoriser.two_factor import SETUP_NS
 from rosic.core.i18n import joined
 from rosic.errors import RecordUnavailable
 from rosic.features.access import access_messages
 from rosic.features.access.admin_policy import PEOPLE, PersonNames
-from rosic.features.access.invite import TERMINAL, qr_picture
+from rosic.features.access.invite import qr_picture
 from rosic.gateway.commands import Reply, check_private
 
 if TYPE_CHECKING:
