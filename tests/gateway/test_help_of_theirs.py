@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 from msgspec.structs import replace
 
+from rosic.core.identity import Address
+from rosic.core.message import Chat
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from tests.gateway.place import BO, VI, Place, profile
 
@@ -54,3 +56,16 @@ async def test_whoever_may_only_look_is_told_so() -> None:
     async with Place(fleet=fleet).open() as place:
         told = await place.say("help omni", account=VI, chat="3")
         assert told == "You may look at omni. What you lack, ask for: /ask"
+
+
+async def test_what_they_often_asked_is_not_offered_beyond_their_limits() -> None:
+    async with School().open() as place:
+        found = place.gateway.rooms.authoriser.directory.at(Address("memory", BO))
+        assert found is not None
+        bo = found[0].id
+        history, chat = place.gateway.pipeline.command_history, Chat("memory", "2")
+        for asked in ("omni move 2 m", "omni move 0.2 m", "omni wave") * 2:
+            history.note(bo, chat, "omni", asked)
+        await place.say("use omni", account=BO, chat="2")
+        often = [b.label for row in place.last()[1].buttons for b in row if "\u2605" in b.label]
+        assert often == ["\u2605 move, 0.20 m"]

@@ -163,6 +163,8 @@ class CommandBuilder:
                     compiled, given = place(vocabulary, robot, line.skills[0], line.spoken)
                 except Refusal:
                     continue  # the profile has changed since
+                if not self._clamping.may(principal, robot, line.skills[0].id, given):
+                    continue  # their rights have
                 command = _command(robot, compiled, given)
                 label = joined(" ", (OFTEN, show(vocabulary, robot, line.skills[0], given)))
                 found.setdefault(command, Button(label, f"{ASK_FIRST}{command}"))

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
-    from rosic.core.identity import Caller, CommandId
+    from rosic.core.identity import Caller, CommandId, PrincipalId
     from rosic.core.language import Line, VocabularyHolder
     from rosic.core.language.compiled import CompiledParameter, CompiledSkill
     from rosic.core.language.numbers import Unit, UnitTable
@@ -105,6 +105,22 @@ class ArgumentClamping:
                 lowered[limit.parameter] = _within(parameter, float(value), limit)
                 limits.append(limit)
         return lowered, limits
+
+    def may(
+        self,
+        principal: PrincipalId,
+        robot: RobotId,
+        skill: str,
+        arguments: Mapping[str, Argument],
+    ) -> bool:
+        """Whether values, SI, are within somebody's limits now, so that they may be proposed."""
+        organiser = self._organiser
+        widest = organiser.rights.widest(principal, robot, skill, organiser.wall_ns())
+        return widest is not None and all(
+            low <= value <= high
+            for name, (low, high) in widest.items()
+            if isinstance(value := arguments.get(name, low), int | float)
+        )
 
     def offered(
         self, caller: Caller, offers: Iterable[str], lines: Callable[[str], Sequence[Line]]
