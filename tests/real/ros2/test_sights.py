@@ -14,6 +14,8 @@ from rosic.core.robot.view import CompressedFrame, OccupancyMap, RawFrame, View,
 from rosic.errors import NothingToSee
 from rosic.rendering.draw import draw
 from rosic.robots.ros2 import camera_map
+from rosic.robots.ros2.client.node import LOOK_EVERY_S
+from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.client.topics import TopicQos
 from rosic.robots.ros2.profile import (
     Camera,
@@ -31,7 +33,7 @@ from tests.real.ros2.simulated import opened, shipped, until
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from rosic.robots.ros2.client.runtime import RosRuntime
+    from rosic.robots.ros2.messages.types import TypeRegistry
     from rosic.testing.ros2.graph import RosGraph, RosProcess
 
 EYES = Path(__file__).with_name("eyes.py")
@@ -161,10 +163,18 @@ async def test_a_pose_in_another_frame_is_not_put_on_the_map(eyes: RosProcess) -
         assert grid.note == "robot not shown: its pose is in odom, the map in map"
 
 
+@pytest.fixture
+async def localiser(graph: RosGraph, types: TypeRegistry) -> AsyncIterator[RosRuntime]:
+    """A node of another name than the gateway's, whose own ends do not count."""
+    own = RosRuntime.open(types, node_name="localiser", domain_id=graph.domain_id)
+    async with await own as runtime:
+        yield runtime
+
+
 async def test_a_pose_that_was_kept_is_as_old_as_it_says(
-    runtime: RosRuntime, eyes: RosProcess
+    localiser: RosRuntime, eyes: RosProcess
 ) -> None:
-    kept = await runtime.publisher(
+    kept = await localiser.publisher(
         "/omni/pose", "geometry_msgs/msg/PoseStamped", TopicQos(latched=True, depth=1)
     )
     kept.publish({"pose.position.x": 0.75, "header.frame_id": "map"})
@@ -178,6 +188,15 @@ async def test_a_pose_that_was_kept_is_as_old_as_it_says(
         grid = (await first(made, ViewKind.MAP)).content
         assert isinstance(grid, OccupancyMap)
         assert grid.note.startswith("robot as of "), "it was said before anybody looked"
+
+
+async def test_who_keeps_no_pose_is_not_asked_for_one(localiser: RosRuntime) -> None:
+    """It could not be heard so, and would log that the quality of service does not fit."""
+    place = await localiser.publisher("/omni/pose", "geometry_msgs/msg/PoseStamped")
+    async with robot():
+        await until(lambda: place.listeners == 1)
+        await asyncio.sleep(2.5 * LOOK_EVERY_S)
+        assert len(place.takers()) == 1
 
 
 async def placed(

@@ -15,6 +15,7 @@ from rosic.core.i18n import said
 from rosic.core.robot.view import CompressedFrame, OccupancyMap, Pose, RawFrame, View, ViewKind
 from rosic.core.time_units import DAY_S, SECOND_NS
 from rosic.errors import NothingToSee
+from rosic.robots.ros2.client.kept_topics import KeptTopics
 from rosic.robots.ros2.client.topics import LatestMessage, TopicQos
 from rosic.robots.ros2.errors import BadValue, NotSent
 from rosic.robots.ros2.messages.coerce import clean_text
@@ -24,9 +25,10 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.core.robot.view import Content
+    from rosic.robots.ros2.client.graph import GraphSnapshot
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
-    from rosic.robots.ros2.profile import Camera, MapSource, PathSource, PoseSource, Ros2Profile
+    from rosic.robots.ros2.profile import Camera, MapSource, Ros2Profile
 
 FIRST_WITHIN_S = 5.0
 MOST_BYTES = 64_000_000
@@ -52,6 +54,7 @@ class CameraAndMap:
         self._runtime: RosRuntime | None = None
         self._pose: LatestMessage | None = None
         self._path: LatestMessage | None = None
+        self._kept = KeptTopics()
 
     def types(self) -> set[str]:
         """Return the types of message that it takes."""
@@ -64,23 +67,28 @@ class CameraAndMap:
         self._runtime = runtime
         pose, path = self._profile.pose, self._profile.path
         if pose is not None:
-            self._pose = await self._heard(runtime, pose)
+            self._pose = await runtime.latest(pose.topic, pose.type, _VOLATILE)
         if path is not None:
-            self._path = await self._heard(runtime, path)
+            self._path = await runtime.latest(path.topic, path.type, _VOLATILE)
 
     async def close(self) -> None:
         """Listen no more; whoever looks sees nothing new."""
         self._runtime = None
-        sources, self._pose, self._path = (self._pose, self._path), None, None
+        self._kept.close()
+        sources, self._pose, self._path = self._sources(), None, None
         for source in sources:
-            if source is not None:
-                await source.close()
+            await source.close()
 
-    async def _heard(self, runtime: RosRuntime, source: PoseSource | PathSource) -> LatestMessage:
-        """Listen. A localisation speaks of a robot that moves; where it came to rest is kept."""
-        latest = await runtime.latest(source.topic, source.type, _VOLATILE)
-        await runtime.hear_kept(latest)
-        return latest
+    def heed(self, seen: GraphSnapshot) -> None:
+        """Take in who is on the graph.
+
+        A localisation speaks of a robot that moves; where it came to rest is kept.
+        """
+        if self._runtime is not None:
+            self._kept.look(self._runtime, seen, self._sources())
+
+    def _sources(self) -> list[LatestMessage]:
+        return [source for source in (self._pose, self._path) if source is not None]
 
     # ---- looking ----
 

@@ -437,6 +437,7 @@ class Ros2Robot:
     def _look(self, seen: GraphSnapshot) -> None:
         """Take in what is on the graph."""
         self._measured.look(seen)
+        self._camera_map.heed(seen)
         if self._namespace:
             self._seen = others_under(seen, self._namespace)
         elif self._measured.sources:

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.time_units import SECOND_NS
-from rosic.errors import RosicError
+from rosic.robots.ros2.client.kept_topics import KeptTopics
 from rosic.robots.ros2.errors import BadValue
 from rosic.robots.ros2.messages.coerce import clean_text
 from rosic.robots.ros2.messages.decode import FieldReader, Plain, compile_path
@@ -137,7 +137,7 @@ class Measurements:
         self._profile = profile
         self._clock = clock
         self._runtime: RosRuntime | None = None
-        self._asking: dict[LatestMessage, asyncio.Task[None]] = {}
+        self._kept = KeptTopics()
         self._said_once = False
         self._in_a_row = self._received = 0
         self._places: list[tuple[LatestMessage, tuple[FieldReader, ...]]] = []
@@ -179,9 +179,7 @@ class Measurements:
         """Subscribe no more."""
         if self._awake is not None:
             self._awake.cancel()
-        for asking in self._asking.values():
-            asking.cancel()
-        self._asking.clear()
+        self._kept.close()
         self._runtime = None
         for source in self.sources.values():
             await source.close()
@@ -207,9 +205,9 @@ class Measurements:
             for source in self.sources.values()
             if (topic := topics.get(source.topic))
         ]
-        for source, topic in there:
-            if topic.latched and source not in self._asking and not self._is_measured(source):
-                self._asking[source] = asyncio.create_task(self._ask(source))
+        if self._runtime is not None:
+            unmeasured = (s for s in self.sources.values() if not self._is_measured(s))
+            self._kept.look(self._runtime, seen, unmeasured)
         speaking = [topic for _, topic in there if topic.publishers]
         self._said_once = bool(speaking) and all(
             topic.latched == topic.publishers for topic in speaking
@@ -230,11 +228,6 @@ class Measurements:
         """Tell whether rest or a way is measured by it: what was kept is no reading of now."""
         rests = self._rest is not None and source is self._rest.source
         return rests or any(source is odometry for odometry, _ in self._places)
-
-    async def _ask(self, source: LatestMessage) -> None:
-        if self._runtime is not None:
-            with suppress(RosicError):  # the link is closed, or there are too many subscriptions
-                await self._runtime.hear_kept(source)
 
     @property
     def tells_presence(self) -> bool:
