@@ -105,7 +105,7 @@ OF_KEEPING = (
     Fault(
         name="a write that is cut off as its end arrives is waited for without end",
         file="stores/write_thread.py",
-        guard="            job.told = True  # whoever is cut off in this turn asks\n",
+        guard="        self.told = True\n",
         without="",
         caught_by=(
             f"{LANE}::test_a_write_cut_off_in_the_turn_in_which_its_end_arrives_is_not_waited_for_for_ever",

@@ -55,6 +55,17 @@ class WriteJob(msgspec.Struct, Generic[T], eq=False):
         """It is to be done with another try, and then so."""
         self.content = content
 
+    def tell(self) -> None:
+        """Tell whoever waits what became of it. Whoever is cut off in this turn asks `decided`."""
+        self.told = True
+        future = self.future
+        if future is None or future.done():
+            return
+        if self.error is None:
+            future.set_result(self.result)
+        else:
+            future.set_exception(self.error)
+
     async def decided(self) -> None:
         """Wait until it is known what became of it; nobody can call it back."""
         if not self.told and self.future is not None and self.future.cancelled():
@@ -283,16 +294,9 @@ class WriteThread(Generic[T]):
 
     def _tell(self, jobs: list[WriteJob[T]]) -> None:
         for job in jobs:
-            job.told = True  # whoever is cut off in this turn asks
-            future = job.future
             if job.then is not None:
                 self._call(job.then)
-            if future is None or future.done():
-                continue
-            if job.error is None:
-                future.set_result(job.result)
-            else:
-                future.set_exception(job.error)
+            job.tell()
 
     def _call(self, then: Callable[[], None]) -> None:
         """Call what follows a job. If it goes wrong, the rest of the group is told all the same."""
