@@ -189,6 +189,8 @@ async def test_a_goal_that_somebody_else_sends_ends_ours_as_failed(
 async def test_battery_map_way_and_place_are_seen(rover: TriedRobot) -> None:
     await until(lambda: "battery" in rover.presence().values)
     assert 50 < float(rover.presence().values["battery"]) <= 90
+    # What its localisation keeps is asked for once the graph shows that it keeps anything.
+    await until(lambda: rover.presence().pose is not None)
     async with asyncio.timeout(60 * pace()), aclosing(rover.look(ViewKind.MAP)) as views:
         seen = (await anext(views)).content
     assert isinstance(seen, OccupancyMap)
