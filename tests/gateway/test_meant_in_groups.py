@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from rosic.core.message import Inbound
 
 GOES_ON_S = GOES_ON_NS / 1e9
-ASKED = "It moves only if you confirm it."
-WAVES = "omni: wave? It moves only if you confirm it."
+ASKED = "People talk here, so it moves only if you confirm it."
+WAVES = "omni: wave? People talk here, so it moves only if you confirm it."
 CHATTER = "I think the other one is nicer"
 
 

@@ -108,7 +108,7 @@ async def test_a_reply_to_what_a_person_wrote_asks_whether_the_chosen_robot_is_m
         await place.say("use kuka1", **LAB)
         await place.say("hello there", account=BO, message="of-bo", **LAB)
         told = await place.say("wave", answers="of-bo", **LAB)
-        assert told == "kuka1: wave? It moves only if you confirm it."
+        assert told == "kuka1: wave? People talk here, so it moves only if you confirm it."
         assert place.acted("kuka1") == 0
         await place.tap(*place.button("Do it"))
         assert place.acted("kuka1") == 1

@@ -24,6 +24,7 @@ from rosic.core.policy.roles import StepRequired
 from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, Repeated, Unrecognised
 from rosic.gateway.builtin_commands import BuiltinCommands
 from rosic.gateway.commands import CommandContext
+from rosic.gateway.confirmation import FOR_OTHERS
 from rosic.gateway.go_to_location import GoToLocation
 from rosic.gateway.message_context import MessageContext
 from rosic.gateway.replies import ASK_FIRST, BEHIND, CONFIRMED, LEAVE
@@ -54,7 +55,6 @@ FOLLOWED_KEPT = 10_000
 FAULT = said("Something went wrong here. It is not known what was done; please look.")
 NOTHING_DONE = said("Nothing was done.")
 DONE_ALREADY = said("This was done already.")
-FOR_OTHERS = said("This may be meant for somebody else here. Nothing was done.")
 
 log = logging.getLogger("rosic.pipeline")
 

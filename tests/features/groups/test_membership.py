@@ -139,7 +139,7 @@ async def test_what_was_chosen_and_what_is_kept_moves_with_a_group() -> None:
         await place.say("use omni", account=BO, **IN_LAB)
         await _pass(place, _passing(ChatEventKind.MOVED, new_id="-1005"))
         told = await place.say("wave", account=BO, chat="-1005", kind=ChatKind.GROUP)
-        assert told == "omni: wave? It moves only if you confirm it.", (
+        assert told == "omni: wave? People talk here, so it moves only if you confirm it.", (
             "nobody has spoken to it there"
         )
         await place.tap(*place.button("Do it"), account=BO)
