@@ -5,8 +5,8 @@ from __future__ import annotations
 from tests.cli.running import rosic
 
 ONLY = (
-    "There is only this terminal to talk by, so nobody could use an invitation. With a Telegram "
-    "bot others can join: rosic init. Nothing was done."
+    "There is only this terminal to talk by, so nobody could use an invitation. Others can join "
+    "once there is a messenger: rosic init. Nothing was done."
 )
 
 

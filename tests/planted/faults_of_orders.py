@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import BUTTONS, GATE, STOPPING, WAY, Fault
 
 ROBOTS = "tests/conformance/test_robots.py"
+MISSIONS = "tests/features/fleet/test_missions.py"
 AGREED = "tests/gateway/test_agreed_acts.py"
 VICTIMS = "tests/features/access/test_victims.py"
 MAILBOX = "tests/linker/test_robot_queue.py"
@@ -89,9 +90,16 @@ OF_ORDERS = (
     Fault(
         name="I16 a task is bound to nothing of what its robots do",
         file="gateway/agreement.py",
-        guard="elif isinstance(line, CommandLine) and line.verb == TASK:",
+        guard="elif isinstance(line, CommandLine) and line.verb in TASKS:",
         without="elif False:",
         caught_by=(f"{AGREED}::test_a_task_is_for_those_who_could_do_it_when_it_was_agreed_to",),
+    ),
+    Fault(
+        name="I16 a mission is bound to nothing of what its robots do",
+        file="features/fleet/agreement_steps.py",
+        guard='(self._tasks if verb == "task" else self._missions).asked(rest, who)',
+        without='self._tasks.asked(rest, who) if verb == "task" else []',
+        caught_by=(f"{MISSIONS}::test_a_mission_begins_by_a_button_as_it_was_shown_or_not_at_all",),
     ),
     Fault(
         name="I16 what two agreed to is not compared with what is done",

@@ -44,8 +44,8 @@ BAD_SPAN = said(
 )
 TOO_MANY_OPEN = said("Too many invitations are open. Take some back, or wait until they end.")
 ONLY_HERE = said(
-    "There is only this terminal to talk by, so nobody could use an invitation. With a Telegram "
-    "bot others can join: rosic init. Nothing was done."
+    "There is only this terminal to talk by, so nobody could use an invitation. Others can "
+    "join once there is a messenger: rosic init. Nothing was done."
 )
 
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from rosic.gateway.limit_clamping import LimitClamping
 
 TOGETHER: Final = frozenset({"together", "broadcast"})
-TASK: Final = "task"
+TASKS: Final = frozenset({"task", "mission"})
 JOINED: Final = "+"
 
 
@@ -52,7 +52,7 @@ class ActPart(NamedTuple):
 
 
 class TaskSteps(NamedTuple):
-    """What a task, as typed, lets robots do that may carry it out for somebody.
+    """What a task or a mission, as typed, lets robots do for somebody.
 
     Attributes:
         read: Each step of each robot that was looked at.
@@ -86,7 +86,7 @@ class Agreements:
         rooms: The four of them.
         reader: What a text says.
         clamping: Keeps what nobody said within somebody's limits.
-        task_steps: Returns what a task lets robots do that may carry it out for somebody.
+        task_steps: Returns what a task or a mission, as typed, lets robots do for somebody.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class Agreements:
         rooms: Components,
         reader: LanguageReader,
         clamping: LimitClamping,
-        task_steps: Callable[[str, PrincipalId], TaskSteps],
+        task_steps: Callable[[str, str, PrincipalId], TaskSteps],
     ) -> None:
         self._rooms = rooms
         self._task_steps = task_steps
@@ -223,8 +223,8 @@ class Agreements:
     def _parts(self, line: Line, caller: Caller) -> Iterator[ActPart]:
         if isinstance(line, CommandLine) and line.verb in TOGETHER:
             yield from self._together(line, caller)
-        elif isinstance(line, CommandLine) and line.verb == TASK:
-            steps = self._task_steps(line.rest, caller.principal)
+        elif isinstance(line, CommandLine) and line.verb in TASKS:
+            steps = self._task_steps(line.verb, line.rest, caller.principal)
             for step in steps.read:
                 yield from self._possible(step, caller)
             for robot in steps.unread:

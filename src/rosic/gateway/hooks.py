@@ -39,7 +39,7 @@ class PipelineHooks:
         newcomer: Answers somebody unknown who may have brought a code; None: it was no code.
         enclosed: Takes in files that people send.
         outdated: Hears, in private, of a tap on a button that is no good any more.
-        task_steps: What a task, as typed, lets robots do that may carry it out for somebody.
+        task_steps: What a task or a mission, as typed, lets robots do for somebody.
         view_buttons: Buttons for what can be seen of a robot, for its menu.
 
     Args:
@@ -71,7 +71,7 @@ class PipelineHooks:
         self.newcomer: Deferred[[Messenger, Inbound, str], Awaitable[Reply | None]]
         self.newcomer = Deferred(_no_code)
         self.enclosed: Deferred[[Messenger, Inbound, Caller], None] = Deferred(_left)
-        self.task_steps: Deferred[[str, PrincipalId], TaskSteps] = Deferred(_no_steps)
+        self.task_steps: Deferred[[str, str, PrincipalId], TaskSteps] = Deferred(_no_steps)
         self.view_buttons: Deferred[[RobotId], list[Button]] = Deferred(_unseen)
         self.outdated: Signal[[PrincipalId]] = Signal()
 
@@ -85,7 +85,7 @@ def _left(_messenger: Messenger, _inbound: Inbound, _caller: Caller) -> None:
     """Take no file: there is nowhere to keep it."""
 
 
-def _no_steps(_rest: str, _who: PrincipalId) -> TaskSteps:
+def _no_steps(_verb: str, _rest: str, _who: PrincipalId) -> TaskSteps:
     """Let no task do anything: nobody takes any."""
     return TaskSteps(())
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+import pytest
 from msgspec.structs import replace
 
 from rosic.core.fleet.mission import Mission, MissionPart
@@ -57,6 +58,28 @@ async def test_what_follows_waits_and_what_is_side_by_side_runs_side_by_side() -
         await heard(here)
         assert states(here) == [TaskState.DONE] * 3
         assert "No mission called restock is under way" in await here.say("/mission cancel restock")
+
+
+@pytest.mark.parametrize(
+    ("changed", "why"),
+    [
+        ("", ""),
+        ("/robot retire w2", "This is not what was shown any more"),
+        ("/grant Vi viewer w1 for 2h", "The rules here have changed since you were asked"),
+    ],
+)
+async def test_a_mission_begins_by_a_button_as_it_was_shown_or_not_at_all(
+    changed: str, why: str
+) -> None:
+    """What a tap agrees to is every step of every robot that may carry it out (I16)."""
+    async with lab().open() as here:
+        await here.say("/mission restock")
+        button = here.button("Start restock")
+        if changed:
+            await here.say(changed)
+        told = await here.tap(*button)
+        assert why in told
+        assert len(tasks(here)) == (0 if why else 3)
 
 
 async def test_it_is_paused_gone_on_with_and_cancelled_as_one() -> None:

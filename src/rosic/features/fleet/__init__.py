@@ -12,6 +12,7 @@ from rosic.core.order import OrderEnding
 from rosic.core.records import Refused, Told
 from rosic.errors import Repeated, StoreFault
 from rosic.features.fleet.add_robot import AddRobotFromChat
+from rosic.features.fleet.agreement_steps import AgreementSteps
 from rosic.features.fleet.attempt import TaskAttempts, TaskRecall, attempt_id
 from rosic.features.fleet.dispatch_state import KIND as LETTER
 from rosic.features.fleet.dispatcher import TaskDispatcher
@@ -86,7 +87,6 @@ class FleetFeature(Feature):
         self._take_over()
         tasks = TaskCommands(rooms, self.dispatching, self.telling, orders.chat_sender.languages)
         tasks.register(kernel.commands)
-        kernel.pipeline.hooks.task_steps.bind(tasks.steps)
         zone = zone_named(kernel.site.zone)
         self._timetable = MissionSchedule(kernel.changes, kernel.reach, clock, zone)
         self._timetable.restore(kernel.memory.facts.get(TIMES, ()))
@@ -94,6 +94,8 @@ class FleetFeature(Feature):
             rooms, kernel.changes, tasks, kernel.site.missions, self._timetable, zone
         )
         self._missions.register(kernel.commands)
+        steps = AgreementSteps(rooms, self.dispatching.fleet, tasks, self._missions)
+        kernel.pipeline.hooks.task_steps.bind(steps.of)
 
     def _take_over(self) -> None:
         """Go on with what earlier runs wrote."""

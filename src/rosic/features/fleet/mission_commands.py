@@ -62,6 +62,7 @@ ACTS: Final[dict[str, TaskReason | None]] = {
     "go": None,
     "resume": None,
 }
+GO_ON: Final = frozenset(verb for verb, reason in ACTS.items() if reason is None)
 
 
 class ResolvedMission(NamedTuple):
@@ -119,18 +120,15 @@ class MissionCommands:
             NotPermitted: Somebody else's.
             Expired: Robots would move because of it, and it was not sent just now.
         """
-        verb, _, said = asked.rest.strip().partition(" ")
-        verb, said = verb.casefold(), said.strip()
-        if verb not in self._missions:
-            verb = self._rooms.vocabulary.commands.verb("mission", verb)
+        verb, said = self._words(asked.rest)
         name = said.casefold()
         if not verb:
             return await self.missions(asked)
-        starts = verb == "start" or (verb in self._missions and verb not in ACTS and verb != "off")
-        if name and (starts or ACTS.get(verb, TaskReason.NONE) is None):
+        starts = self._starts(verb, said)
+        if starts or (name and verb in GO_ON):
             check_command_fresh(asked.inbound, f"/mission {asked.rest}")
-        if starts and name:
-            return await self._start(asked, said if verb == "start" else f"{verb} {said}")
+        if starts:
+            return await self._start(asked, starts)
         if verb == "off" and name:
             return await self._off(asked, name)
         if verb in ACTS and name:
@@ -138,6 +136,34 @@ class MissionCommands:
         if not name and (verb in self._missions or self._runs_of(verb)):
             return self._show(asked, verb)
         raise NotUnderstood(words.HOW_TO)
+
+    def _words(self, rest: str) -> tuple[str, str]:
+        """Return the verb of a command, as it is called in English, and what follows it."""
+        verb, _, said = rest.strip().partition(" ")
+        verb = verb.casefold()
+        if verb not in self._missions:
+            verb = self._rooms.vocabulary.commands.verb("mission", verb)
+        return verb, said.strip()
+
+    def _starts(self, verb: str, said: str) -> str:
+        """Return what is started, and with what; empty: nothing is."""
+        if not said or verb == "start":
+            return said
+        return f"{verb} {said}" if verb in self._missions and verb not in {*ACTS, "off"} else ""
+
+    def asked(self, rest: str, who: PrincipalId) -> list[tuple[Sequence[RobotId], Sequence[str]]]:
+        """Return which robots each task of a mission is for that is started, and what they do.
+
+        Raises:
+            Refusal: It is not begun: it is said badly.
+        """
+        name, _, said = self._starts(*self._words(rest)).partition(" ")
+        if not name:
+            return []
+        mission = self._named(name.casefold())
+        given = read_values(said, mission.parameters, self._rooms.vocabulary.units).given
+        leaves = self._laid_out(mission, given)
+        return [(self._robots(leaf.part.on, who), leaf.steps) for leaf in leaves]
 
     async def _act(self, asked: CommandContext, verb: str, run: str) -> Reply:
         """Do something with every task of a mission; those for which it makes no sense stay."""
@@ -188,10 +214,8 @@ class MissionCommands:
         if not found:
             raise NotUnderstood(words.not_running(name))
         if len(found) > 1:
-            verb = asked.rest.split()[0]
-            raise NotUnderstood(
-                words.which(name), offers=tuple(f"/mission {verb} {r}" for r in found)
-            )
+            offers = tuple(f"/mission {asked.rest.split()[0]} {run}" for run in found)
+            raise NotUnderstood(words.which(name), offers=offers)
         return found[0]
 
     def _open_runs(self, who: PrincipalId) -> list[str]:
@@ -256,9 +280,8 @@ class MissionCommands:
         organiser = self._rooms.organiser
         organiser.check_unlocked(self._rooms.authoriser.stand_for(plan.author))
         mission = self._named(plan.mission)
-        run, count = await self._begin(
-            plan.author, ResolvedMission(mission, plan.values, where), cid
-        )
+        meant = ResolvedMission(mission, plan.values, where)
+        run, count = await self._begin(plan.author, meant, cid)
         return words.started(mission.shown, run, count)
 
     async def _begin(

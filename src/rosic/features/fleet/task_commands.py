@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
@@ -11,7 +10,6 @@ from rosic.core.fleet.task import (
     HELD,
     OVER,
     RESTING,
-    FleetMembership,
     Task,
     TaskNeed,
     TaskReason,
@@ -35,7 +33,6 @@ from rosic.features.fleet.task_parser import (
     read_wish,
     readings,
 )
-from rosic.gateway.agreement import TaskSteps
 from rosic.gateway.cancel import CancelGeneration
 from rosic.gateway.commands import Reply
 from rosic.gateway.requests import check_command_fresh
@@ -45,7 +42,6 @@ if TYPE_CHECKING:
 
     from rosic.core.fleet.state import FleetState
     from rosic.core.identity import PrincipalId
-    from rosic.core.language import Do
     from rosic.core.robot.profile import RobotId
     from rosic.features.fleet.alternatives import MissingPart
     from rosic.features.fleet.dispatcher import Given, TaskDispatcher
@@ -61,8 +57,6 @@ OF_ONE_AT_MOST: Final = 500
 SHOWN_AT_MOST: Final = 20
 READINGS_OF_ONE: Final = 200
 """So many readings of a step cost somebody as much of their rate as one more line."""
-STEPS_READ_AT_MOST: Final = 128
-"""So many are worked out for a button of a task: all of a large one would hold the loop (I15)."""
 ANY: Final = frozenset({ANYBODY, "anybody", "anyone", "irgendwer"})
 ASSIGN: Final = "assign"
 
@@ -158,11 +152,8 @@ class TaskCommands:
             return Reply(self.line(task, asked.caller.principal), words.choices(task))
         return await self._give(asked)
 
-    def steps(self, rest: str, who: PrincipalId) -> TaskSteps:
-        """Return what a task lets robots do that may carry it out; nothing for what is no task.
-
-        Robots are read until it would take too long for one step of the event loop. Who may do what
-        for somebody is in the number of the rules as well, for whoever binds a button to this.
+    def asked(self, rest: str, who: PrincipalId) -> list[tuple[Sequence[RobotId], Sequence[str]]]:
+        """Return which robots a new task is for, and what they are to do; empty: it is no task.
 
         Args:
             rest: As typed after the verb.
@@ -173,21 +164,13 @@ class TaskCommands:
         """
         first, *more = rest.split() or [""]
         if not more or (first.casefold() in self._acts and len(more) == 1 and more[0].isdecimal()):
-            return TaskSteps(())
+            return []
         organiser = self._rooms.organiser
         wish = read_wish(rest, organiser.wall_ns(), organiser.calendar.zone(who))
         _, robots, used = self._target(wish, who)
         lines = wish.lines(used)
         readings(robots, lines)
-        permitted, standing = PermittedSteps(self._rooms, who), self.dispatching.fleet.standing
-        serving = [robot for robot in robots if standing(robot) is not FleetMembership.RETIRED]
-        looked_at = max(1, STEPS_READ_AT_MOST // len(lines))
-        found: list[Do] = []
-        for robot in serving[:looked_at]:
-            with suppress(Refusal):
-                permitted.all(robot, lines)
-                found += [permitted.reader.read(robot, line) for line in lines]
-        return TaskSteps(found, serving[looked_at:])
+        return [(robots, lines)]
 
     async def _give(self, asked: CommandContext) -> Reply:
         check_command_fresh(asked.inbound, f"/task {asked.rest}")

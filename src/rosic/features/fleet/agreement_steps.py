@@ -1,0 +1,82 @@
+"""What a new task or mission lets robots do: a button that begins it is bound to that (I16).
+
+One that goes on needs no such thing: robots and steps are those that it was given with.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.fleet.task import FleetMembership
+from rosic.errors import Refusal
+from rosic.features.fleet.task_parser import PermittedSteps
+from rosic.gateway.agreement import TaskSteps
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import TypeAlias
+
+    from rosic.core.fleet.state import FleetState
+    from rosic.core.identity import PrincipalId
+    from rosic.core.language import Do
+    from rosic.core.robot.profile import RobotId
+    from rosic.features.fleet.mission_commands import MissionCommands
+    from rosic.features.fleet.task_commands import TaskCommands
+    from rosic.gateway.components import Components
+
+    Work: TypeAlias = tuple[Sequence[RobotId], Sequence[str]]
+
+STEPS_READ_AT_MOST: Final = 128
+"""So many are worked out for a button: all of a large task would hold the loop (I15)."""
+
+
+class AgreementSteps:
+    """Works out what a command of tasks or missions comes to, as far as there is time for it."""
+
+    def __init__(
+        self,
+        rooms: Components,
+        fleet: FleetState,
+        tasks: TaskCommands,
+        missions: MissionCommands,
+    ) -> None:
+        self._rooms = rooms
+        self._fleet = fleet
+        self._tasks = tasks
+        self._missions = missions
+
+    def of(self, verb: str, rest: str, who: PrincipalId) -> TaskSteps:
+        """Return what a command lets robots do; nothing of one that lets them do nothing.
+
+        Robots are read until it would take too long for one step of the event loop. Who may do what
+        for somebody is in the number of the rules as well, for whoever binds a button to this.
+
+        Args:
+            verb: ``task`` or ``mission``.
+            rest: As typed after it.
+            who: Whoever says it.
+
+        Raises:
+            Refusal: It is not done: it is said badly, or for nobody.
+        """
+        works = (self._tasks if verb == "task" else self._missions).asked(rest, who)
+        return self._read(who, works)
+
+    def _read(self, who: PrincipalId, works: Sequence[Work]) -> TaskSteps:
+        permitted, standing = PermittedSteps(self._rooms, who), self._fleet.standing
+        found: list[Do] = []
+        unread: list[RobotId] = []
+        left = STEPS_READ_AT_MOST
+        for robots, lines in works:
+            for robot in robots:
+                if standing(robot) is FleetMembership.RETIRED:
+                    continue
+                if left < STEPS_READ_AT_MOST and left < len(lines):
+                    unread.append(robot)
+                    continue
+                left -= len(lines)
+                with suppress(Refusal):
+                    permitted.all(robot, lines)
+                    found += [permitted.reader.read(robot, line) for line in lines]
+        return TaskSteps(found, unread)
