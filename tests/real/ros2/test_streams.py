@@ -34,7 +34,7 @@ def test_a_gateway_that_was_frozen_drives_no_further(site: Site) -> None:
     back_ns = site.frozen(site.gateway, 3.0)
     told = site.ended()
     time.sleep(SETTLED_S)
-    assert site.velocities(back_ns) == []
+    assert [v for v in site.velocities(back_ns) if v.sent_ns > back_ns] == []
     assert told.startswith("failed drove for 1."), told
     assert "by its odometry; broken off because ROSIC itself stood still for 3." in told
 
@@ -51,7 +51,8 @@ def test_a_stop_that_waited_for_a_frozen_gateway_finds_no_motion(site: Site) -> 
     time.sleep(SETTLED_S)
     assert rest == "True"
     assert ended.split()[0] in {"cancelled", "failed"}
-    assert site.velocities(back_ns) == []
+    # Of what was being sent when it was frozen, the rest goes out as it wakes.
+    assert [v for v in site.velocities(back_ns) if v.sent_ns > back_ns] == []
 
 
 def test_a_gap_shorter_than_the_watchdog_breaks_nothing(site: Site) -> None:
@@ -73,7 +74,8 @@ def test_a_robot_that_was_frozen_is_driven_no_further(site: Site) -> None:
     time.sleep(SETTLED_S)
     late = frozen_ns + int(1.5 * patience() * _NS)
     assert [v for v in site.velocities(back_ns) if v.sent_ns > late] == []
-    assert told.startswith("failed drove for 0."), told
+    # Where it wakes too late to be asked, whether it rests is not known.
+    assert told.startswith(("failed drove for 0.", "robot-unreachable Base: drove for 0.")), told
     assert "broken off because it was not heard for 1." in told
 
 
