@@ -71,6 +71,7 @@ class WriteJob(msgspec.Struct, Generic[T], eq=False):
         if not self.told and self.future is not None and self.future.cancelled():
             self.future = asyncio.get_running_loop().create_future()
             await asyncio.wait((self.future,))
+            self.future.exception()  # whoever was cut off says it by `error`
 
 
 class WriteCall(WriteJob[Any], eq=False):
