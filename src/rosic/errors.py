@@ -141,6 +141,7 @@ class FirstNeeded(Refusal):
         robot: Of which robot.
         text: The command, to be given again then.
         arguments: What it means, SI.
+        overheard: It may have been meant for somebody else in the chat.
     """
 
     code = "first-needed"
@@ -153,12 +154,14 @@ class FirstNeeded(Refusal):
         robot: str,
         text: str,
         arguments: Mapping[str, float | int | str] | None = None,
+        overheard: bool = False,
     ) -> None:
         super().__init__(sentence)
         self.need = need
         self.robot = robot
         self.text = text
         self.arguments = arguments
+        self.overheard = overheard
 
 
 class TakeOver(Refusal):

@@ -97,8 +97,8 @@ OF_ORDERS = (
     Fault(
         name="I16 a mission is bound to nothing of what its robots do",
         file="features/fleet/agreement_steps.py",
-        guard='(self._tasks if verb == "task" else self._missions).asked(rest, who)',
-        without='self._tasks.asked(rest, who) if verb == "task" else []',
+        guard='self._tasks.asked if verb == "task" else self._missions.asked',
+        without='self._tasks.asked if verb == "task" else (lambda *_: [])',
         caught_by=(f"{MISSIONS}::test_a_mission_begins_by_a_button_as_it_was_shown_or_not_at_all",),
     ),
     Fault(

@@ -39,8 +39,8 @@ NOTHING_VISIBLE = said(
     "There is no robot here for you yet. The admin of this place can change that."
 )
 
-STALE_S = 10.0
 NO_NUMBER: Final = said("not known, as the robot gives no number")
+STALE_S = 10.0
 """What a robot reported so long ago, or longer, is told with its age."""
 
 NAMED_AT_MOST = 50

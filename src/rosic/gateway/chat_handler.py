@@ -24,7 +24,6 @@ from rosic.core.policy.roles import StepRequired
 from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, Repeated, Unrecognised
 from rosic.gateway.builtin_commands import BuiltinCommands
 from rosic.gateway.commands import CommandContext
-from rosic.gateway.confirmation import FOR_OTHERS
 from rosic.gateway.go_to_location import GoToLocation
 from rosic.gateway.message_context import MessageContext
 from rosic.gateway.replies import ASK_FIRST, BEHIND, CONFIRMED, LEAVE
@@ -55,6 +54,7 @@ FOLLOWED_KEPT = 10_000
 FAULT = said("Something went wrong here. It is not known what was done; please look.")
 NOTHING_DONE = said("Nothing was done.")
 DONE_ALREADY = said("This was done already.")
+FOR_OTHERS = said("This may be meant for somebody else here. Nothing was done.")
 
 log = logging.getLogger("rosic.pipeline")
 
@@ -218,8 +218,13 @@ class ChatHandler:
         if repeated:
             raise Repeated(DONE_ALREADY)
         if message.unclear or not self._in_conversation(message, line):
-            need = StepRequired.CONFIRMATION.value
-            raise FirstNeeded(FOR_OTHERS, need=need, robot=line.robots[0], text=line.text)
+            raise FirstNeeded(
+                FOR_OTHERS,
+                need=StepRequired.CONFIRMATION.value,
+                robot=line.robots[0],
+                text=line.text,
+                overheard=True,
+            )
 
     def _in_conversation(self, message: MessageContext, line: Do) -> bool:
         """Whether a line without a name goes on with what its author says to that robot."""

@@ -38,7 +38,6 @@ ASKED_FOR_S = 300.0
 ASKED_AT_MOST = 1_000
 PEOPLE_ASKED = 5
 SECONDED = "@"
-FOR_OTHERS = said("This may be meant for somebody else here. Nothing was done.")
 # What keeps somebody from having a robot now, and not from agreeing that another moves it.
 _NOT_THEIRS_NOW = frozenset(
     {
@@ -116,7 +115,7 @@ class Confirmation:
             act = self._agreements.of(line, caller)
             question = (
                 said("{act}? People talk here, so it moves only if you confirm it.", act=act.shown)
-                if needed.sentence == FOR_OTHERS
+                if needed.overheard
                 else said("{act}? It moves only if you confirm it.", act=act.shown)
             )
             return Reply(question, _do_it(f"{CONFIRMED}{act.command}", act))

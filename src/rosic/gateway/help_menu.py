@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, isfinite
+from math import inf
 from typing import TYPE_CHECKING, Final
 
 from msgspec.structs import replace
@@ -164,16 +164,9 @@ class HelpMenu:
         """Return what robots can do for this person, and how far; those that are alike together."""
         kinds: dict[str, list[Profile]] = {}
         for profile in profiles:
-            theirs = messages.help_for(self._theirs(principal, profile), NAMED)
-            kinds.setdefault(theirs, []).append(profile)
-        return joined("\n", (self._of_kind(principal, kind) for kind in kinds.values()))
-
-    def _of_kind(self, principal: PrincipalId, kind: Sequence[Profile]) -> str:
-        shown = ", ".join(profile.shown for profile in kind)
-        theirs = self._theirs(principal, kind[0])
-        if not theirs.skills:
-            return said("You may look at {shown}. What you lack, ask for: /ask", shown=shown)
-        return messages.help_for(theirs, shown)
+            theirs = self._theirs(principal, profile)
+            kinds.setdefault(messages.help_for(theirs, NAMED), []).append(theirs)
+        return joined("\n", map(_help_for, kinds.values()))
 
     def _theirs(self, principal: PrincipalId, profile: Profile) -> Profile:
         """Return a profile with what this person may let its robot do, within their limits."""
@@ -254,14 +247,20 @@ def _narrowed(
     parameter: Parameter, compiled: CompiledParameter, least: float, most: float
 ) -> Parameter:
     """Return a parameter with its bounds within two others, SI; those have some slack."""
-    bounds = (float(f"{compiled.unit.from_si(bound):.8g}") for bound in (least, most))
-    low, high = (bound if isfinite(bound) else None for bound in bounds)
-    low = parameter.min if low is None else max(low, parameter.min or 0.0)
-    high = parameter.max if high is None else min(high, parameter.max or 0.0)
+    within = max(least, compiled.low), min(most, compiled.high)
+    low, high = (float(f"{compiled.unit.from_si(bound):.8g}") for bound in within)
     usual = parameter.default
-    if isinstance(usual, int | float) and low is not None and high is not None:
+    if isinstance(usual, int | float):
         usual = min(max(usual, low), high)
     return replace(parameter, min=low, max=high, default=usual)
+
+
+def _help_for(kind: Sequence[Profile]) -> str:
+    """Return what robots of one kind can do for somebody, from profiles of what they may."""
+    shown = ", ".join(profile.shown for profile in kind)
+    if not kind[0].skills:
+        return said("You may look at {shown}. What you lack, ask for: /ask", shown=shown)
+    return messages.help_for(kind[0], shown)
 
 
 def _shared(skill: str) -> Callable[[Profile], bool]:

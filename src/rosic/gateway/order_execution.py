@@ -65,7 +65,7 @@ class RunningOrder:
 
     Attributes:
         requester: Who is behind it: mostly a message.
-        shown: How it reads on its card.
+        shown: How it reads in its message.
         dispatch: Relays it.
         begun: It has been relayed.
     """
@@ -159,7 +159,7 @@ class RunningOrder:
         self._executor.ended(self, refused(refusal))
 
     def concluded(self) -> None:
-        """Its outcome is on disk, or waits to be: from here on a card may show it."""
+        """Its outcome is on disk, or waits to be: from here on a message may show it."""
         self.order_message.end(self.order.cid, self.shown, self.shown.result)
         self._executor.chat_sender.show(self.order_message)
         self._executor.leave(self.order.permit.principal)

@@ -211,7 +211,7 @@ def _ended(title: str, order: Unfinished) -> str:
 def _put_together(
     cards: dict[tuple[str, ...] | CommandId, UnreportedOrders], told: UnreportedOrders
 ) -> None:
-    """Add a life to the card of its line, unless it is known to be shown in another message."""
+    """Add an order to the message of its line, unless it is known to be in another message."""
     origin, shown, [order] = told
     where = origin.message or shown
     key: tuple[str, ...] | CommandId = order.cid

@@ -438,8 +438,8 @@ class Organiser:
 
     def whose(self, robot: RobotId) -> PrincipalId | None:
         """Return who has a robot now, or whose time with it is now."""
-        ruled = self._rule(robot) != "none"
-        slot = self.calendar.present(robot, self.wall_ns()) if ruled else None
+        rule = self._rule(robot)
+        slot = None if rule == "none" else self.calendar.present(robot, self.wall_ns())
         return self.holder(robot) or (slot.principal if slot is not None else None)
 
     def free_in(self, robot: RobotId) -> tuple[bool, float]:

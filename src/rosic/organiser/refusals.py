@@ -11,7 +11,6 @@ from rosic.core.policy.limits import broken_limit, limit_in_words
 from rosic.core.policy.query import PolicyCode
 from rosic.core.policy.roles import Assurance, StepRequired
 from rosic.core.policy.scope import RESUME
-from rosic.core.robot.profile import Slots
 from rosic.core.role_names import role_shown
 from rosic.errors import (
     FirstNeeded,
@@ -279,13 +278,11 @@ class RefusalBuilder:
         )
 
     def _slot(self, denied: Deny) -> Refusal:
-        calendar, robot = self._organiser.calendar, denied.ask.robot
-        required = self._profiles[robot].slots is Slots.REQUIRED
-        principal = denied.ask.principal
-        conflict = calendar.why_not(principal, robot, self._organiser.wall_ns(), required)
-        if conflict is None:
-            return RobotTaken(said("{shown} is somebody else's now.", shown=self._shown(robot)))
-        return calendar.refusal(conflict, principal)
+        robot = denied.ask.robot
+        outside = self._organiser.outside_slot(denied.ask.principal, robot)
+        if outside is not None:
+            return outside
+        return RobotTaken(said("{shown} is somebody else's now.", shown=self._shown(robot)))
 
     def _taken(self, denied: Deny) -> Refusal:
         robot = denied.ask.robot

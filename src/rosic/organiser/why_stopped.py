@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.core.policy.permissions import Permissions
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.core.stop_registry import StopRegistry
-    from rosic.errors import NotPermitted
+    from rosic.errors import NotPermitted, Refusal
     from rosic.organiser.calendar import Calendar
 
 NOTHING_DONE: Final = said("Nothing was done.")
@@ -72,6 +72,10 @@ class PolicyInformation(Protocol):
 
     def why_not_move(self, principal: PrincipalId, robot: RobotId) -> NotPermitted | None:
         """Return why somebody may not move a robot at all; None if they may."""
+        ...
+
+    def outside_slot(self, principal: PrincipalId, robot: RobotId) -> Refusal | None:
+        """Return why a robot is not somebody's now, by slots alone; None if it may be."""
         ...
 
 

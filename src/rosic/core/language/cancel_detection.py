@@ -18,7 +18,7 @@ from rosic.core.language.stop_detection import (
     lines_of,
     words_of,
 )
-from rosic.core.language.stop_words import ALONG, EVERYTHING, UNSAID, fold_stop
+from rosic.core.language.stop_words import ALONG, EVERYTHING, UNSAID, fold_stop, folded_words
 
 if TYPE_CHECKING:
     from collections.abc import Container
@@ -68,10 +68,6 @@ _KEPT = """
 _TASKS = "task tasks mission missions aufgabe aufgaben missionen"
 
 
-def _folded(words: str) -> frozenset[str]:
-    return frozenset(fold_stop(word) for word in words.split())
-
-
 def _slips(word: str) -> frozenset[str]:
     """Return what one slip of a finger makes of a word: a letter too few, too many, or swapped."""
     places = range(len(word))
@@ -82,10 +78,10 @@ def _slips(word: str) -> frozenset[str]:
     return frozenset((left_out | swapped | doubled | other) - {word})
 
 
-CANCEL = _folded(_CANCEL)
-WITH = _folded(_WITH)
-KEPT = _folded(_KEPT)
-TASKS = _folded(_TASKS)
+CANCEL = folded_words(_CANCEL)
+WITH = folded_words(_WITH)
+KEPT = folded_words(_KEPT)
+TASKS = folded_words(_TASKS)
 MISSPELT = _slips("cancel") - CANCEL - {"chancel", "cancer"}
 
 

@@ -143,7 +143,8 @@ def shorten(word: str) -> str:
     return _RUN.sub(r"\1", word)
 
 
-def _folded(words: str) -> frozenset[str]:
+def folded_words(words: str) -> frozenset[str]:
+    """Return the words of a text as they are compared."""
     return frozenset(fold_stop(word) for word in words.split())
 
 
@@ -169,22 +170,22 @@ BEGINNING = frozenset(phrase[0] for phrase in PHRASES)
 """What each of those begins with."""
 # In English it is the opposite of what follows, so it only counts where a line or a name begins it.
 DOUBTFUL = "not"
-STRONG = _folded(_STRONG) | {"".join(phrase) for phrase in PHRASES}
-WEAK = _folded(_WEAK)
+STRONG = folded_words(_STRONG) | {"".join(phrase) for phrase in PHRASES}
+WEAK = folded_words(_WEAK)
 STOPPING = STRONG | WEAK
 SHORTENED = frozenset(map(shorten, STRONG))
-ALONG = _folded(_ALONG)
-EVERYTHING = _folded(_EVERYTHING)
-UNSAID = _folded(_UNSAID)
-SHOUTED = STRONG - _folded(_EVERYDAY)
+ALONG = folded_words(_ALONG)
+EVERYTHING = folded_words(_EVERYTHING)
+UNSAID = folded_words(_UNSAID)
+SHOUTED = STRONG - folded_words(_EVERYDAY)
 """What stops in the midst of a short line as well."""
-TOLD = _folded(_TOLD)
-THINGS = _folded(_THINGS)
-FAILS = _folded(_FAILS)
-FREE_TEXT = _folded(_FREE_TEXT)
+TOLD = folded_words(_TOLD)
+THINGS = folded_words(_THINGS)
+FAILS = folded_words(_FAILS)
+FREE_TEXT = folded_words(_FREE_TEXT)
 NEGATED = tuple(_NEGATED.split())
 GOES_ON = tuple(_GOES_ON.split())
-NOT = _folded("not never t nicht nie niemals")
+NOT = folded_words("not never t nicht nie niemals")
 UNSPACED = tuple(
     sorted(
         {word for word in _STRONG.split() if _UNSPACED.fullmatch(word)} - set(_EVERYDAY.split()),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language.stop_detection import words_of
-from rosic.core.language.stop_words import ALONG, EVERYTHING, fold_stop, shorten
+from rosic.core.language.stop_words import ALONG, EVERYTHING, fold_stop, folded_words, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Container
@@ -47,12 +47,8 @@ _WITH = """
 """
 
 
-def _folded(words: str) -> frozenset[str]:
-    return frozenset(fold_stop(word) for word in words.split())
-
-
-WAIT = _folded(_WAIT)
-WITH = _folded(_WITH) | ALONG | EVERYTHING
+WAIT = folded_words(_WAIT)
+WITH = folded_words(_WITH) | ALONG | EVERYTHING
 # A longer line talks of something.
 LONGEST = 64
 

@@ -14,9 +14,6 @@ from rosic.features.fleet.task_parser import PermittedSteps
 from rosic.gateway.agreement import TaskSteps
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from typing import TypeAlias
-
     from rosic.core.fleet.state import FleetState
     from rosic.core.identity import PrincipalId
     from rosic.core.language import Do
@@ -24,8 +21,6 @@ if TYPE_CHECKING:
     from rosic.features.fleet.mission_commands import MissionCommands
     from rosic.features.fleet.task_commands import TaskCommands
     from rosic.gateway.components import Components
-
-    Work: TypeAlias = tuple[Sequence[RobotId], Sequence[str]]
 
 STEPS_READ_AT_MOST: Final = 128
 """So many are worked out for a button: all of a large task would hold the loop (I15)."""
@@ -60,15 +55,12 @@ class AgreementSteps:
         Raises:
             Refusal: It is not done: it is said badly, or for nobody.
         """
-        works = (self._tasks if verb == "task" else self._missions).asked(rest, who)
-        return self._read(who, works)
-
-    def _read(self, who: PrincipalId, works: Sequence[Work]) -> TaskSteps:
+        asked = self._tasks.asked if verb == "task" else self._missions.asked
         permitted, standing = PermittedSteps(self._rooms, who), self._fleet.standing
         found: list[Do] = []
         unread: list[RobotId] = []
         left = STEPS_READ_AT_MOST
-        for robots, lines in works:
+        for robots, lines in asked(rest, who):
             for robot in robots:
                 if standing(robot) is FleetMembership.RETIRED:
                     continue

@@ -33,7 +33,7 @@ from rosic.features.fleet.dispatch_state import TaskText
 from rosic.features.fleet.mission_schedule import KIND as TIMES
 from rosic.features.fleet.mission_schedule import PLANS_AT_MOST, MissionChat, MissionPlan
 from rosic.features.fleet.task_commands import ANY, ASSIGN, check_room
-from rosic.features.fleet.task_parser import PermittedSteps, able
+from rosic.features.fleet.task_parser import PermittedSteps, RobotSteps, able
 from rosic.gateway.cancel import CancelGeneration
 from rosic.gateway.commands import Reply
 from rosic.gateway.requests import check_command_fresh
@@ -151,7 +151,7 @@ class MissionCommands:
             return said
         return f"{verb} {said}" if verb in self._missions and verb not in {*ACTS, "off"} else ""
 
-    def asked(self, rest: str, who: PrincipalId) -> list[tuple[Sequence[RobotId], Sequence[str]]]:
+    def asked(self, rest: str, who: PrincipalId) -> list[RobotSteps]:
         """Return which robots each task of a mission is for that is started, and what they do.
 
         Raises:
@@ -163,7 +163,7 @@ class MissionCommands:
         mission = self._named(name.casefold())
         given = read_values(said, mission.parameters, self._rooms.vocabulary.units).given
         leaves = self._laid_out(mission, given)
-        return [(self._robots(leaf.part.on, who), leaf.steps) for leaf in leaves]
+        return [RobotSteps(self._robots(leaf.part.on, who), leaf.steps) for leaf in leaves]
 
     async def _act(self, asked: CommandContext, verb: str, run: str) -> Reply:
         """Do something with every task of a mission; those for which it makes no sense stay."""

@@ -83,11 +83,6 @@ def cannot_pause(shown: str) -> str:
     return said("{shown} cannot hold that half way. Cancel it, or stop it.", shown=shown)
 
 
-def cancel_label(shown: str) -> str:
-    """Return the label of the button that ends what one robot does."""
-    return said("Cancel {shown}", shown=shown)
-
-
 def _some(tasks: Sequence[str]) -> str:
     more = ", ..." if len(tasks) > NAMED_AT_MOST else ""
     return ", ".join(tasks[:NAMED_AT_MOST]) + more

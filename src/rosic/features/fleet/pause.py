@@ -94,7 +94,7 @@ class PauseCommands:
         for order in tuple(single)[: words.BUTTONS_AT_MOST]:
             robot, shown = order.robot, self._shown(order.robot)
             stop = Button(cancel_messages.stop_label(shown), f"stop {robot}")
-            rows.append((Button(words.cancel_label(shown), f"cancel {robot}"), stop))
+            rows.append((Button(cancel_messages.cancel_label(shown), f"cancel {robot}"), stop))
         return tuple(rows)
 
     async def go_on(self, asked: CommandContext) -> Reply:

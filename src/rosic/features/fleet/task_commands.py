@@ -28,6 +28,7 @@ from rosic.features.fleet.monitor import why_waits
 from rosic.features.fleet.task_parser import (
     ANYBODY,
     PermittedSteps,
+    RobotSteps,
     able,
     check_units,
     read_wish,
@@ -152,7 +153,7 @@ class TaskCommands:
             return Reply(self.line(task, asked.caller.principal), words.choices(task))
         return await self._give(asked)
 
-    def asked(self, rest: str, who: PrincipalId) -> list[tuple[Sequence[RobotId], Sequence[str]]]:
+    def asked(self, rest: str, who: PrincipalId) -> list[RobotSteps]:
         """Return which robots a new task is for, and what they are to do; empty: it is no task.
 
         Args:
@@ -170,7 +171,7 @@ class TaskCommands:
         _, robots, used = self._target(wish, who)
         lines = wish.lines(used)
         readings(robots, lines)
-        return [(robots, lines)]
+        return [RobotSteps(robots, lines)]
 
     async def _give(self, asked: CommandContext) -> Reply:
         check_command_fresh(asked.inbound, f"/task {asked.rest}")

@@ -289,6 +289,13 @@ class ReadStep(NamedTuple):
     place: tuple[float, float] | None
 
 
+class RobotSteps(NamedTuple):
+    """What is asked of each of some robots, step by step, before anybody looks who can do it."""
+
+    robots: Sequence[RobotId]
+    lines: Sequence[str]
+
+
 class PermittedSteps:
     """What robots can carry out for one person; each line is looked at once for each robot.
 

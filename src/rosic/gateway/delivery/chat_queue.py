@@ -97,7 +97,7 @@ class Speaker(Protocol):
     """Says what queues hand out; see `ChatSender`."""
 
     async def show_in_place(self, order_message: OrderMessage, queue: ChatQueue | None) -> None:
-        """Show a card by editing its message."""
+        """Show how orders are now by editing their message."""
 
     async def speak_once(self, item: Item, queue: ChatQueue | None = None) -> None:
         """Say one thing."""
@@ -389,5 +389,5 @@ def is_answer(item: Item) -> bool:
 
 
 def weight_of(item: Item) -> SendPriority:
-    """Return how important it is now: a card grows in weight when one of its lives has ended."""
+    """Return how important it is now: more so once an order of its message has ended."""
     return item.weight if isinstance(item, OrderMessage) else item.outbound.weight

@@ -97,7 +97,7 @@ class ChatSender:
             self._queue(note.where_to, note).put(note)
 
     def show(self, order_message: OrderMessage) -> None:
-        """Bring a chat up to date with a card."""
+        """Bring a chat up to date with the message of some orders."""
         queue = self._queues.get(order_message.where)
         if queue is None:
             queue = self._queue(order_message.where, order_message)
@@ -329,7 +329,7 @@ class ChatSender:
             )
 
     async def _adopt(self, order_message: OrderMessage) -> None:
-        """Show a card for the first time where it was asked for."""
+        """Show the message of some orders for the first time, where it was asked for."""
         outbound, question = order_message.read(endings=False), order_message.take_place()
         self.on_buttons.emit(OutgoingMessage(order_message.messenger, outbound), question)
         await order_message.messenger.edit(question, outbound)

@@ -200,15 +200,11 @@ class Measurements:
     def look(self, seen: GraphSnapshot) -> None:
         """Take in who is on the graph: what a publisher keeps is asked for once it is there."""
         topics = {topic.name: topic for topic in seen.topics}
-        there = [
-            (source, topic)
-            for source in self.sources.values()
-            if (topic := topics.get(source.topic))
-        ]
         if self._runtime is not None:
             unmeasured = (s for s in self.sources.values() if not self._is_measured(s))
             self._kept.look(self._runtime, seen, unmeasured)
-        speaking = [topic for _, topic in there if topic.publishers]
+        there = (topics.get(source.topic) for source in self.sources.values())
+        speaking = [topic for topic in there if topic is not None and topic.publishers]
         self._said_once = bool(speaking) and all(
             topic.latched == topic.publishers for topic in speaking
         )
