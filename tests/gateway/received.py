@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from random import Random
 
     from rosic.contracts.store import Store
+    from rosic.core.fleet.mission import Mission
     from rosic.core.robot.profile import Profile
     from rosic.messengers.telegram.polling import Poller
     from rosic.stores.stop_latch import MemoryLatch
@@ -249,6 +250,7 @@ async def receiving(
     store: Store | None = None,
     latch: MemoryLatch | None = None,
     fleet: tuple[Profile, ...] = FLEET,
+    missions: tuple[Mission, ...] = (),
 ) -> AsyncIterator[Receiving]:
     """Let a gateway with memory robots listen; Ada is an admin, Bo an operator, without limits."""
     line = Batches()
@@ -258,7 +260,7 @@ async def receiving(
         ConfiguredPerson("Bo", (Address("telegram", str(BO)),), ("operator",)),
     )
     unlimited = RateLimit(burst=1e9, per_s=1e9)
-    settings = GatewaySettings(profiles=fleet, people=people, limit=unlimited)
+    settings = GatewaySettings(profiles=fleet, people=people, limit=unlimited, missions=missions)
     gateway = Gateway(settings, parts_of(store or MemoryStore(), messenger, latch=latch))
     await gateway.open()
     running = asyncio.create_task(gateway.run())

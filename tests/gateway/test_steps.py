@@ -5,16 +5,14 @@ from __future__ import annotations
 import asyncio
 import os
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from rosic.authoriser.invite_codes import ALPHABET
-from rosic.bench.strangers import NAMED, LoopStep, MeteredLoop, pace_of_machine, undisturbed
+from rosic.bench.strangers import NAMED
 from rosic.core.language import Cancel, Halt, LanguageReader
-from rosic.core.robot.profile import Link, Profile
-from rosic.core.robot.skill import Parameter, Skill
-from tests.gateway.place import FLEET
+from tests.gateway.loop_steps import herd, none_is_long, run, too_long
 from tests.gateway.received import (
     ADA,
     BO,
@@ -25,15 +23,9 @@ from tests.gateway.received import (
     Receiving,
     filled,
     mixed,
-    receiving,
     texts,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterable
-
-LONGEST_STEP_S = 0.020
-TRIES = 5
 EVERY = 23
 """Of the grid the suite takes each so manieth; a campaign takes all of it."""
 SEED = int(os.environ.get("ROSIC_SEED", "12"))
@@ -41,72 +33,11 @@ ROUNDS = int(os.environ.get("ROSIC_STEPS_ROUNDS", "3000"))
 GROUP, CHANNEL = -100_500, -100_777
 
 
-def run(act: Callable[[Receiving], Awaitable[None]], fleet: tuple[Profile, ...] = FLEET) -> None:
-    """Receive on a loop of its own, which meters its steps."""
-
-    async def main() -> None:
-        async with receiving(fleet=fleet) as place:
-            await place.longest(place.message(ADA, "status"))  # what is made once is made
-            await act(place)
-
-    with undisturbed(), asyncio.Runner(loop_factory=MeteredLoop) as runner:
-        runner.run(main())
-
-
-async def too_long(
-    place: Receiving, updates: Callable[[], list[dict[str, Any]]]
-) -> LoopStep | None:
-    """Return the longest step of receiving something, if that is too long however often tried.
-
-    A step that looks for garbage, or loads what is used for the first time, is not what was sent.
-    Each is held against the pace beside it, before and after: whoever shares the processor's caches
-    comes and goes.
-    """
-    steps: list[LoopStep] = []
-    pace = 1.0
-    for _ in range(TRIES):
-        step = await place.longest(*updates())
-        if step.cpu_ns <= LONGEST_STEP_S * 1e9:
-            return None
-        before, pace = pace, pace_of_machine()
-        if step.cpu_ns <= LONGEST_STEP_S * 1e9 * max(before, pace):
-            return None
-        steps.append(step)
-    return min(steps)
-
-
-async def none_is_long(place: Receiving, who: int, said: Iterable[str]) -> None:
-    """See that no text of somebody makes a step too long."""
-    slow = []
-    for text in said:
-        step = await too_long(place, lambda text=text: [place.message(who, text)])  # type: ignore[misc]
-        if step is not None:
-            slow.append((round(step.cpu_ns / 1e6, 1), text[:60], step.what))
-    assert not slow, sorted(slow, reverse=True)[:20]
-
-
 def test_no_text_of_somebody_known_makes_a_step_long() -> None:
     async def act(place: Receiving) -> None:
         await none_is_long(place, ADA, [*texts()][SEED % EVERY :: EVERY])
 
     run(act)
-
-
-def herd(count: int) -> tuple[Profile, ...]:
-    """Return robots of one group, each with ten skills that no other has, named much alike."""
-    bounds = Parameter(unit="m", min=0.01, max=5.0)
-    return tuple(
-        Profile(
-            id=f"rob{n}",
-            link=Link(kind="memory"),
-            groups=("herd",),
-            skills={
-                name: Skill(id=name, title=name, parameters={"distance": bounds})
-                for name in ("move", *(f"skill{n}x{k}" for k in range(10)))
-            },
-        )
-        for n in range(count)
-    )
 
 
 TO_MANY = [

@@ -201,7 +201,9 @@ class _Layout:
     ) -> tuple[int, ...]:
         if len(self.leaves) >= TASKS_AT_MOST:
             raise InvalidMission(place, f"This mission has more than {TASKS_AT_MOST} tasks.")
-        steps = tuple(filled(step, within.texts) for step in part.steps)
+        texts, steps = within.texts, part.steps
+        if texts:
+            steps = tuple(filled(step, texts) if "$" in step else step for step in steps)
         self.leaves.append(MissionTask(part, after, steps))
         return (len(self.leaves) - 1,)
 

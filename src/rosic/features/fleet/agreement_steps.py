@@ -6,6 +6,7 @@ One that goes on needs no such thing: robots and steps are those that it was giv
 from __future__ import annotations
 
 from contextlib import suppress
+from itertools import chain
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet.task import FleetMembership
@@ -22,8 +23,11 @@ if TYPE_CHECKING:
     from rosic.features.fleet.task_commands import TaskCommands
     from rosic.gateway.components import Components
 
-STEPS_READ_AT_MOST: Final = 128
-"""So many are worked out for a button: all of a large task would hold the loop (I15)."""
+STEPS_READ_AT_MOST: Final = {"task": 128, "mission": 24}
+"""So many are worked out for a button: all of a large task would hold the loop (I15).
+
+Up to five buttons that begin missions are shown together.
+"""
 
 
 class AgreementSteps:
@@ -58,17 +62,21 @@ class AgreementSteps:
         asked = self._tasks.asked if verb == "task" else self._missions.asked
         permitted, standing = PermittedSteps(self._rooms, who), self._fleet.standing
         found: list[Do] = []
-        unread: list[RobotId] = []
-        left = STEPS_READ_AT_MOST
-        for robots, lines in asked(rest, who):
-            for robot in robots:
+        unread: list[tuple[RobotId, ...]] = []
+        left = at_most = STEPS_READ_AT_MOST[verb]
+        for robots, every_line in asked(rest, who):
+            lines = every_line[:at_most]
+            for number, robot in enumerate(robots):
+                if left < len(lines):
+                    unread.append(robots[number:])
+                    break
+                left -= len(lines)
                 if standing(robot) is FleetMembership.RETIRED:
                     continue
-                if left < STEPS_READ_AT_MOST and left < len(lines):
-                    unread.append(robot)
-                    continue
-                left -= len(lines)
                 with suppress(Refusal):
                     permitted.all(robot, lines)
                     found += [permitted.reader.read(robot, line) for line in lines]
-        return TaskSteps(found, unread)
+        others = dict.fromkeys(chain.from_iterable(dict.fromkeys(unread)))
+        return TaskSteps(
+            found, [robot for robot in others if standing(robot) is not FleetMembership.RETIRED]
+        )

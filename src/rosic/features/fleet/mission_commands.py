@@ -163,7 +163,8 @@ class MissionCommands:
         mission = self._named(name.casefold())
         given = read_values(said, mission.parameters, self._rooms.vocabulary.units).given
         leaves = self._laid_out(mission, given)
-        return [RobotSteps(self._robots(leaf.part.on, who), leaf.steps) for leaf in leaves]
+        robots = {on: self._robots(on, who) for on in {leaf.part.on for leaf in leaves}}
+        return [RobotSteps(robots[leaf.part.on], leaf.steps) for leaf in leaves]
 
     async def _act(self, asked: CommandContext, verb: str, run: str) -> Reply:
         """Do something with every task of a mission; those for which it makes no sense stay."""

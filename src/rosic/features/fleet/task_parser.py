@@ -292,8 +292,8 @@ class ReadStep(NamedTuple):
 class RobotSteps(NamedTuple):
     """What is asked of each of some robots, step by step, before anybody looks who can do it."""
 
-    robots: Sequence[RobotId]
-    lines: Sequence[str]
+    robots: tuple[RobotId, ...]
+    lines: tuple[str, ...]
 
 
 class PermittedSteps:
