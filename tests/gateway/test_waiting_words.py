@@ -10,9 +10,9 @@ from rosic.core.message import ChatKind
 from tests.gateway.place import BO, Place
 
 LONG_S = 10_000.0
+MOVES = "omni: move, 1.00 m forward"
 GOES_ON = (
-    "What you asked for still goes on (omni: move, 1.00 m forward). "
-    "To end it, tap a button or say stop or cancel."
+    f"What you asked for still goes on ({MOVES}). To end it, tap a button or say stop or cancel."
 )
 
 
@@ -65,6 +65,19 @@ async def test_in_a_group_only_a_line_that_says_nothing_else() -> None:
         assert await place.say("no problem, we have an hour", **group) == ""
         assert await place.say("no", account=BO, **group) == "", "it is not Bo's to end"
         assert await place.say("no, wait", **group) == GOES_ON
+
+
+async def test_what_was_asked_for_elsewhere_is_not_shown_in_a_group() -> None:
+    async with Place().open() as place:
+        place.robot("omni").work_s = place.robot("kuka1").work_s = LONG_S
+        group, another = ({"kind": ChatKind.GROUP, "chat": chat} for chat in ("-5", "-6"))
+        await place.say("omni move 1 m")
+        for word in ("wait", "no", "omni wait"):
+            assert "move" not in await place.say(word, **group)
+        await place.say("kuka1 wave", **group)
+        assert "wave" not in await place.say("no", **another)
+        assert await place.say("no", **group) == GOES_ON.replace(MOVES, "kuka1: wave")
+        assert await place.say("no") == GOES_ON.replace(MOVES, f"{MOVES}; kuka1: wave")
 
 
 def test_none_of_them_is_a_stop_or_a_cancel() -> None:

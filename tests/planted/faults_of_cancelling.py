@@ -60,8 +60,8 @@ OF_CANCELLING = (
     Fault(
         name="a cancel ends everybody's orders",
         file="gateway/order_execution.py",
-        guard="if o is not None and o.permit.principal == principal]",
-        without="if o is not None]",
+        guard="if entry is not None and entry.order.permit.principal == principal\n",
+        without="if entry is not None\n",
         caught_by=(f"{CANCEL}::test_in_a_group_it_is_whoever_says_it",),
     ),
     Fault(

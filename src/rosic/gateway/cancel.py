@@ -17,7 +17,7 @@ from msgspec.structs import replace
 from rosic.core.i18n import joined, said
 from rosic.core.identity import PrincipalId
 from rosic.core.language import CommandLine, hears_cancel, leaves_out
-from rosic.core.message import Button
+from rosic.core.message import Button, ChatKind
 from rosic.core.robot.profile import RobotId
 from rosic.core.time_units import MINUTE_NS
 from rosic.errors import OrderVoid, Refusal
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller
-    from rosic.core.message import Inbound
+    from rosic.core.message import Chat, Inbound
     from rosic.core.order import Order
     from rosic.core.stop_registry import StopRegistry
     from rosic.gateway.commands import CommandContext, CommandRegistry
@@ -284,9 +284,14 @@ class CancelLane:
         rows = tuple((button,) for button in buttons)
         return Reply(joined("\n", lines), rows, anew=True)
 
-    def goes_on(self, principal: PrincipalId) -> Reply | None:
-        """Return what robots do for somebody just now, with what ends it; None: nothing."""
-        orders = self._executor.of(principal)[:OTHERS_SHOWN]
+    def goes_on(self, messenger: Messenger, chat: Chat, principal: PrincipalId) -> Reply | None:
+        """Return what robots do for somebody just now, with what ends it; None: nothing.
+
+        Where others read it, only what that chat shows anyway.
+        """
+        private = chat.kind is ChatKind.PRIVATE
+        where = None if private else (messenger.name, chat.id)
+        orders = self._executor.of(principal, where)[:OTHERS_SHOWN]
         if not orders:
             return None
         shown = {order.robot: self._shown(order.robot) for order in orders}

@@ -329,7 +329,8 @@ class ChatHandler:
         whole = bare or message.inbound.chat.kind is not ChatKind.PRIVATE
         if not hears_wait(message.text, known, whole=whole):
             return None
-        return self._parts.cancels.goes_on(message.caller.principal)
+        chat, who = message.inbound.chat, message.caller.principal
+        return self._parts.cancels.goes_on(message.messenger, chat, who)
 
     async def _do(self, message: MessageContext, line: Line, cid: CommandId) -> None:
         messenger, inbound = message.messenger, message.inbound

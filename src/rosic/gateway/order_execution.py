@@ -375,12 +375,18 @@ class OrderExecutor:
             and principal in {"", entry.order.permit.principal}
         )
 
-    def of(self, principal: PrincipalId) -> list[Order]:
-        """Return somebody's orders that robots carry out now."""
+    def of(self, principal: PrincipalId, where: tuple[str, str] | None = None) -> list[Order]:
+        """Return somebody's orders that robots carry out now; of a chat, those that it shows."""
         if principal not in self._whose:
             return []
-        under_way = map(self._linker.current, self._workers)
-        return [o for o in under_way if o is not None and o.permit.principal == principal]
+        under_way = (self._linker.queues[robot].current for robot in self._workers)
+        return [
+            entry.order
+            for entry in under_way
+            if entry is not None and entry.order.permit.principal == principal
+            if where is None
+            or (isinstance(entry, RunningOrder) and entry.order_message.where == where)
+        ]
 
     def take_out(self, principal: PrincipalId, robots: Collection[RobotId]) -> list[QueuedOrder]:
         """Take somebody's orders out that wait for robots, or for any if none is named."""
