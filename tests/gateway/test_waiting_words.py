@@ -12,7 +12,8 @@ from tests.gateway.place import BO, Place
 LONG_S = 10_000.0
 MOVES = "omni: move, 1.00 m forward"
 GOES_ON = (
-    f"What you asked for still goes on ({MOVES}). To end it, tap a button or say stop or cancel."
+    f"What you asked for has not ended yet ({MOVES}). "
+    "To end it, tap a button or say stop or cancel."
 )
 
 
@@ -40,6 +41,20 @@ async def test_it_offers_what_ends_it(word: str) -> None:
         assert not _works(place)
 
 
+async def test_of_a_robot_that_is_not_there_nothing_is_said_but_that() -> None:
+    async with Place().open() as place:
+        for name in ("omni", "kuka1"):
+            place.robot(name).work_s = LONG_S
+            await place.say(f"{name} wave")
+        place.robot("omni").online = False
+        assert await place.say("no") == (
+            f"{GOES_ON.replace(MOVES, 'omni: wave; kuka1: wave')} "
+            "omni is not there; whether it moves is not known."
+        )
+        await place.say("/language de")
+        assert "omni ist nicht da; ob er sich bewegt, ist nicht bekannt." in await place.say("nein")
+
+
 async def test_its_stop_button_stops() -> None:
     async with Place().open() as place:
         place.robot("omni").work_s = LONG_S
@@ -53,8 +68,8 @@ async def test_who_has_nothing_under_way_is_answered_as_always() -> None:
     async with Place().open() as place:
         place.robot("omni").work_s = LONG_S
         await place.say("omni move 1 m")
-        assert "still goes on" not in await place.say("no", account=BO, chat="2")
-        assert "still goes on" not in await place.say("wait for omni", account=BO, chat="2")
+        assert "not ended yet" not in await place.say("no", account=BO, chat="2")
+        assert "not ended yet" not in await place.say("wait for omni", account=BO, chat="2")
 
 
 async def test_in_a_group_only_a_line_that_says_nothing_else() -> None:

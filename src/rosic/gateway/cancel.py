@@ -303,7 +303,9 @@ class CancelLane:
             )
             for robot, name in shown.items()
         )
-        return Reply(words.goes_on(what), rows, anew=True)
+        presence = self._rooms.linker.presence
+        absent = [words.not_there(shown[r]) for r in shown if presence(r).online is False]
+        return Reply(joined(" ", (words.goes_on(what), *absent)), rows, anew=True)
 
     def _shown(self, robot: RobotId) -> str:
         return self._rooms.profiles[robot].shown

@@ -53,11 +53,17 @@ def at_work_for(shown: str, name: str) -> str:
 
 
 def goes_on(what: Iterable[str]) -> str:
-    """Return that what somebody asked for goes on, and what ends it."""
+    """Return that what somebody asked for has not ended, and what ends it; it may be at rest."""
     return said(
-        "What you asked for still goes on ({what}). To end it, tap a button or say stop or cancel.",
+        "What you asked for has not ended yet ({what}). "
+        "To end it, tap a button or say stop or cancel.",
         what=joined("; ", what),
     )
+
+
+def not_there(shown: str) -> str:
+    """Return that nothing is known of what a robot does."""
+    return said("{shown} is not there; whether it moves is not known.", shown=shown)
 
 
 def cancel_label(shown: str) -> str:
