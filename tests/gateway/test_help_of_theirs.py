@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import pytest
 from msgspec.structs import replace
 
 from rosic.core.identity import Address
 from rosic.core.message import Chat
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
+from tests.gateway.loop_steps import none_is_long, run
 from tests.gateway.place import BO, VI, Place, profile
+from tests.gateway.received import ADA as ADA_ID
+
+if TYPE_CHECKING:
+    from rosic.core.robot.profile import Profile
+    from tests.gateway.received import Receiving
 
 MAY = "omni can:\n  move: direction (forward, back, left), distance 0.01 to 0.3 m\n  look"
 
@@ -49,6 +57,31 @@ async def test_no_skill_and_no_example_beyond_their_rights(asked: str) -> None:
             example = told.splitlines()[1].strip()
             assert "above" not in (said := await place.say(example, account=BO, chat="2"))
             assert "accepted" in said or "done" in said
+
+
+async def test_robots_are_told_of_together_as_far_as_it_reads_the_same() -> None:
+    """Whatever else sets them apart, in the order in which they are."""
+    move = profile("omni").skills["move"]
+    distance = move.parameters["distance"]
+
+    def body(name: str, *, title: str = "", most_m: float = 5.0) -> Profile:
+        far = replace(distance, title=title, max=most_m)
+        skill = replace(move, parameters={**move.parameters, "distance": far})
+        return replace(profile(name, groups=("swarm",)), skills={"move": skill})
+
+    fleet = (body("a1"), body("a2", most_m=5.0000001), body("a3", title="How far"))
+    async with Place(fleet=(*fleet, body("a4", most_m=4.0))).open() as place:
+        can = "move: direction (forward, back, left), distance 0.01 to"
+        assert await place.say("help swarm") == (
+            f"a1, a2, a3 can:\n  {can} 5 m\na4 can:\n  {can} 4 m"
+        )
+
+
+def test_help_on_a_thousand_robots_makes_no_step_long() -> None:
+    async def act(place: Receiving) -> None:
+        await none_is_long(place, ADA_ID, ["help swarm"])
+
+    run(act, tuple(profile(f"cf{n}", groups=("swarm",)) for n in range(1_000)))
 
 
 async def test_whoever_may_only_look_is_told_so() -> None:

@@ -19,7 +19,7 @@ from rosic.core.robot.view import ViewKind
 from rosic.core.units import measured
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 
     from rosic.core.identity import PrincipalId
     from rosic.core.language.command import Command
@@ -162,11 +162,27 @@ class HelpMenu:
 
     def of_robots(self, principal: PrincipalId, profiles: Iterable[Profile]) -> str:
         """Return what robots can do for this person, and how far; those that are alike together."""
-        kinds: dict[str, list[Profile]] = {}
+        told: dict[Hashable, tuple[str, Profile]] = {}
+        kinds: dict[str, tuple[Profile, list[Profile]]] = {}
         for profile in profiles:
-            theirs = self._theirs(principal, profile)
-            kinds.setdefault(messages.help_for(theirs, NAMED), []).append(theirs)
-        return joined("\n", map(_help_for, kinds.values()))
+            made_of = self._made_of(principal, profile)
+            if made_of not in told:
+                theirs = self._theirs(principal, profile)
+                told[made_of] = messages.help_for(theirs, NAMED), theirs
+            text, theirs = told[made_of]
+            kinds.setdefault(text, (theirs, []))[1].append(profile)
+        return joined("\n", (_help_for(*kind) for kind in kinds.values()))
+
+    def _made_of(self, principal: PrincipalId, profile: Profile) -> Hashable:
+        """Return what the help on a robot is made of: to make it of each robot takes long."""
+        rights, now_ns = self._organiser.rights, self._organiser.wall_ns()
+        compiled, robot = self._vocabularies.current.compiled_skill, profile.id
+        return tuple(
+            (_skill_made_of(skill), *widest.items())
+            for skill in profile.skills.values()
+            if (widest := rights.widest(principal, robot, skill.id, now_ns)) is not None
+            and compiled(robot, skill.id) is not None
+        )
 
     def _theirs(self, principal: PrincipalId, profile: Profile) -> Profile:
         """Return a profile with what this person may let its robot do, within their limits."""
@@ -255,12 +271,24 @@ def _narrowed(
     return replace(parameter, min=low, max=high, default=usual)
 
 
-def _help_for(kind: Sequence[Profile]) -> str:
-    """Return what robots of one kind can do for somebody, from profiles of what they may."""
+def _skill_made_of(skill: Skill) -> Hashable:
+    """Return what the help on a skill is made of, but for the rights of its reader."""
+    return (
+        skill.id,
+        *skill.titles.items(),
+        *[
+            (name, of.unit, of.min, of.max, of.text, of.default, *(of.choices or ()))
+            for name, of in skill.parameters.items()
+        ],
+    )
+
+
+def _help_for(theirs: Profile, kind: Iterable[Profile]) -> str:
+    """Return what robots of one kind can do for somebody, from what one of them may."""
     shown = ", ".join(profile.shown for profile in kind)
-    if not kind[0].skills:
+    if not theirs.skills:
         return said("You may look at {shown}. What you lack, ask for: /ask", shown=shown)
-    return messages.help_for(kind[0], shown)
+    return messages.help_for(theirs, shown)
 
 
 def _shared(skill: str) -> Callable[[Profile], bool]:
