@@ -11,8 +11,9 @@ from msgspec.structs import replace
 from rosic.app.setup.discovery import listened
 from rosic.app.setup.profile_draft import BATTERY, SeenRobot
 from rosic.core.messages import status_line
-from rosic.robots.ros2.client.graph import wait_for
-from rosic.robots.ros2.profile import AtRest
+from rosic.robots.ros2.client.graph import GraphSnapshot, GraphTopic, wait_for
+from rosic.robots.ros2.profile import AtRest, Ros2Telemetry
+from rosic.robots.ros2.telemetry import Measurements
 from rosic.system import SystemClock
 from tests.pace import pace
 from tests.real.ros2.simulated import opened, profile_of, until
@@ -119,6 +120,28 @@ async def test_who_keeps_what_it_says_again_and_again_is_missed_when_it_falls_si
 
         await asyncio.wait_for(speaks(), 60 * pace())
         await until(lambda: robot.presence().online is False)
+
+
+async def test_one_that_keeps_nothing_is_missed_though_another_that_does_is_left(
+    runtime: RosRuntime,
+) -> None:
+    counts = Ros2Telemetry(topic="/foreign/count", type="std_msgs/msg/Int32", field="data")
+    told = profile()
+    told = replace(told, telemetry={**told.telemetry, "count": counts})
+    keeps = GraphTopic("/foreign/power", (BATTERY,), 1, 0, latched=1)
+    forgets = GraphTopic("/foreign/count", ("std_msgs/msg/Int32",), 1, 0)
+    measured = Measurements(told, SystemClock())
+    await measured.open(runtime)
+
+    def look(*topics: GraphTopic) -> bool:
+        measured.look(GraphSnapshot((), topics, (), (), complete=True))
+        return measured.tells_presence
+
+    assert look(), "nobody is there"
+    assert not look(keeps), "it may be silent for as long as nothing changes"
+    assert look(keeps, forgets)
+    assert look(keeps), "whoever spoke is gone"
+    await measured.close()
 
 
 async def test_a_draft_knows_a_battery_in_per_cent_that_was_said_once(

@@ -138,6 +138,7 @@ class Measurements:
         self._clock = clock
         self._runtime: RosRuntime | None = None
         self._kept = KeptTopics()
+        self._all_kept = True
         self._said_once = False
         self._in_a_row = self._received = 0
         self._places: list[tuple[LatestMessage, tuple[FieldReader, ...]]] = []
@@ -205,9 +206,8 @@ class Measurements:
             self._kept.look(self._runtime, seen, unmeasured)
         there = (topics.get(source.topic) for source in self.sources.values())
         speaking = [topic for topic in there if topic is not None and topic.publishers]
-        self._said_once = bool(speaking) and all(
-            topic.latched == topic.publishers for topic in speaking
-        )
+        self._all_kept &= all(topic.latched == topic.publishers for topic in speaking)
+        self._said_once = bool(speaking) and self._all_kept
         self._count()
 
     def _count(self) -> None:
@@ -230,7 +230,8 @@ class Measurements:
         """Whether a robot that is there is heard.
 
         Not where everything that it reports is said once and kept by its publisher: it may be
-        silent for as long as nothing changes.
+        silent for as long as nothing changes. Where a publisher was there that keeps nothing, that
+        one is missed when it is gone.
         """
         said_once = self._said_once and self._rest is None and self._in_a_row < _AGAIN_AND_AGAIN
         return bool(self.sources) and not said_once
