@@ -322,13 +322,13 @@ class LatestMessage(Subscription):
         self._knock()
 
     def arrived_kept(self, content: bytes, about: About) -> None:
-        """Take a message that was kept, unless it is known already; on the ROS thread.
+        """Take a message that was kept, unless it, or a newer one, is known; on the ROS thread.
 
         What is said from now on comes here, too, and again as any other: then that counts.
         """
-        now_ns = self._runtime.now_ns()
+        now_ns, before = self._runtime.now_ns(), self._kept or self._newest
         past_ns = self.senders.take_kept(about, self._runtime.wall_ns())
-        if past_ns is not None:
+        if past_ns is not None and (before is None or before.sent_ns < now_ns - past_ns):
             self._kept = ReceivedMessage(now_ns, now_ns - past_ns, content)
             self._knock()
 
