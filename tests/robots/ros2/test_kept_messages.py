@@ -1,4 +1,4 @@
-"""What publishers keep, and when it counts."""
+"""What publishers keep: when it is asked for, and when it counts."""
 
 from __future__ import annotations
 
@@ -8,17 +8,22 @@ import pytest
 
 from rosic.core.time_units import SECOND_NS
 from rosic.robots.ros2.client.connection import RosConnection
+from rosic.robots.ros2.client.graph import GraphSnapshot, GraphTopic
+from rosic.robots.ros2.client.kept_topics import KeptTopics
 from rosic.robots.ros2.client.topics import LatestMessage
-from rosic.testing.clock import ManualClock
+from rosic.robots.ros2.errors import NotSent
+from rosic.testing.clock import ManualClock, settle
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from rosic.robots.ros2.client.executor_thread import RosThread
+    from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.publishers import About
 
 TOPIC = "/foreign/power"
 HOUR_NS = 3_600 * SECOND_NS
+KEPT = GraphSnapshot((), (GraphTopic(TOPIC, (), 1, 0, latched=1),), (), (), complete=True)
 
 
 class Thread:
@@ -62,3 +67,31 @@ async def test_what_another_kept_for_long_does_not_replace_what_is_newer(
     await clock.advance(1.0)
     heard.arrived_kept(b"newest", about(clock.wall_ns(), b"b"))
     assert (heard.size_bytes, heard.told_age_s) == (len(b"newest"), 0.0)
+
+
+class Link:
+    """A link that has no room at first."""
+
+    def __init__(self) -> None:
+        self.asked = 0
+        self.full = True
+
+    async def hear_kept(self, _latest: LatestMessage) -> None:
+        self.asked += 1
+        if self.full:
+            raise NotSent("More than 1024 ROS topics, services and actions are in use.")
+
+
+async def test_what_could_not_be_asked_for_is_asked_for_at_the_next_look() -> None:
+    kept, link, source = KeptTopics(), Link(), latest(ManualClock())
+    runtime = cast("RosRuntime", link)
+    for number in (1, 2):
+        kept.look(runtime, KEPT, (source,))
+        await settle()
+        assert link.asked == number
+    link.full = False
+    for _ in range(3):
+        kept.look(runtime, KEPT, (source,))
+        await settle()
+    assert link.asked == 3, "what is heard is not asked for again"
+    kept.close()

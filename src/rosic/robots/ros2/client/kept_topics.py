@@ -7,7 +7,6 @@ incompatible quality of service for each.
 from __future__ import annotations
 
 import asyncio
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosic.errors import RosicError
@@ -29,11 +28,11 @@ class KeptTopics:
     def look(
         self, runtime: RosRuntime, seen: GraphSnapshot, sources: Iterable[LatestMessage]
     ) -> None:
-        """Take in who is on the graph, and ask for what is kept there; each topic once."""
+        """Take in who is on the graph, and ask for what is kept there; anew if that failed."""
         keeping = {topic.name for topic in seen.topics if topic.latched}
         for source in sources:
             if source.topic in keeping and source not in self._asking:
-                self._asking[source] = asyncio.create_task(_ask(runtime, source))
+                self._asking[source] = asyncio.create_task(self._ask(runtime, source))
 
     def close(self) -> None:
         """Ask no more; what was opened is closed with its topic."""
@@ -41,7 +40,8 @@ class KeptTopics:
             asking.cancel()
         self._asking.clear()
 
-
-async def _ask(runtime: RosRuntime, source: LatestMessage) -> None:
-    with suppress(RosicError):  # the link is closed, or there are too many subscriptions
-        await runtime.hear_kept(source)
+    async def _ask(self, runtime: RosRuntime, source: LatestMessage) -> None:
+        try:
+            await runtime.hear_kept(source)
+        except RosicError:  # the link is closed, or there are too many subscriptions for now
+            self._asking.pop(source, None)
