@@ -21,9 +21,10 @@ def blocks(page: str, language: str) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize(
-    "text", [*blocks("configuration.md", "toml"), *blocks("robots/among.md", "toml")]
-)
+CONFIGURATIONS = ("configuration.md", "robots/among.md", "howto/add-an-interpreter.md")
+
+
+@pytest.mark.parametrize("text", [text for page in CONFIGURATIONS for text in blocks(page, "toml")])
 def test_a_configuration_that_is_shown_is_good(text: str, tmp_path: Path) -> None:
     token = write(tmp_path, "secret\n", "token.txt")
     token.chmod(0o600)

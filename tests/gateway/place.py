@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
     from rosic.contracts.adapter import RobotFactory
+    from rosic.contracts.interpreter import Interpreter
     from rosic.contracts.store import StopLatch, Store
     from rosic.core.message import Button, Outbound
     from rosic.core.records import Record
@@ -149,11 +150,13 @@ class Place:
         rulebook: The rules of the place.
         kind: What its robots are.
         people: Who is known.
+        interpreter: May be shown what is not understood.
     """
 
     rulebook = RoleRules(roles=DEFAULT_ROLES)
     kind: RobotFactory = MemoryRobot
     people: tuple[ConfiguredPerson, ...] = PEOPLE
+    interpreter: Interpreter | None = None
 
     def __init__(
         self,
@@ -188,6 +191,7 @@ class Place:
                 entropy=SeededEntropy(),
                 units=known_units(),
                 face=lambda _ns: "12:00:00",
+                interpreter=self.interpreter,
             ),
         )
 

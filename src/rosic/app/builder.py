@@ -16,6 +16,7 @@ from rosic.contracts.console import SupportsCompletion
 from rosic.contracts.messenger import is_account
 from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
+from rosic.interpreters.chat_completions import ChatCompletions
 from rosic.rendering.renderer import renderer
 from rosic.stores.database import DatabaseStore
 from rosic.stores.record_mark import STOPS
@@ -64,6 +65,7 @@ def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -
         units=known_units(),
         face=face_of(ZoneInfo(config.zone)),
         renderer=renderer(),
+        interpreter=None if config.interpreter is None else ChatCompletions(config.interpreter),
     )
 
 
@@ -130,7 +132,9 @@ def messenger_of(table: MessengerSettings, clock: Clock) -> Messenger:
 
 def secrets_of(config: Config) -> list[Secret]:
     """Return every secret of the configuration, for masking them."""
-    return [secret for table in config.messengers for secret in _secrets(table.settings)]
+    found = [secret for table in config.messengers for secret in _secrets(table.settings)]
+    asked = config.interpreter
+    return found if asked is None or asked.key is None else [*found, asked.key]
 
 
 def _secrets(value: object) -> list[Secret]:

@@ -37,6 +37,8 @@ from rosic.core.policy.roles import RoleRules
 from rosic.core.rate_limit import RateLimit, parse_rate
 from rosic.core.robot.profile import Profile, RobotId
 from rosic.errors import ConfigurationError
+from rosic.interpreters.chat_completions import InterpreterSettings
+from rosic.interpreters.endpoint import advice_on, parse_endpoint
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -76,6 +78,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
         missions: What several robots do when somebody says so.
         room: For files that people keep.
         files: What was read: the file itself, and profiles that do not ship.
+        interpreter: Who may be shown what is not understood; None: nobody.
         begin_anew: Said on the command line: a record that was lost is begun anew.
     """
 
@@ -96,6 +99,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     missions: tuple[Mission, ...] = ()
     robot_limit: RateLimit | None = None
     files: tuple[Path, ...] = ()
+    interpreter: InterpreterSettings | None = None
     begin_anew: bool = False
 
 
@@ -156,7 +160,10 @@ def read_config(
         return ReadConfig(None, walker.errors, [])
     file = msgspec.convert(source.data, ConfigFile)
     reading = _Reading(source, Path(path), file)
-    messengers = reading.messengers(os.environ if environ is None else environ, needed=secrets)
+    resolving = SecretSettings(
+        source, Path(path).parent, os.environ if environ is None else environ
+    )
+    messengers, interpreter = reading.with_secrets(resolving, needed=secrets)
     robots = reading.robots(units)
     missions = () if reading.errors else reading.missions(robots, units)
     if reading.errors:
@@ -179,6 +186,7 @@ def read_config(
         missions=missions,
         room=file.files.room,
         files=tuple(reading.files),
+        interpreter=interpreter,
     )
     return ReadConfig(config, [], reading.advice)
 
@@ -210,10 +218,15 @@ class _Reading:
         self.files = [path]
         self._file = file
 
-    def messengers(
-        self, environ: Mapping[str, str], *, needed: bool
-    ) -> tuple[MessengerSettings, ...]:
-        secrets = SecretSettings(self._source, self._folder, environ)
+    def with_secrets(
+        self, secrets: SecretSettings, *, needed: bool
+    ) -> tuple[tuple[MessengerSettings, ...], InterpreterSettings | None]:
+        """Return what has secrets among its settings."""
+        read = self._messengers(secrets), self._interpreter(secrets)
+        self.errors += secrets.errors if needed else ()
+        return read
+
+    def _messengers(self, secrets: SecretSettings) -> tuple[MessengerSettings, ...]:
         made: list[MessengerSettings] = []
         for index, table in enumerate(self._file.messenger):
             place = ("messenger", index)
@@ -226,8 +239,21 @@ class _Reading:
                     where=self._source.where(place),
                 )
             )
-        self.errors += secrets.errors if needed else ()
         return tuple(made)
+
+    def _interpreter(self, secrets: SecretSettings) -> InterpreterSettings | None:
+        table, place = self._file.language, ("language",)
+        if not table.endpoint:
+            return None
+        endpoint = parse_endpoint(table.endpoint)
+        key = secrets.resolve(table.key or None, (*place, "key"))
+        self.advice += [
+            self._source.error((*place, "endpoint"), sentence, hint)
+            for sentence, hint in advice_on(endpoint, keyed=key is not None)
+        ]
+        return InterpreterSettings(
+            endpoint=endpoint, model=table.model, key=key, timeout_s=table.timeout_s
+        )
 
     def robots(self, units: UnitTable | None) -> tuple[Profile, ...]:
         found: list[Profile | None] = [

@@ -107,6 +107,7 @@ def kernel_of(
         store=parts.store,
         memory=memory,
         renderer=parts.renderer,
+        interpreter=parts.interpreter,
         site=Site(settings.place, settings.zone, settings.missions, named),
         naming=RobotArgument(naming),
         assessment=RobotAssessment(),

@@ -11,6 +11,7 @@ from rosic.config.gateway_file import Keep
 from rosic.container.files import FileQuota
 from rosic.contracts.adapter import RobotFactory
 from rosic.contracts.clock import Clock, Entropy
+from rosic.contracts.interpreter import Interpreter
 from rosic.contracts.messenger import Messenger
 from rosic.contracts.renderer import Renderer
 from rosic.contracts.store import StopLatch, Store
@@ -56,6 +57,7 @@ class GatewayParts(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         renderer: Draws what is seen; None: people are told that nobody here can.
+        interpreter: May be shown what is not understood; None: nobody is.
     """
 
     messengers: tuple[Messenger, ...]
@@ -67,3 +69,4 @@ class GatewayParts(msgspec.Struct, frozen=True, kw_only=True):
     units: UnitTable
     face: Face
     renderer: Renderer | None = None
+    interpreter: Interpreter | None = None

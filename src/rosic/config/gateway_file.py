@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import re
 from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
@@ -28,6 +29,9 @@ from rosic.core.policy.validation import rulebook_mistakes
 from rosic.core.rate_limit import RateLimit, parse_rate
 from rosic.core.time_units import DAY_S
 from rosic.errors import OutOfBounds
+from rosic.interpreters.chat_completions import TIMEOUT_S
+from rosic.interpreters.endpoint import EXAMPLE as ENDPOINT_EXAMPLE
+from rosic.interpreters.endpoint import parse_endpoint
 from rosic.organiser.timezones import zone_named
 
 if TYPE_CHECKING:
@@ -135,6 +139,22 @@ class Keep(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     decisions_days: float = 1095
 
 
+class LanguageTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Who may be shown what ROSIC does not understand; nobody, if nothing stands here.
+
+    Attributes:
+        endpoint: Of a server that speaks OpenAI's chat completions: ``http://127.0.0.1:11434``.
+        model: Which of its models is asked.
+        key: Of an account there; better one that stands elsewhere.
+        timeout_s: How long one call may take.
+    """
+
+    endpoint: str = ""
+    model: str = ""
+    key: str | dict[str, str] = ""
+    timeout_s: float = TIMEOUT_S
+
+
 class PrincipalTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One person.
 
@@ -164,6 +184,7 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         limits: How fast commands may come.
         keep: How long what is over is kept.
         files: How much people may keep here in files.
+        language: Who may be shown what ROSIC does not understand.
     """
 
     gateway: GatewayTable = GatewayTable()
@@ -176,8 +197,10 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     limits: LimitsTable = LimitsTable()
     keep: Keep = Keep()
     files: FilesTable = FilesTable()
+    language: LanguageTable = LanguageTable()
 
 
+_MODEL: Final = re.compile(r"[!-~]{1,200}").fullmatch
 _ADDRESS = FieldForm(
     r"[a-z][a-z0-9_]{0,31}:\S{1,255}",
     "an address",
@@ -207,6 +230,7 @@ BOUNDS: Final[dict[Field, NumberBounds]] = {
     (FilesTable, "person_files"): NumberBounds(1, 10_000),
     (FilesTable, "person_mb"): NumberBounds(1, 1_000_000),
     (FilesTable, "place_mb"): NumberBounds(1, 10_000_000),
+    (LanguageTable, "timeout_s"): NumberBounds(0.1, 30),
     (LimitsTable, "burst"): NumberBounds(1, 1_000_000),
     (LimitsTable, "per_s"): NumberBounds(0.001, 1_000_000),
 }
@@ -223,6 +247,7 @@ def config_rules() -> Rules:
             RobotTable: (_robot_rate,),
             LimitsTable: (_robots_rate,),
             FilesTable: (_roomy,),
+            LanguageTable: (_interpreted,),
             PrincipalTable: (_reachable,),
             ConfigFile: (_people, _talkers, _something),
         },
@@ -250,6 +275,26 @@ def _roomy(files: FilesTable) -> Iterator[ValidationFinding]:
             ("person_mb",),
             "One person may keep more than everybody together.",
             "Raise place_mb, or lower person_mb.",
+        )
+
+
+def _interpreted(language: LanguageTable) -> Iterator[ValidationFinding]:
+    if not language.endpoint:
+        if language.model or language.key:
+            yield ValidationFinding(
+                ("endpoint",), "No endpoint is named, so nothing would be asked.", ENDPOINT_EXAMPLE
+            )
+        return
+    try:
+        parse_endpoint(language.endpoint)
+    except ValueError as wrong:
+        sentence = f"{wrong}."
+        yield ValidationFinding(
+            ("endpoint",), sentence[:1].upper() + sentence[1:], ENDPOINT_EXAMPLE
+        )
+    if not _MODEL(language.model):
+        yield ValidationFinding(
+            ("model",), "'model' names none of its models.", 'For example model = "qwen3:8b".'
         )
 
 

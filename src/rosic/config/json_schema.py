@@ -125,6 +125,8 @@ def config_schema() -> dict[str, Any]:
     """Return the schema of the configuration file."""
     schema = _schema(ConfigFile, "ROSIC's configuration")
     schema["properties"]["messenger"]["items"] = MESSENGER
+    key = schema["$defs"]["LanguageTable"]["properties"]["key"]
+    key["anyOf"] = [{"$ref": "#/$defs/Reference"}, {"type": "string"}]
     schema["$defs"]["Reference"] = REFERENCE
     return schema
 

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 KIND: Final = "preference"
 METRIC, IMPERIAL = "metric", "imperial"
 SPEED: Final = "speed"
+ON, OFF, TOLD = "on", "off", "told"
 SPEEDS: Final = ("m/s", "rad/s")
 SLOW: Final = 0.1  # of a skill's highest speed: while it is not known how slow somebody wants it
 LONGEST: Final = 64
@@ -57,6 +58,8 @@ class Preferences(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
         robot: A robot or group, meant when none is chosen in a chat.
         speed: A limit as in ``core.limits``: ``speed <= 0.2 m/s``.
         zone: An IANA name.
+        interpreter: Whether what is not understood may be shown to an interpreter: ``on``, ``off``,
+            or ``told``: they were told of it, and have said neither.
     """
 
     language: str = ""
@@ -64,6 +67,7 @@ class Preferences(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
     robot: str = ""
     speed: str = ""
     zone: str = ""
+    interpreter: str = ""
 
 
 class _Since(msgspec.Struct, frozen=True):
@@ -261,6 +265,18 @@ class PreferenceBook:
         if wanted.casefold() in NOTHING:
             return self._change(principal, zone="")
         return self._change(principal, zone=name_of(wanted)[:LONGEST])
+
+    def set_interpreter(self, principal: PrincipalId, state: str) -> tuple[Fact, ...]:
+        """Decide whether an interpreter may be shown what is not understood.
+
+        Args:
+            principal: Whose setting it is.
+            state: ``on``, ``off`` or ``told``.
+
+        Raises:
+            NotUnderstood: Their settings cannot be read.
+        """
+        return self._change(principal, interpreter=state)
 
     def unset(self, principal: PrincipalId) -> tuple[Fact, ...]:
         """Return what takes every setting of somebody back."""

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rosic.container.files import StoredFile
     from rosic.container.preferences import PreferenceBook
     from rosic.contracts.clock import Clock, Entropy
+    from rosic.contracts.interpreter import Interpreter
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.renderer import Renderer
     from rosic.contracts.robot import FileFolders, Robot, RobotTasks
@@ -228,6 +229,7 @@ class Kernel(NamedTuple):
         machine_clock: The machine's own.
         memory: What earlier runs left.
         renderer: Draws; None: nobody here can.
+        interpreter: May be shown what is not understood; None: nobody is.
         naming: Finds the robot that is meant at the beginning of a line.
         assessment: Says how robots do.
         shared: What features ask of one another.
@@ -250,6 +252,7 @@ class Kernel(NamedTuple):
     store: Store
     memory: Memory
     renderer: Renderer | None
+    interpreter: Interpreter | None
     site: Site
     naming: RobotArgument
     assessment: RobotAssessment

@@ -17,12 +17,13 @@ from rosic.gateway.commands import CommandRegistry
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
+    from rosic.core.language import Misunderstood
     from rosic.core.language.command import CommandTable
     from rosic.core.message import Inbound
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.commands import Reply
     from rosic.gateway.confirmation import Confirmation, Resolver
-    from rosic.gateway.message_context import SteppedUp
+    from rosic.gateway.message_context import MessageContext, SteppedUp
 
 ProofUsed: TypeAlias = Callable[[PrincipalId, Chat], None]
 Refused: TypeAlias = Callable[[Caller, Refusal], None]
@@ -40,6 +41,7 @@ class PipelineHooks:
         enclosed: Takes in files that people send.
         outdated: Hears, in private, of a tap on a button that is no good any more.
         task_steps: What a task or a mission, as typed, lets robots do for somebody.
+        not_understood: Hears of what was refused because it could not be read, once that is told.
         view_buttons: Buttons for what can be seen of a robot, for its menu.
 
     Args:
@@ -74,6 +76,7 @@ class PipelineHooks:
         self.task_steps: Deferred[[str, str, PrincipalId], TaskSteps] = Deferred(_no_steps)
         self.view_buttons: Deferred[[RobotId], list[Button]] = Deferred(_unseen)
         self.outdated: Signal[[PrincipalId]] = Signal()
+        self.not_understood: Signal[[MessageContext, Misunderstood]] = Signal()
 
 
 async def _no_code(_messenger: Messenger, _inbound: Inbound, _text: str) -> Reply | None:

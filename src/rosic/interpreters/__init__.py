@@ -1,0 +1,1 @@
+"""Adapters to what guesses, outside ROSIC, what words mean; each owes `contracts.interpreter`."""
