@@ -16,6 +16,7 @@ from tests.planted.faults_of_hanging import OF_HANGING
 from tests.planted.faults_of_keeping import OF_KEEPING
 from tests.planted.faults_of_orders import OF_ORDERS
 from tests.planted.faults_of_reading import OF_READING
+from tests.planted.faults_of_scheduling import OF_SCHEDULING
 from tests.planted.faults_of_telling import OF_TELLING
 from tests.planted.messenger_faults import MESSENGER_FAULTS
 
@@ -36,5 +37,6 @@ ALL = (
     *OF_HANGING,
     *OF_READING,
     *OF_GROUPS,
+    *OF_SCHEDULING,
     *MESSENGER_FAULTS,
 )

@@ -9,13 +9,16 @@ from typing import TYPE_CHECKING
 from rosic.core.message import Button, Outbound, SendPriority
 from rosic.core.messages import headed
 from rosic.core.order import OrderStage, StageReport
-from rosic.core.order_status import ENGLISH
+from rosic.core.order_status import ENGLISH, OrderStatus
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.message import Chat
-    from rosic.core.order_status import OrderStatus, StatusTexts
+    from rosic.core.order import Outcome
+    from rosic.core.order_status import Face, StatusTexts
 
 
 # What a robot reports while nothing can be said is not worth more.
@@ -209,3 +212,31 @@ ACCEPTED = StageReport(OrderStage.ACCEPTED)
 def stop_button(name: str) -> tuple[tuple[Button, ...], ...]:
     """Return the row under a life: a stop is never bound to anybody, nor used up."""
     return ((Button("STOP", f"stop {name}", f"stop {name}"),),)
+
+
+class AwaitedOrder(OrderStatus):
+    """A life whose end somebody waits for: told once it is on disk, with what the robot did."""
+
+    __slots__ = ("_outcome", "over")
+
+    def __init__(
+        self, where: str, title: str, face: Face, at_ns: int, words: StatusTexts = ENGLISH
+    ) -> None:
+        super().__init__(where, title, face, at_ns, words)
+        self.over: Callable[[Outcome], None] = _unheard
+        self._outcome: Outcome | None = None
+
+    def wording(self, outcome: Outcome, at_ns: int) -> str:
+        """Return how an outcome reads, and remember it."""
+        self._outcome = outcome
+        return super().wording(outcome, at_ns)
+
+    def end(self, words: str) -> None:
+        """The life is over, and that is on disk."""
+        super().end(words)
+        if self._outcome is not None:
+            self.over(self._outcome)
+
+
+def _unheard(_outcome: Outcome) -> None:
+    return None

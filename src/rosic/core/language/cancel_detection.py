@@ -57,7 +57,7 @@ _WITH = """
 # What speaks of something that is kept, and not of a robot at work.
 _KEPT = """
     booking bookings booked reservation reservations slot slots time times appointment appointments
-    wish wishes invitation invitations
+    wish wishes invitation invitations planned geplant geplante geplanten geplantes
     tomorrow mon tue wed thu fri sat sun monday tuesday wednesday thursday friday saturday sunday
     buchung buchungen termin termine zeit zeiten wunsch
     réservation réservations reserva reservas prenotazione prenotazioni

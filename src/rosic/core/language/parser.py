@@ -11,8 +11,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
-from rosic.core.language.ast import Cancel, Halt, Line, LineContext, Misunderstood
+from rosic.core.language.ast import Cancel, CommandLine, Halt, Line, LineContext, Misunderstood
 from rosic.core.language.cancel_detection import hears_cancel
+from rosic.core.language.keywords import FILLERS
 from rosic.core.language.line_parser import LineReader
 from rosic.core.language.line_words import words_of
 from rosic.core.language.sanitise import REORDERING, clean, is_plain
@@ -109,6 +110,8 @@ def _line(line: str, vocabulary: Vocabulary, context: LineContext, *, mends: boo
     if not line:
         return _EMPTY
     raw, low, slash = words_of(line)
+    if slash and low[0] in FILLERS and low[0] in vocabulary.commands.words:
+        return CommandLine(low[0], line.partition(" ")[2].strip())
     return LineReader(line, (raw, low), vocabulary, context, mends=mends).read(slash=slash)
 
 

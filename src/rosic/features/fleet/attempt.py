@@ -15,8 +15,8 @@ from rosic.core.fleet.events import AttemptEnd
 from rosic.core.fleet.task import TaskReason
 from rosic.core.i18n import in_language, joined
 from rosic.core.identity import command_id
-from rosic.core.order import OrderEnding, Outcome, Request
-from rosic.core.order_status import ENGLISH, OrderStatus, wording_in
+from rosic.core.order import OrderEnding, Request
+from rosic.core.order_status import ENGLISH, wording_in
 from rosic.errors import (
     FirstNeeded,
     NotPermitted,
@@ -32,7 +32,7 @@ from rosic.features.fleet import messages as words
 from rosic.features.fleet.task_parser import step_for
 from rosic.gateway.limit_clamping import LimitClamping
 from rosic.gateway.order_services import AutomatedRequester
-from rosic.gateway.order_status import OrderMessage, stop_button
+from rosic.gateway.order_status import AwaitedOrder, OrderMessage, stop_button
 from rosic.gateway.requests import RequestFactory
 from rosic.gateway.rest_wait import comes_to_rest
 from rosic.organiser.organiser import NOTHING
@@ -47,8 +47,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import Caller, CommandId, PrincipalId
     from rosic.core.language import Do
     from rosic.core.message import Chat
-    from rosic.core.order import Order, Permit
-    from rosic.core.order_status import Face, StatusTexts
+    from rosic.core.order import Order, Outcome, Permit
     from rosic.core.robot.profile import RobotId
     from rosic.features.fleet.dispatch_state import TaskText
     from rosic.gateway.components import Components
@@ -59,30 +58,6 @@ if TYPE_CHECKING:
 
 NEVER = (NotPermitted, OutOfBounds, NotUnderstood, FirstNeeded)
 """What a robot will refuse the next time as well."""
-
-
-class AwaitedOrder(OrderStatus):
-    """A life whose end somebody waits for: told once it is on disk, with what the robot did."""
-
-    __slots__ = ("_outcome", "over")
-
-    def __init__(
-        self, where: str, title: str, face: Face, at_ns: int, words: StatusTexts = ENGLISH
-    ) -> None:
-        super().__init__(where, title, face, at_ns, words)
-        self.over: Callable[[Outcome], None] = _unheard
-        self._outcome: Outcome | None = None
-
-    def wording(self, outcome: Outcome, at_ns: int) -> str:
-        """Return how an outcome reads, and remember it."""
-        self._outcome = outcome
-        return super().wording(outcome, at_ns)
-
-    def end(self, words: str) -> None:
-        """The life is over, and that is on disk."""
-        super().end(words)
-        if self._outcome is not None:
-            self.over(self._outcome)
 
 
 class TaskAttempt(NamedTuple):
@@ -294,10 +269,6 @@ _ENDS = {
 
 def _took(permits: tuple[Permit, ...]) -> bool:
     return any(permit.new_fence for permit in permits)
-
-
-def _unheard(_outcome: Outcome) -> None:
-    return None
 
 
 CUT_OFF: Final = frozenset({TaskReason.LOST})

@@ -23,7 +23,6 @@ from rosic.core.synchronised_start import begin_together
 from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, RobotBusy
 from rosic.features.fleet import multi_robot_messages as words
 from rosic.features.fleet.alternatives import StepReader, TaskAlternatives, refused
-from rosic.features.fleet.attempt import AwaitedOrder
 from rosic.features.fleet.messages import wants_a_person
 from rosic.features.fleet.monitor import why_not_ready
 from rosic.features.fleet.task_parser import check_units, step_for
@@ -31,7 +30,7 @@ from rosic.gateway.cancel import CancelGeneration
 from rosic.gateway.commands import Reply
 from rosic.gateway.message_context import MessageContext
 from rosic.gateway.order_execution import SHUT_DOWN
-from rosic.gateway.order_status import OrderMessage, stop_button
+from rosic.gateway.order_status import AwaitedOrder, OrderMessage, stop_button
 from rosic.gateway.replies import reply_id
 from rosic.gateway.requests import RequestFactory
 

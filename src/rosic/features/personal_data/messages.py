@@ -108,6 +108,7 @@ KINDS: Final[Mapping[str, str]] = {
     "outcome": said("how your commands ended"),
     "pending": said("your request to come in"),
     "preference": said("your settings"),
+    "scheduled-order": said("orders you planned"),
     "retract": said("which messages I take away later"),
     "shared-ear": said("where you hear what robots share"),
     "shelf": said("data you keep"),

@@ -1,0 +1,121 @@
+"""The guards around orders that wait for their time."""
+
+from __future__ import annotations
+
+from tests.planted.faults import Fault
+
+RUNS = "features/scheduled_orders/runs.py"
+SCHEDULE = "features/scheduled_orders/schedule.py"
+COMMANDS = "features/scheduled_orders/commands.py"
+AT_ITS_TIME = "tests/features/scheduled_orders/test_at_its_time.py::"
+PLANNING = "tests/features/scheduled_orders/test_planning.py::"
+COSTS = "tests/features/scheduled_orders/test_clocks_and_costs.py::"
+
+OF_SCHEDULING = (
+    Fault(
+        name="a plan does what its words mean by then",
+        file=RUNS,
+        guard="        if act.digest[:DIGEST_BYTES] != due.order.digests[step]:\n",
+        without="        if False:\n",
+        caught_by=(
+            AT_ITS_TIME + "test_what_would_be_something_else_by_then_is_not_done",
+            AT_ITS_TIME + "test_a_group_that_has_another_member_by_then_is_not_moved",
+        ),
+    ),
+    Fault(
+        name="a plan goes on after a stop that was resumed",
+        file=RUNS,
+        guard="            if stopped.generation != agreed.get(robot, -1):\n",
+        without="            if False:\n",
+        caught_by=(
+            AT_ITS_TIME + "test_what_was_planned_before_a_stop_is_not_done_though_it_is_resumed",
+            AT_ITS_TIME + "test_a_stop_between_two_steps_is_meant_for_those_that_follow",
+        ),
+    ),
+    Fault(
+        name="a planned order is as fresh as if it were said at its time",
+        file=RUNS,
+        guard="        age_ns = 0 if step else max(0, wall_ns - due.at_ns)\n",
+        without="        age_ns = 0\n",
+        caught_by=(AT_ITS_TIME + "test_an_order_is_as_old_as_its_time",),
+    ),
+    Fault(
+        name="what was slept through is done late",
+        file=SCHEDULE,
+        guard="now_ns - due.at_ns > due.order.lives_ns",
+        without="now_ns < 0",
+        caught_by=(AT_ITS_TIME + "test_it_is_never_late",),
+    ),
+    Fault(
+        name="a step begins though its author has cancelled",
+        file=RUNS,
+        guard="        if run.cancelled:\n            raise OrderVoid(CANCELLED_BEFORE)\n",
+        without="        pass\n",
+        caught_by=(AT_ITS_TIME + "test_cancelled_by_its_number_it_begins_no_further_step",),
+    ),
+    Fault(
+        name="a step follows one that was not carried out",
+        file=RUNS,
+        guard="if not all(outcome.ending in CARRIED_OUT for outcome in ended):",
+        without="if not ended:",
+        caught_by=(AT_ITS_TIME + "test_what_is_not_carried_out_ends_it",),
+    ),
+    Fault(
+        name="a plan begins while a stop may be on its way",
+        file=SCHEDULE,
+        guard="            if not keys or self._catching_up():\n",
+        without="            if not keys:\n",
+        caught_by=(AT_ITS_TIME + "test_nothing_begins_before_what_was_sent_meanwhile_has_come",),
+    ),
+    Fault(
+        name="what was planned before a lock is done once it is lifted",
+        file="features/scheduled_orders/__init__.py",
+        guard="            if who in locked or not authoriser.has_access(who):\n",
+        without="            if False:\n",
+        caught_by=(
+            AT_ITS_TIME + "test_what_was_planned_before_a_lock_is_not_done_though_it_is_lifted",
+        ),
+    ),
+    Fault(
+        name="a plan stands by words",
+        file=COMMANDS,
+        guard="            raise NotPermitted(words.ONLY_BY_TAP)\n",
+        without="            pass\n",
+        caught_by=(PLANNING + "test_a_plan_stands_by_the_same_person_once_and_not_by_words",),
+    ),
+    Fault(
+        name="a plan stands though the rules have changed since it was shown",
+        file=COMMANDS,
+        guard="            raise Expired(words.CHANGED)\n",
+        without="            pass\n",
+        caught_by=(PLANNING + "test_whoever_taps_agrees_to_what_was_shown_under_the_same_rules",),
+    ),
+    Fault(
+        name="somebody takes back what another has planned",
+        file=COMMANDS,
+        guard="        if order.author != who and not assigns:\n",
+        without="        if False:\n",
+        caught_by=(PLANNING + "test_others_see_and_cancel_nothing_but_whoever_assigns_tasks_may",),
+    ),
+    Fault(
+        name="the number of somebody's plans is not bounded",
+        file=COMMANDS,
+        guard="        if len(self._schedule.of(who)) >= OF_ONE_AT_MOST:\n",
+        without="        if False:\n",
+        caught_by=(PLANNING + "test_one_person_plans_so_much_and_no_more",),
+    ),
+    Fault(
+        name="what wants a tap each time is planned",
+        file="features/scheduled_orders/order_plan.py",
+        guard="            if rooms.organiser.rights.caution(robot, skill.id).needs:\n",
+        without="            if False:\n",
+        caught_by=(PLANNING + "test_what_wants_a_tap_each_time_cannot_be_planned",),
+    ),
+    Fault(
+        name="times that count no more are kept",
+        file=SCHEDULE,
+        guard="        if len(self._times) > 2 * len(self.orders) + STALE_AT_MOST:\n",
+        without="        if False:\n",
+        caught_by=(COSTS + "test_what_was_planned_and_taken_back_leaves_nothing_that_grows",),
+    ),
+)
