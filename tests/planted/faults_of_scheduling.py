@@ -62,9 +62,9 @@ OF_SCHEDULING = (
     ),
     Fault(
         name="a plan begins while a stop may be on its way",
-        file=SCHEDULE,
-        guard="            if not keys or self._catching_up():\n",
-        without="            if not keys:\n",
+        file=RUNS,
+        guard="        while any(map(catching_up, self._hands.reach.messengers)):\n",
+        without="        while False:\n",
         caught_by=(AT_ITS_TIME + "test_nothing_begins_before_what_was_sent_meanwhile_has_come",),
     ),
     Fault(

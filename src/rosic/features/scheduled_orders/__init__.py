@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.contracts.messenger import catching_up
 from rosic.features.scheduled_orders import messages as words
 from rosic.features.scheduled_orders.commands import PlanningParts, ScheduledOrderCommands
 from rosic.features.scheduled_orders.order_plan import OrderPlanReader
@@ -65,8 +64,8 @@ class ScheduledOrdersFeature(Feature):
 def setup(kernel: Kernel) -> ScheduledOrdersFeature:
     """Let people plan orders."""
     rooms, orders, changes = kernel.rooms, kernel.orders, kernel.changes
-    messengers, agreements = kernel.messengers, kernel.pipeline.agreements
-    schedule = OrderSchedule(changes, kernel.clock, lambda: any(map(catching_up, messengers)))
+    agreements = kernel.pipeline.agreements
+    schedule = OrderSchedule(changes, kernel.clock)
     kernel.keep(KIND, schedule.restore, schedule.apply)
     runs = ScheduledRuns(rooms, orders, agreements, schedule, kernel.clock)
     reader = OrderPlanReader(rooms, agreements, orders.chat_sender.languages)

@@ -23,7 +23,7 @@ from rosic.organiser.recurrence import occurrences, read_rule
 from rosic.organiser.timezones import zone_named
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
 
     from rosic.contracts.clock import Clock
     from rosic.gateway.transactions import Transactions
@@ -137,17 +137,12 @@ _text = msgspec.msgpack.Decoder(ScheduledText).decode
 class OrderSchedule:
     """Every order that waits for its time, and the task that waits for the next.
 
-    Args:
-        catching_up: Whether a stop may still come that was said while nobody listened.
-
     Attributes:
         orders: By their numbers.
         texts: Likewise.
     """
 
-    def __init__(
-        self, changes: Transactions, clock: Clock, catching_up: Callable[[], bool]
-    ) -> None:
+    def __init__(self, changes: Transactions, clock: Clock) -> None:
         self.orders: dict[str, ScheduledOrder] = {}
         self.texts: dict[str, ScheduledText] = {}
         self.next_ns: dict[str, int | None] = {}
@@ -158,7 +153,6 @@ class OrderSchedule:
         self._changes = changes
         self._behind = WriteBehind(changes)
         self._clock = clock
-        self._catching_up = catching_up
         self._waiting: asyncio.Task[None] | None = None
 
     # ---- what is written ----
@@ -296,7 +290,7 @@ class OrderSchedule:
                 if due is not None and now_ns - due.at_ns > due.order.lives_ns:
                     self._changes.note((self._passed(due),))
                     handler.missed(due)
-            if not keys or self._catching_up():
+            if not keys:
                 return
             async with self._changes.turn() as turn:
                 found = [due for due in map(self._now, keys) if due is not None]
