@@ -110,8 +110,8 @@ def _line(line: str, vocabulary: Vocabulary, context: LineContext, *, mends: boo
     if not line:
         return _EMPTY
     raw, low, slash = words_of(line)
-    if slash and low[0] in FILLERS and low[0] in vocabulary.commands.words:
-        return CommandLine(low[0], line.partition(" ")[2].strip())
+    if slash and low[0] in FILLERS and low[0] in vocabulary.commands.aliases:
+        return CommandLine(vocabulary.commands.aliases[low[0]], line.partition(" ")[2].strip())
     return LineReader(line, (raw, low), vocabulary, context, mends=mends).read(slash=slash)
 
 

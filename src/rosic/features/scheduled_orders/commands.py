@@ -50,8 +50,8 @@ BUTTONS_AT_MOST: Final = 8
 
 COMMANDS: Final = (
     Command(
-        name="at",
-        aliases=("um",),
+        name="schedule",
+        aliases=("um", "at"),
         typed=said("/at"),
         summary=said("Let a robot do something at a time"),
         explained=True,
@@ -127,7 +127,7 @@ class ScheduledOrderCommands:
 
     def register(self, commands: CommandRegistry) -> None:
         """Take these commands."""
-        for verb in ("at", "in", "every"):
+        for verb in ("schedule", "in", "every"):
             commands.register(verb, self._planner(verb))
         commands.register("planned", self.planned)
         commands.register("unplan", self._unplan)
