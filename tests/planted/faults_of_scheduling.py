@@ -1,4 +1,4 @@
-"""The guards around orders that wait for their time."""
+"""The guards around orders that wait for their time, and around places."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ SCHEDULE = "features/scheduled_orders/schedule.py"
 COMMANDS = "features/scheduled_orders/commands.py"
 AT_ITS_TIME = "tests/features/scheduled_orders/test_at_its_time.py::"
 PLANNING = "tests/features/scheduled_orders/test_planning.py::"
+PLACES = "tests/features/places/test_places.py::"
 COSTS = "tests/features/scheduled_orders/test_clocks_and_costs.py::"
 
 OF_SCHEDULING = (
@@ -117,5 +118,35 @@ OF_SCHEDULING = (
         guard="        if len(self._times) > 2 * len(self.orders) + STALE_AT_MOST:\n",
         without="        if False:\n",
         caught_by=(COSTS + "test_what_was_planned_and_taken_back_leaves_nothing_that_grows",),
+    ),
+    Fault(
+        name="anybody keeps places for a robot",
+        file="features/places/commands.py",
+        guard="        self._rooms.organiser.check_word(asked.caller, robot, PLACES)\n",
+        without="",
+        caught_by=(PLACES + "test_whoever_has_the_right_keeps_places_and_nobody_else",),
+    ),
+    Fault(
+        name="a place is called like something else",
+        file="features/places/commands.py",
+        guard="        if urgent or taken or number or name in REMOVE or means_else(name):\n",
+        without="        if False:\n",
+        caught_by=(PLACES + "test_what_names_no_place_is_said_in_one_sentence",),
+    ),
+    Fault(
+        name="a place is kept of a robot that moves",
+        file="features/places/place_book.py",
+        guard="    if seen.moves:\n",
+        without="    if False:\n",
+        caught_by=(
+            PLACES + "test_nothing_is_kept_of_a_robot_that_moves_or_does_not_say_where_it_is",
+        ),
+    ),
+    Fault(
+        name="a robot goes to the place of another",
+        file="core/language/kept_places.py",
+        guard="    if not known or len(line.robots) > 1:\n",
+        without="    if not known:\n",
+        caught_by=(PLACES + "test_a_group_goes_to_no_place_by_its_name",),
     ),
 )

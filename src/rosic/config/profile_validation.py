@@ -12,7 +12,7 @@ from rosic.contracts.file_rules import Place, Rule, Rules, ValidationFinding, ne
 from rosic.core.alerts.rule import InvalidAlertRule, compile_rule, read_run, rules_of
 from rosic.core.language import UnitTable, Vocabulary
 from rosic.core.language.command import NO_COMMANDS
-from rosic.core.policy.scope import AMONG, FILES, READ, RESUME
+from rosic.core.policy.scope import AMONG, FILES, PLACES, READ, RESUME
 from rosic.core.robot.benchmark import POSE
 from rosic.core.robot.profile import Files, Profile, Telemetry
 from rosic.core.robot.skill import Parameter, Skill
@@ -105,7 +105,7 @@ def _numeric(skill: Skill, place: Place, name: str) -> Iterator[ValidationFindin
 # ---- profile validation ----
 
 # These words have a meaning for every robot, and are rights of their own.
-RESERVED: Final = frozenset({READ, RESUME, FILES, *AMONG, "stop"})
+RESERVED: Final = frozenset({READ, RESUME, FILES, PLACES, *AMONG, "stop"})
 FLEET: Final = "fleet"
 NO_STRATEGY: Final = frozenset({"back", "now", "idle"})
 

@@ -49,8 +49,8 @@ def test_the_default_roles_and_a_good_junior_are_without_mistake() -> None:
             "scopes.0",
             (
                 "No robot of '*' has a skill 'fly'. "
-                "Known here: ask, files, grant, grasp, help, home, look, move, read, resume, "
-                "share, strategy."
+                "Known here: ask, files, grant, grasp, help, home, look, move, places, read, "
+                "resume, share, strategy."
             ),
         ),
         (

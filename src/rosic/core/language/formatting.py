@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.i18n import figure, joined, titled
 from rosic.core.language.common_names import shown_name
+from rosic.core.language.kept_places import place_at
 from rosic.core.language.sanitise import quote
 from rosic.core.units import imperial_unit, measured
 
@@ -136,6 +137,9 @@ def show(
         if not parameter.is_number and parameter.name in arguments
     ]
     values = joined(" ", filter(None, (joined(", ", numbers), *words)))
+    kept = vocabulary.places.get(robot)
+    if kept and (place := place_at(kept, skill.id, arguments)):
+        values = joined(": ", (place, values))
     name = titled(compiled.spoken, skill.titles)
     return joined(", ", (name, values)) if values else name
 

@@ -11,8 +11,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
-from rosic.core.language.ast import Cancel, CommandLine, Halt, Line, LineContext, Misunderstood
+from rosic.core.language.ast import Cancel, CommandLine, Do, Halt, Line, LineContext, Misunderstood
 from rosic.core.language.cancel_detection import hears_cancel
+from rosic.core.language.kept_places import with_places
 from rosic.core.language.keywords import FILLERS
 from rosic.core.language.line_parser import LineReader
 from rosic.core.language.line_words import words_of
@@ -112,7 +113,10 @@ def _line(line: str, vocabulary: Vocabulary, context: LineContext, *, mends: boo
     raw, low, slash = words_of(line)
     if slash and low[0] in FILLERS and low[0] in vocabulary.commands.aliases:
         return CommandLine(vocabulary.commands.aliases[low[0]], line.partition(" ")[2].strip())
-    return LineReader(line, (raw, low), vocabulary, context, mends=mends).read(slash=slash)
+    read = LineReader(line, (raw, low), vocabulary, context, mends=mends).read(slash=slash)
+    if vocabulary.places and isinstance(read, Do):
+        return with_places(read, vocabulary.places)
+    return read
 
 
 # ---- reading with a memory ----

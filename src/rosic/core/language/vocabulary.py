@@ -18,6 +18,7 @@ from rosic.core.language.compiled import (
     skills_of,
     spellings,
 )
+from rosic.core.language.kept_places import KeptPlace
 from rosic.core.language.keywords import EVERYTHING, FILLERS, NOT_FINITE, NOTHING, NUMBERS
 from rosic.core.language.numbers import UnitTable, read_numeral
 from rosic.core.language.sanitise import clean_name, quote
@@ -59,6 +60,7 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
         longest_skill: As ``longest_callee``, for skills.
         known: Every name, verb, skill, parameter and choice: none of them is a misspelt word,
             whatever it resembles.
+        places: What people have kept for each robot, by name.
     """
 
     units: UnitTable
@@ -70,6 +72,7 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
     having: dict[str, frozenset[RobotId]]
     longest_skill: dict[str, int]
     known: frozenset[str]
+    places: dict[RobotId, dict[str, KeptPlace]] = {}
 
     @classmethod
     def build(
@@ -191,13 +194,22 @@ class VocabularyHolder:
     def replace(self, newer: Vocabulary) -> None:
         """Let another snapshot count from now on, for everybody at once.
 
-        Between two turns of the event loop: whoever reads a line reads it with one of them.
+        Between two turns of the event loop: whoever reads a line reads it with one of them. The
+        places that are kept go on.
         """
-        self.current = newer
+        self.current = msgspec.structs.replace(newer, places=self.current.places)
+        self.replaced.emit()
+
+    def keep_places(self, robot: RobotId, places: dict[str, KeptPlace]) -> None:
+        """Let these be the places of a robot from now on, for everybody at once."""
+        everybody = {**self.current.places, robot: places}
+        if not places:
+            del everybody[robot]
+        self.current = msgspec.structs.replace(self.current, places=everybody)
         self.replaced.emit()
 
 
-def _means_else(name: str) -> bool:
+def means_else(name: str) -> bool:
     """Whether a name says something else: a verb, a stop, or that somebody ends what they do."""
     return name in _RESERVED or is_stop_word(name.split(maxsplit=1)[0]) or is_cancel_word(name)
 
@@ -206,7 +218,7 @@ def _refuse_reserved(name: str, what: str) -> None:
     words = name.split()
     if not words:
         raise ValueError(f"{what} has an empty name")
-    if _means_else(name) or read_numeral(name) is not None:
+    if means_else(name) or read_numeral(name) is not None:
         raise ValueError(f"{what} cannot be called {quote(name)}: that word means something else")
 
 
@@ -225,7 +237,7 @@ def _compile_robot(
     for name in TYPED:
         if name in skills:
             for word in TYPED[name]:
-                if word not in names and not _means_else(word):
+                if word not in names and not means_else(word):
                     phrases.setdefault(word, skills[name])
     return CompiledRobot(
         id=profile.id,
@@ -261,7 +273,7 @@ def _phrases(robot: RobotId, skills: dict[str, CompiledSkill]) -> dict[str, Comp
         skill = compiled.skill
         titles = (skill.title, *skill.titles.values())
         for phrase in (*spellings(skill.id), *(fold(clean_name(title)) for title in titles)):
-            if phrase and not _means_else(phrase):
+            if phrase and not means_else(phrase):
                 phrases.setdefault(phrase, compiled)
     return phrases
 
@@ -297,7 +309,7 @@ def _add_loose_names(
         for name in dict.fromkeys((*titles, *spellings(callee.name))):
             loose.setdefault(name, []).append(callee)
     for name, meant in loose.items():
-        if len(meant) == 1 and name not in taken and not _means_else(name):
+        if len(meant) == 1 and name not in taken and not means_else(name):
             callees.setdefault(name, meant[0])
 
 

@@ -22,6 +22,8 @@ READ = "read"
 RESUME = "resume"
 FILES = "files"
 """The right to put files into a robot's inbox, and to fetch those it gives."""
+PLACES = "places"
+"""The right to keep places under names for a robot, for everybody who may send it there."""
 SHARE = "share"
 """The right to share data in a robot's name: its own, and nobody else's."""
 ASK = "ask"
@@ -62,7 +64,7 @@ class Scope(msgspec.Struct, frozen=True):
 
 GRANT = "grant"
 """The right to give rights on a robot. No wildcard stands for it; ``fleet:grant`` is all of it."""
-NO_SKILLS = (READ, RESUME, FILES, *AMONG, GRANT)
+NO_SKILLS = (READ, RESUME, FILES, PLACES, *AMONG, GRANT)
 """What every robot has besides its skills."""
 FLEET = "fleet"
 """Stands where a robot would: rights about the place itself. No wildcard stands for it."""
