@@ -95,6 +95,7 @@ SECONDS = {
     "tests/real/ros2/test_sights.py": 25,
     "tests/stores/test_facts.py": 25,
     "tests/cli/test_running_access.py": 25,
+    "tests/cli/test_mcp.py": 35,
     "tests/cli/test_plays.py": 25,
     "tests/journeys/test_stepping.py": 25,
     "tests/journeys/test_card.py": 25,

@@ -65,7 +65,7 @@ class TerminalStage:
         self._writing = writing
 
     def chat(self, _person: str) -> Chat:
-        return Chat("terminal", "terminal")
+        return Chat("terminal", "1000")
 
     async def write(self, _person: str, text: str) -> None:
         os.write(self._writing, f"{text}\n".encode())

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.adapter import RobotFactory
     from rosic.contracts.interpreter import Interpreter
+    from rosic.contracts.messenger import Messenger
     from rosic.contracts.store import StopLatch, Store
     from rosic.core.message import Button, Outbound
     from rosic.core.records import Record
@@ -151,12 +152,14 @@ class Place:
         kind: What its robots are.
         people: Who is known.
         interpreter: May be shown what is not understood.
+        besides: Other messengers than the one that people here use.
     """
 
     rulebook = RoleRules(roles=DEFAULT_ROLES)
     kind: RobotFactory = MemoryRobot
     people: tuple[ConfiguredPerson, ...] = PEOPLE
     interpreter: Interpreter | None = None
+    besides: tuple[Callable[[ManualClock], Messenger], ...] = ()
 
     def __init__(
         self,
@@ -183,7 +186,7 @@ class Place:
         self.gateway = Gateway(
             self._settings,
             GatewayParts(
-                messengers=(self.chat,),
+                messengers=(self.chat, *(make(self.clock) for make in self.besides)),
                 robot_factory=lambda _kind: type(self).kind,
                 store=self.store,
                 latch=self.latch,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.container.archive import NOBODY, Archive
-from rosic.contracts import console
+from rosic.contracts import console, programs
 from rosic.contracts import messenger as contract
 from rosic.contracts.messenger import Messenger
 from rosic.contracts.messenger_proxy import ABILITIES, MessengerProxy, members_of
@@ -61,7 +61,7 @@ def kept(messenger: Messenger) -> ArchivingMessenger:
 def abilities() -> list[type]:
     return [
         found
-        for module in (contract, console)
+        for module in (contract, console, programs)
         for found in vars(module).values()
         if getattr(found, "_is_runtime_protocol", False) and found is not Messenger
     ]
@@ -125,8 +125,9 @@ def test_what_a_wrapper_defines_itself_is_its_own() -> None:
 
 def test_telegram_can_do_all_that_is_asked_of_messengers() -> None:
     lacking = [a.__name__ for a in abilities() if not isinstance(telegram(), a)]
-    assert lacking == ["WaitsForDisk", "SupportsCompletion", "Console"], (
-        "who keeps chats says the first; the others are a terminal's"
+    theirs = ["ServesPrograms", "AttachesPrograms"]
+    assert lacking == ["WaitsForDisk", "SupportsCompletion", "Console", *theirs], (
+        "who keeps chats says the first; the others are a terminal's, and of programs"
     )
 
 

@@ -34,7 +34,7 @@ from tests.pace import pace
 if TYPE_CHECKING:
     from pathlib import Path
 
-CHAT = Chat("terminal", "terminal")
+CHAT = Chat("terminal", "1000")
 YES, NO = Button("Do it", "omni move 1 m", "nonce-yes"), Button("Leave it", "leave it", "nonce-no")
 QUESTION = Outbound(chat=CHAT, text="omni: move 1 m?", buttons=((YES, NO),))
 

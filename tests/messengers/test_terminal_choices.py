@@ -42,7 +42,7 @@ def test_the_terminal_of_a_person_has_a_language_and_a_pipe_has_none(
 async def test_a_number_whose_button_is_gone_is_a_tap_too_late() -> None:
     messenger, _ = terminal("1", "1", "2")
     button = Button("Do it", "do", nonce="n1")
-    chat = Chat("terminal", "terminal")
+    chat = Chat("terminal", "1000")
     asked = Outbound(chat=chat, text="?", buttons=((button,),))
     await messenger.send(asked)
 
@@ -59,7 +59,7 @@ def test_numbers_that_once_stood_before_a_button_are_known() -> None:
     choices = Choices()
     assert not choices.over("1"), "nothing was shown yet"
     outbound = Outbound(
-        chat=Chat("terminal", "terminal"), text="?", buttons=((Button("Do it", "do"),),)
+        chat=Chat("terminal", "1000"), text="?", buttons=((Button("Do it", "do"),),)
     )
     choices.show("m1", outbound, clock.monotonic_ns())
     assert not choices.over("1")

@@ -16,7 +16,7 @@ async def test_where_a_file_lies_is_said_in_the_readers_language() -> None:
     script = Script()
     messenger = TerminalMessenger(clock=ManualClock(), screen=script)
     file = Attachment("omni.jpg", "image/jpeg", b"...")
-    told = Outbound(chat=Chat("terminal", "terminal"), text="omni, Kamera", attachment=file)
+    told = Outbound(chat=Chat("terminal", "1000"), text="omni, Kamera", attachment=file)
     await messenger.send(translated(told, catalogue("de")))
     await messenger.send(translated(told, None))
     german, english = script.shown

@@ -65,6 +65,8 @@ FOREIGN_NAMES = (
     ),
     re.compile(r"[\"']Authorization[\"']|\bAuthorization:|[\"']Unauthorized[\"']|</?center>"),
     re.compile(r"\binitializer="),
+    re.compile(r"\.initialize\(\)|[\"']initialize[\"']"),  # of MCP
+    re.compile(r"\bcreate_initialization_options\b"),  # of its library
     re.compile(r"\bbehavior_tree\b"),  # of Nav2's goals
     re.compile(r"\boptimize="),  # Pillow's
     re.compile(r"\bscipy\.optimize\b"),

@@ -33,6 +33,7 @@ from rosic.config.plugins import LANGUAGES, catalogue, whose
 from rosic.container.archive import Archive
 from rosic.container.container import Containers
 from rosic.contracts.console import SupportsCompletion
+from rosic.contracts.programs import serve_programs
 from rosic.contracts.store import AuditStore
 from rosic.core.language import Vocabulary, VocabularyHolder, inert_text
 from rosic.core.message import Outbound
@@ -58,6 +59,7 @@ from rosic.gateway.delivery.translation import ChatLanguages
 from rosic.gateway.hooks import PipelineHooks
 from rosic.gateway.order_execution import inert_words
 from rosic.gateway.policy_service import PolicyEnforcer, PolicyService
+from rosic.gateway.programs import ProgramService
 from rosic.gateway.recovery import Recovery
 from rosic.gateway.resume import ResumeHandler
 from rosic.gateway.robot_registry import RobotRegistry
@@ -273,6 +275,9 @@ class Gateway(RunningGateway):
         self.kernel.shared.robot_adder.provide(self.robot_adder)
         self._closes.append(self.robot_adder.close)
         settled, now_ns = self.pipeline.backlog.settled, time.wall_ns()
+        programs = ProgramService(self.rooms, self.access.programs)
+        for messenger in self._messengers:
+            serve_programs(messenger, programs)
         await take_in(self._messengers, memory, parts.store, self.rooms, settled, now_ns)
 
     def _tell_admins(self, text: str, *, urgent: bool) -> None:

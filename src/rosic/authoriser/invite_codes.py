@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final
 
 import segno
 
-from rosic.core.identity import DIGEST_BYTES, ROBOT
+from rosic.core.identity import DIGEST_BYTES, PROGRAM, ROBOT
 from rosic.core.language.stop_detection import hears_stop
 from rosic.core.secret import Secret
 
@@ -196,7 +196,7 @@ def only_here(platforms: Collection[str]) -> bool:
 
     Without any messenger it is not known yet by which one a code will come.
     """
-    return bool(platforms) and {TERMINAL, ROBOT}.issuperset(platforms)
+    return bool(platforms) and {TERMINAL, ROBOT, PROGRAM}.issuperset(platforms)
 
 
 def join_text(code: Secret) -> str:

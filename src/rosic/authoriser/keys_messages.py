@@ -40,6 +40,34 @@ CLOCK_ACCEPTED = (
 CODE_TAKEN = said("Thank you. I ask again after an hour without use.")
 
 
+NO_SUCH_SECRET = said(
+    "That is no key of a program here, or it is not good any more. Make another: rosic key create."
+)
+NO_PROGRAM_NAME = "A program needs a name that can be shown. Nothing was done."
+NEVER_ADMIN = (
+    "A program gives nobody rights and looks after nothing but robots: choose a role for robots "
+    "alone, operator for example. Nothing was done."
+)
+
+
+def name_taken(name: str) -> str:
+    """Return why a program cannot be called so."""
+    return f"Somebody is called {name} already, or nearly so. Choose another name."
+
+
+def program_made(name: str, what: str, secret: str) -> str:
+    """Return what the operator reads once a program is known. It shows the secret."""
+    return (
+        f"{name} is known now, a program: {what}. This is its key. It is shown once; give it to "
+        f"that program alone, as ROSIC_KEY or in a file that only you can read:\n{secret}"
+    )
+
+
+def secret_renewed(sentence: str, secret: str) -> str:
+    """Return what the operator reads once a program's key was replaced. It shows the secret."""
+    return f"{sentence} The new one is shown once:\n{secret}"
+
+
 def scan(key: str) -> str:
     """Return what stands under the picture."""
     return said(

@@ -1,4 +1,4 @@
-"""``rosic key list``, ``rotate`` and ``revoke``: who holds which key."""
+"""``rosic key list``, ``create``, ``rotate`` and ``revoke``: who holds which key."""
 
 from __future__ import annotations
 
@@ -35,6 +35,51 @@ def list_keys(arguments: Sequence[str]) -> int:
     names = () if options.name is None else (options.name,)
     body = AS_JSON if options.json else NOTHING
     print(printed(looked_up(options, AdminRequest(AdminVerb.KEYS, names, body)), json=options.json))
+    return 0
+
+
+# ---- ``rosic key create`` ----
+
+CREATE_ABOUT = """Make a program known, with an authorisation key of its own, and show its secret:
+once. It may what its roles give, where you say, and never more; what wants a confirmation, a person
+is asked. Works with and without a running gateway."""
+
+
+def create(arguments: Sequence[str]) -> int:
+    """Ask the gateway, or write it into its data when none runs.
+
+    Raises:
+        RosicError: Why not; nothing was changed.
+    """
+    parser = argparse.ArgumentParser(prog="rosic key create", description=CREATE_ABOUT)
+    parser.add_argument("name", metavar="NAME", help="how people read it")
+    parser.add_argument("--role", action="append", required=True, metavar="ROLE")
+    parser.add_argument(
+        "--robot",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="ROBOT",
+        help="only on these robots or groups",
+    )
+    parser.add_argument(
+        "--limit", action="append", default=[], metavar="LIMIT", help="'speed <= 0.2 m/s'"
+    )
+    parser.add_argument(
+        "--for", dest="lasts", metavar="TIME", help="how long the right lasts; left out: for good"
+    )
+    add_where(parser)
+    options = parser.parse_args(joined(arguments, ("--for",)))
+    wanted = {
+        "name": options.name,
+        "roles": options.role,
+        "robots": options.robot,
+        "limits": options.limit,
+        "lasts_s": None if options.lasts is None else seconds("--for", options.lasts),
+    }
+    body = msgspec.Raw(msgspec.json.encode(wanted))
+    ask = AdminRequest(AdminVerb.CREATE_KEY, (), body)
+    print("\n".join(changed(options, ask, robots=bool(options.robot or options.limit))))
     return 0
 
 

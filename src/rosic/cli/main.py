@@ -68,6 +68,9 @@ COMMANDS: dict[str, Subcommand] = {
     "key list": Subcommand(
         "rosic.cli.keys:list_keys", "every authorisation key, and how long it is good"
     ),
+    "key create": Subcommand(
+        "rosic.cli.keys:create", "a key for a program, with a secret that is shown once"
+    ),
     "key rotate": Subcommand("rosic.cli.keys:rotate", "a new key in place of somebody's old one"),
     "key revoke": Subcommand("rosic.cli.keys:revoke", "take one key back, or all of a person's"),
     "explain": Subcommand(
@@ -97,6 +100,9 @@ COMMANDS: dict[str, Subcommand] = {
     ),
     "doctor": Subcommand(
         "rosic.cli.diagnostics:doctor", "measure this machine; with --try, a robot"
+    ),
+    "mcp": Subcommand(
+        "rosic.cli.mcp:run", "let a program of this machine ask over MCP: standard input and output"
     ),
     "sim": Subcommand("rosic.cli.sim:run", "the simulated robots as ROS 2 nodes"),
     "bench": Subcommand("rosic.bench:main", "measure how fast ROSIC is here"),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import cache
 from operator import attrgetter
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol
 
-from rosic.contracts import console
+from rosic.contracts import console, programs
 from rosic.contracts import messenger as contract
 
 if TYPE_CHECKING:
@@ -18,11 +18,12 @@ if TYPE_CHECKING:
 
 ABILITIES: Final[tuple[type, ...]] = tuple(
     found
-    for module in (contract, console)
+    for module in (contract, console, programs)
     for found in vars(module).values()
     if isinstance(found, type)
+    and Protocol in found.__bases__
     and found.__module__ == module.__name__
-    and found is not contract.Messenger
+    and found not in (contract.Messenger, programs.Programs)
 )
 """The Protocols of what a messenger may be able to do besides."""
 

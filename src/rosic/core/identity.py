@@ -32,6 +32,8 @@ OPERATOR: PrincipalId = "operator"
 
 ROBOT = "robot"
 """Platform of a robot's address: ``robot:omni``. No messenger is called so."""
+PROGRAM = "program"
+"""Platform of a program's address. What is said there, nobody reads: nobody confirms there."""
 
 
 class Address(msgspec.Struct, frozen=True, gc=False):
@@ -69,7 +71,7 @@ class AuthorisationKey(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Principal(msgspec.Struct, frozen=True, kw_only=True):
-    """A person or a robot that ROSIC knows; one id for ever.
+    """A person, a robot or a program that ROSIC knows; one id for ever.
 
     Attributes:
         name: For showing only.
@@ -86,6 +88,11 @@ class Principal(msgspec.Struct, frozen=True, kw_only=True):
         """Whether it is a robot, whom nobody can tell anything in a chat."""
         return any(address.platform == ROBOT for address in self.addresses)
 
+    @property
+    def is_program(self) -> bool:
+        """Whether it is a program, which asks for what it may and agrees to nothing."""
+        return any(address.platform == PROGRAM for address in self.addresses)
+
 
 class Caller(msgspec.Struct, frozen=True, gc=False):
     """Somebody the authoriser recognised, in one conversation.
@@ -100,6 +107,11 @@ class Caller(msgspec.Struct, frozen=True, gc=False):
     address: Address
     key: KeyId
     session: str
+
+    @property
+    def is_program(self) -> bool:
+        """Whether no person speaks here."""
+        return self.address.platform == PROGRAM
 
 
 def command_id(*parts: str) -> CommandId:

@@ -219,6 +219,24 @@ class Button(msgspec.Struct, frozen=True, gc=False):
     act: bytes = b""
 
 
+class AnswerState(enum.Enum):
+    """What a message comes to, for whoever does not read it: a program.
+
+    ``FINAL``: an answer, and all of it. ``GOES_ON``: more is said about the same. ``ASKED``: more
+    is said once somebody else was asked. ``AGREED``: they agree, and its first button does it.
+    ``DONE``: what was ordered is done. ``NOT_DONE``: it is not, or nobody knows; the text says so.
+    """
+
+    __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
+
+    FINAL = "final"
+    GOES_ON = "goes-on"
+    ASKED = "asked"
+    AGREED = "agreed"
+    DONE = "done"
+    NOT_DONE = "not-done"
+
+
 class StreamedContent(msgspec.Struct, frozen=True):
     """A content that is read while it is sent, so that it is never in memory as a whole.
 
@@ -288,6 +306,9 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         attachment: A file that goes with it; only for a messenger that sends files of its size.
         lies_in: `LIES_IN` as its reader reads it, ``{path}`` unfilled, for a messenger that puts
             the file into a folder; empty for English.
+        cause: Id of the message or the tap because of which it is said, a tap's too; empty where
+            nobody asked. Nobody is shown it.
+        state: What it comes to.
     """
 
     chat: Chat
@@ -297,6 +318,8 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     weight: SendPriority = SendPriority.QUESTION
     attachment: Attachment | None = None
     lies_in: str = ""
+    cause: str = ""
+    state: AnswerState = AnswerState.FINAL
 
     @property
     def urgent(self) -> bool:

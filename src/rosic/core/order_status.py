@@ -20,6 +20,7 @@ K = TypeVar("K")
 
 # To look a member up in its class costs as much as three calls, and lives ask for every order.
 RUNNING, UNKNOWN, REFUSED = OrderStage.RUNNING, OrderEnding.UNKNOWN, OrderEnding.REFUSED
+_GOOD = frozenset((OrderEnding.DONE, OrderEnding.SENT))
 
 _STEP = {
     OrderStage.ACCEPTED: said("accepted"),
@@ -85,6 +86,7 @@ class OrderStatus:
         where: The robot, as people read it.
         title: ``omni: move, 0.50 m left``.
         result: How its outcome reads, once there is one; shown from `end` on.
+        good: It is done, or sent to a robot that does not acknowledge.
         words: In the language of whoever reads it.
     """
 
@@ -95,6 +97,7 @@ class OrderStatus:
         "_fraction",
         "_note",
         "_steps",
+        "good",
         "result",
         "title",
         "where",
@@ -113,6 +116,7 @@ class OrderStatus:
         self._fraction: float | None = None
         self._note = ""
         self._ending = self.result = ""
+        self.good = False
 
     def step(self, report: StageReport, at_ns: int) -> bool:
         """Take a report in. Return whether a person would want to see it now."""
@@ -135,6 +139,7 @@ class OrderStatus:
         """Take in its outcome. Return how it reads: ``done 14:02:13: object held``."""
         time_of_day, words = self._face(at_ns), self.words
         word = words.ended[outcome.ending]
+        self.good = outcome.ending in _GOOD
         note = _noted(outcome.note, words.catalogue) if outcome.note else ""
         if outcome.ending is UNKNOWN:
             self.result = f"{word} ({time_of_day}). {note or words.look}"

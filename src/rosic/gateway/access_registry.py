@@ -18,6 +18,8 @@ from rosic.authoriser.directory import Directory
 from rosic.authoriser.enrolment import Enrolment, EnrolmentRules
 from rosic.authoriser.keys import KeyRing
 from rosic.authoriser.locks import AccountLocks
+from rosic.authoriser.program_keys import KIND as KEY_SECRET
+from rosic.authoriser.program_keys import ProgramKeys
 from rosic.authoriser.security_report import SecurityReports
 from rosic.authoriser.two_factor import TwoFactor
 from rosic.contracts.background_tasks import BackgroundTasks
@@ -90,7 +92,7 @@ class AccessRegistry:
     Attributes:
         changes: Through which every change goes.
         note: Writes down what is so already, and waits for no disk.
-        enrolment, keys, locks, two_factor, misuse, counters, time, security, waiting,
+        enrolment, keys, programs, locks, two_factor, misuse, counters, time, security, waiting,
             access_requests: The books.
         calendar: Whose time it is.
         forget_newcomer: Erases what was kept of somebody who was not let in; nothing is kept
@@ -109,6 +111,7 @@ class AccessRegistry:
     ) -> None:
         self.keys = authoriser.keys
         self.time, self.counters = self.keys.time, self.keys.counters
+        self.programs = ProgramKeys(self.keys, authoriser.directory, entropy)
         self.changes = Transactions(store, self.time)
         self.note = store.note
         self.locks = AccountLocks(self.time)
@@ -164,6 +167,7 @@ class AccessRegistry:
             "invitation": self.enrolment.apply,
             "pending": self.enrolment.apply,
             "totp": self.two_factor.apply,
+            KEY_SECRET: self.programs.apply,
             WAITING: self.waiting.apply,
             WISH: self.wishes.apply,
             ACCESS_REQUEST: self.access_requests.apply,

@@ -262,7 +262,7 @@ class ChatHandler:
         if command.startswith(ASK_FIRST):
             visible = self._rooms.organiser.visible(caller.principal)
             reply = self._parts.builder.ask(caller, command[1:], visible)
-            self._replies.offer(messenger, inbound, caller, reply.text, reply.buttons)
+            self._replies.offer(messenger, inbound, caller, reply)
             return False
         if command.startswith(CONFIRMED):
             confirmation = self._parts.confirmation
@@ -394,14 +394,14 @@ class ChatHandler:
         messenger, inbound, caller = message.messenger, message.inbound, message.caller
         if isinstance(why, FirstNeeded):
             if not isinstance(line, Do):
-                self._replies.say(messenger, inbound, why.sentence)
+                self._replies.deny(messenger, inbound, why.sentence)
                 return
             try:
-                reply = self._parts.confirmation.ask(caller, line, why)
+                reply = self._parts.confirmation.ask(caller, line, why, inbound.message)
             except Refusal as instead:  # nothing of it was looked at before it was asked about
                 why = instead
             else:
-                self._replies.offer(messenger, inbound, caller, reply.text, reply.buttons)
+                self._replies.offer(messenger, inbound, caller, reply)
                 return
         if isinstance(why, Refusal):
             self._agreements.make_good(why, line, caller, inbound.chat)
@@ -415,7 +415,7 @@ class ChatHandler:
             raise why
         else:
             log.error("a line could not be followed", exc_info=why)
-            self._replies.say(messenger, inbound, FAULT)
+            self._replies.deny(messenger, inbound, FAULT)
 
     async def not_followed(self, messenger: Messenger, inbound: Inbound, why: Exception) -> None:
         """Say why nothing of a message is followed; whoever is unknown may have brought a code."""
@@ -424,10 +424,10 @@ class ChatHandler:
                 self._replies.turn_away(messenger, inbound, why.sentence)
         elif isinstance(why, Refusal):
             if not why.silent:
-                self._replies.say(messenger, inbound, why.sentence)
+                self._replies.deny(messenger, inbound, why.sentence)
         else:
             log.error("a message could not be handled", exc_info=why)
-            self._replies.say(messenger, inbound, FAULT)
+            self._replies.deny(messenger, inbound, FAULT)
 
     async def brought_a_code(self, messenger: Messenger, inbound: Inbound) -> bool:
         """Whether somebody brought an invitation, or showed one in a group; then it is answered."""

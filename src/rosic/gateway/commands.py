@@ -10,7 +10,7 @@ import msgspec
 from rosic.contracts.messenger import Messenger
 from rosic.core.i18n import said
 from rosic.core.identity import Caller, CommandId
-from rosic.core.message import Attachment, Button, Chat, ChatKind, Inbound
+from rosic.core.message import AnswerState, Attachment, Button, Chat, ChatKind, Inbound
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ class Reply(msgspec.Struct, frozen=True):
         about: The robot that it speaks of, for whoever replies to it; empty for none.
         anew: It is said in a message of its own: what was tapped is about to go.
         landed: Hears through which messenger, in which chat, which message says it.
+        state: What it comes to, for a program.
     """
 
     text: str
@@ -36,6 +37,7 @@ class Reply(msgspec.Struct, frozen=True):
     about: str = ""
     landed: Callable[[Messenger, Chat, str], None] | None = None
     anew: bool = False
+    state: AnswerState = AnswerState.FINAL
 
 
 class CommandContext(msgspec.Struct, frozen=True):

@@ -12,7 +12,7 @@ from rosic.core.i18n import joined, said
 from rosic.core.identity import REQUEST_ID_BYTES, Caller, PrincipalId
 from rosic.core.language import Do
 from rosic.core.language.suggestions import OR
-from rosic.core.message import Button
+from rosic.core.message import AnswerState, Button
 from rosic.core.policy.evaluate import may_agree
 from rosic.core.policy.limits import limit_in_words
 from rosic.core.policy.query import Deny, PolicyCode, Query
@@ -21,6 +21,7 @@ from rosic.errors import Expired, FirstNeeded, NotPermitted
 from rosic.gateway import cancel_messages as words
 from rosic.gateway.agreement import ResolvedAct
 from rosic.gateway.commands import Reply
+from rosic.gateway.delivery.notifier import Notification
 from rosic.gateway.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
 from rosic.organiser.organiser import AuthContext
 from rosic.organiser.refusals import ANY_CHANNEL, bound_of
@@ -57,6 +58,7 @@ class PendingConfirmation(msgspec.Struct):
         act: What it came to when it was asked, for every robot; whoever agrees, agrees to this.
         asks: What wants the second person, with its arguments.
         second: Who agreed.
+        cause: Id of the message that said it.
     """
 
     caller: Caller
@@ -65,6 +67,7 @@ class PendingConfirmation(msgspec.Struct):
     asks: tuple[Query, ...]
     asked: ClockReading
     second: PrincipalId | None = None
+    cause: str = ""
 
 
 class Resolver(Protocol):
@@ -105,12 +108,22 @@ class Confirmation:
         self._requests: OrderedDict[str, PendingConfirmation] = OrderedDict()
         self._has_phone = has_phone
 
-    def ask(self, caller: Caller, line: Do, needed: FirstNeeded) -> Reply:
+    def ask(self, caller: Caller, line: Do, needed: FirstNeeded, cause: str = "") -> Reply:
         """Return what to say to somebody who may, once something else has happened.
+
+        A program confirms nothing: a person is asked, as a second person would be.
+
+        Args:
+            caller: Who said it.
+            line: What they said.
+            needed: What has to come first.
+            cause: Id of their message.
 
         Raises:
             NotUnderstood, OutOfBounds: What was said cannot be carried out.
         """
+        if caller.is_program:
+            return self._ask_for_program(caller, line, needed, cause)
         if needed.need == StepRequired.CONFIRMATION.value:
             act = self._agreements.of(line, caller)
             question = (
@@ -120,7 +133,7 @@ class Confirmation:
             )
             return Reply(question, _do_it(f"{CONFIRMED}{act.command}", act))
         if needed.need == StepRequired.SECOND_PERSON.value:
-            return Reply(self._ask_others(caller, line, needed))
+            return self._ask_others(caller, line, needed, cause)
         if needed.need == StepRequired.STEP_UP.value and not self._has_phone(caller.principal):
             return Reply(
                 said(
@@ -131,17 +144,31 @@ class Confirmation:
             )
         return Reply(needed.sentence)
 
-    def _ask_others(self, caller: Caller, line: Do, needed: FirstNeeded) -> str:
+    def _ask_for_program(self, caller: Caller, line: Do, needed: FirstNeeded, cause: str) -> Reply:
+        if needed.need == StepRequired.STEP_UP.value:
+            sentence = said(
+                "A second factor is asked for first, and a program has none. Ask a person."
+            )
+            return Reply(sentence, state=AnswerState.NOT_DONE)
+        if needed.need == StepRequired.CONFIRMATION.value:
+            sentence = said("A person has to confirm that first.")
+            needed = FirstNeeded(sentence, need=needed.need, robot=needed.robot, text=needed.text)
+        return self._ask_others(caller, line, needed, cause)
+
+    def _ask_others(self, caller: Caller, line: Do, needed: FirstNeeded, cause: str) -> Reply:
         act = self._agreements.of(line, caller)
         asks = self._wanting(caller, act, needed)
         others = self._others(caller, asks)
         if not others:
-            return said(
+            sentence = said(
                 "{needed} Nobody else here may do exactly that, so nobody can agree.",
                 needed=needed.sentence,
             )
+            return Reply(sentence, state=AnswerState.NOT_DONE)
         number = f"s{self._entropy.token(REQUEST_ID_BYTES).hex()}"
-        self._requests[number] = PendingConfirmation(caller, line, act, asks, reading(self._clock))
+        self._requests[number] = PendingConfirmation(
+            caller, line, act, asks, reading(self._clock), cause=cause
+        )
         if len(self._requests) > ASKED_AT_MOST:
             self._requests.popitem(last=False)
         told = self._reach.tell(
@@ -161,12 +188,16 @@ class Confirmation:
         )
         names = joined(OR, map(self._organiser.name_of, others))
         if not told:
-            return said("{needed} I could not reach {names}.", needed=needed.sentence, names=names)
-        return said(
+            sentence = said(
+                "{needed} I could not reach {names}.", needed=needed.sentence, names=names
+            )
+            return Reply(sentence, state=AnswerState.NOT_DONE)
+        sentence = said(
             "{needed} I have asked {names}; you will hear from me.",
             needed=needed.sentence,
             names=names,
         )
+        return Reply(sentence, state=AnswerState.ASKED)
 
     def _wanting(self, caller: Caller, act: ResolvedAct, needed: FirstNeeded) -> tuple[Query, ...]:
         """Return everything in an act that wants a second person."""
@@ -192,6 +223,7 @@ class Confirmation:
             for who in rights.people()
             if who != caller.principal
             and who not in organiser.locked
+            and not self._reach.is_program(who)
             and all(may_agree(rights, who, ask, now_ns) for ask in asks)
         ]
         return tuple(able[:PEOPLE_ASKED])
@@ -234,11 +266,8 @@ class Confirmation:
         request.second = who
         command = f"{CONFIRMED}{SECONDED}{number} {request.act.command}"
         name = self._organiser.name_of(who)
-        self._reach.tell(
-            (request.caller.principal,),
-            said("{name} agrees: {act}.", name=name, act=request.act.shown),
-            _do_it(command, request.act),
-        )
+        agrees = said("{name} agrees: {act}.", name=name, act=request.act.shown)
+        self._tell(request, agrees, AnswerState.AGREED, _do_it(command, request.act))
         return Reply(said("{name} is told that you agree.", name=request.caller.name))
 
     def _check_current(self, number: str, request: PendingConfirmation) -> None:
@@ -251,14 +280,12 @@ class Confirmation:
             return
         del self._requests[number]
         act = request.act.shown
-        self._reach.tell(
-            (request.caller.principal,),
-            said(
-                "The rules here have changed since you asked for this: {act}. Nothing was done. "
-                "Say it again.",
-                act=act,
-            ),
+        changed = said(
+            "The rules here have changed since you asked for this: {act}. Nothing was done. "
+            "Say it again.",
+            act=act,
         )
+        self._tell(request, changed, AnswerState.NOT_DONE)
         raise Expired(
             said(
                 "The rules here have changed since {name} asked for this: {act}. Nothing was done, "
@@ -274,6 +301,8 @@ class Confirmation:
         Raises:
             NotPermitted: They may not; says what is in the way.
         """
+        if asked.caller.is_program:
+            raise NotPermitted(said("Only a person can agree to it."))
         worth = ASSURANCES.get(asked.messenger.assurance, Assurance.PROVIDER_READABLE)
         auth_context = AuthContext(channel=worth)
         for ask in request.asks:
@@ -293,15 +322,22 @@ class Confirmation:
         request = self._open(number)
         del self._requests[number]
         name = self._organiser.name_of(asked.caller.principal)
-        self._reach.tell(
-            (request.caller.principal,),
-            said(
-                "{name} does not agree: {act}. Nothing was done.",
-                name=name,
-                act=request.act.shown,
-            ),
+        refused = said(
+            "{name} does not agree: {act}. Nothing was done.", name=name, act=request.act.shown
         )
+        self._tell(request, refused, AnswerState.NOT_DONE)
         return Reply(said("Nothing is done."))
+
+    def _tell(
+        self,
+        request: PendingConfirmation,
+        text: str,
+        state: AnswerState,
+        buttons: tuple[tuple[Button, ...], ...] = (),
+    ) -> None:
+        """Tell whoever asked what became of it."""
+        notice = Notification(text=text, buttons=buttons, cause=request.cause, state=state)
+        self._reach.give((request.caller.principal,), notice)
 
     def _open(self, number: str) -> PendingConfirmation:
         request = self._requests.get(number)
@@ -320,8 +356,11 @@ class Confirmation:
 
         Raises:
             Expired: It was agreed to too long ago, for somebody else, or to something else.
+            NotPermitted: A program would agree to what it asked for itself.
         """
         if not command.startswith(SECONDED):
+            if caller.is_program:
+                raise NotPermitted(said("Only a person can agree to it."))
             return command, None
         number, _, text = command[1:].partition(" ")
         request = self._open(number)

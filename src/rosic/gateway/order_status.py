@@ -6,7 +6,7 @@ from functools import lru_cache
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
-from rosic.core.message import Button, Outbound, SendPriority
+from rosic.core.message import AnswerState, Button, Outbound, SendPriority
 from rosic.core.messages import headed
 from rosic.core.order import OrderStage, StageReport
 from rosic.core.order_status import ENGLISH, OrderStatus
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 LINES_AT_MOST = 100
 
 OUTCOME, QUESTION, FEEDBACK = SendPriority.OUTCOME, SendPriority.QUESTION, SendPriority.FEEDBACK
+GOES_ON, DONE, NOT_DONE = AnswerState.GOES_ON, AnswerState.DONE, AnswerState.NOT_DONE
 
 
 class OrderMessage:
@@ -45,6 +46,7 @@ class OrderMessage:
         open: How many lives have not ended; at 0 nothing more will be said here.
         doubted: A message that said the ending may have arrived, or not.
         words: In the language of whoever is answered.
+        cause: Id of the message or the tap that gave the orders.
     """
 
     __slots__ = (
@@ -53,6 +55,7 @@ class OrderMessage:
         "adopted",
         "after",
         "buttons",
+        "cause",
         "chat",
         "cids",
         "dirty",
@@ -80,6 +83,7 @@ class OrderMessage:
         about: str = "",
         buttons: tuple[tuple[Button, ...], ...] = (),
         after: tuple[tuple[Button, ...], ...] = (),
+        cause: str = "",
     ) -> None:
         self.messenger = messenger
         self.in_place = messenger.edits
@@ -97,6 +101,7 @@ class OrderMessage:
         self.cids: tuple[CommandId, ...] = ()
         self.buttons = buttons
         self.after = after
+        self.cause = cause
         self._statuses: tuple[OrderStatus, ...] = ()
         self.open = 0
 
@@ -158,6 +163,10 @@ class OrderMessage:
             text = self._statuses[0].text(ending=endings)
         else:
             text = "\n".join([status.text(ending=endings) for status in self._statuses])
+        if self.open or (self.untold and not endings):
+            state = GOES_ON
+        else:
+            state = DONE if all(map(_GOOD, self._statuses)) else NOT_DONE
         return Outbound(  # its weight is `weight`, without a call on the way of every order
             chat=self.chat,
             text=text,
@@ -168,6 +177,8 @@ class OrderMessage:
             else FEEDBACK
             if self.message and not self.adopted
             else QUESTION,
+            cause=self.cause,
+            state=state,
         )
 
     def stands_in(self, message: str) -> None:
@@ -205,6 +216,7 @@ class OrderMessage:
 
 
 _RESULT = attrgetter("result")
+_GOOD = attrgetter("good")
 ACCEPTED = StageReport(OrderStage.ACCEPTED)
 
 

@@ -143,7 +143,7 @@ class Pipeline:
             if not self._chat_locks.try_acquire(inbound.chat):
                 await self._chat_locks.take(inbound.chat)
         except Refusal as refusal:
-            self._replies.say(messenger, inbound, refusal.sentence)
+            self._replies.deny(messenger, inbound, refusal.sentence)
             return
         try:
             if len(heard) > LONG:
@@ -274,6 +274,7 @@ class Pipeline:
             about=about,
             buttons=stop_button(about),
             after=self.ends[about, line.text, catalogue],
+            cause=message.inbound.message,
         )
         if message.confirmed and messenger.edits and len(message.asked) == len(orders):
             # The question that was answered becomes the message of the order that it asked about.

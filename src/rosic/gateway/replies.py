@@ -11,7 +11,7 @@ from rosic.authoriser.button_tokens import OPEN
 from rosic.container.records import KeptAnswer
 from rosic.core.i18n import in_language, joined, said
 from rosic.core.language import clean, hears_stop
-from rosic.core.message import Button, ChatKind, Outbound
+from rosic.core.message import AnswerState, Button, ChatKind, Outbound
 from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.time_units import MINUTE_NS
 from rosic.errors import Refusal, Repeated
@@ -101,10 +101,22 @@ class Replies:
         self._strangers = Bucket(STRANGERS, clock.monotonic_ns())
         self._turned_away: OrderedDict[tuple[Address, bool], int] = OrderedDict()
 
-    def say(self, messenger: Messenger, inbound: Inbound, text: str) -> None:
+    def say(
+        self,
+        messenger: Messenger,
+        inbound: Inbound,
+        text: str,
+        state: AnswerState = AnswerState.FINAL,
+    ) -> None:
         """Answer without buttons."""
         plain = in_language(text, self._languages.of_sender(inbound))
-        outbound = Outbound(chat=inbound.chat, text=plain, reply_to=reply_id(inbound))
+        outbound = Outbound(
+            chat=inbound.chat,
+            text=plain,
+            reply_to=reply_id(inbound),
+            cause=inbound.message,
+            state=state,
+        )
         self._say(self._note(messenger, outbound, inbound), inbound)
 
     async def while_late(
@@ -134,19 +146,22 @@ class Replies:
         await self._clock.sleep(LATE_AFTER_S)
         while not late():
             await self._clock.sleep(LATE_AFTER_S)
-        self.say(messenger, inbound, LATE)
+        self.say(messenger, inbound, LATE, AnswerState.GOES_ON)
 
-    def offer(
-        self,
-        messenger: Messenger,
-        inbound: Inbound,
-        caller: Caller,
-        text: str,
-        buttons: tuple[tuple[Button, ...], ...],
-    ) -> None:
+    def deny(self, messenger: Messenger, inbound: Inbound, text: str) -> None:
+        """Answer without buttons that something is not done, or that nobody knows whether it is."""
+        self.say(messenger, inbound, text, AnswerState.NOT_DONE)
+
+    def offer(self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply) -> None:
         """Answer with buttons that only this person, in this chat, can use, once (I16)."""
-        bound = self._bind(inbound, caller, buttons)
-        outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound), buttons=bound)
+        outbound = Outbound(
+            chat=inbound.chat,
+            text=reply.text,
+            reply_to=reply_id(inbound),
+            buttons=self._bind(inbound, caller, reply.buttons),
+            cause=inbound.message,
+            state=reply.state,
+        )
         plain = translated(outbound, self._languages.of(caller.principal))
         self._say(self._note(messenger, plain, inbound), inbound)
 
@@ -179,6 +194,8 @@ class Replies:
             reply_to=reply_id(inbound),
             buttons=self._bind(inbound, caller, reply.buttons),
             attachment=reply.attachment,
+            cause=inbound.message,
+            state=reply.state,
         )
         plain = translated(outbound, self._languages.of(caller.principal))
         note = OutgoingMessage(messenger, plain, asker=caller.principal)
@@ -213,6 +230,8 @@ class Replies:
         by it, and a stop may wait behind a hundred of them.
         """
         if refusal.silent:
+            if message.caller.is_program:  # it waits for an answer, and is told each time
+                self.deny(message.messenger, message.inbound, refusal.sentence)
             return
         writing = self._refuse(message, cid, refusal, asked)
         if self.backlog.settles(message.messenger):
@@ -245,6 +264,8 @@ class Replies:
             text=refusal.sentence,
             reply_to=reply_id(inbound),
             buttons=self._bind(inbound, caller, buttons),
+            cause=inbound.message,
+            state=AnswerState.NOT_DONE,
         )
         who = caller.principal
         told = translated(outbound, self._languages.of(who))
@@ -278,7 +299,7 @@ class Replies:
         if stops:
             ended = joined(" ", (ENDED_STOPPED_NOTHING, sentence))
             sentence = NOTHING_STOPPED if unknown else ended
-        self.say(messenger, inbound, sentence)
+        self.deny(messenger, inbound, sentence)
 
     async def redeem(
         self, messenger: Messenger, inbound: Inbound, caller: Caller

@@ -15,7 +15,7 @@ from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core import messages
 from rosic.core.i18n import in_language, joined, said
 from rosic.core.language import leaves_out
-from rosic.core.message import Button, ChatKind, Inbound, Outbound, SendPriority
+from rosic.core.message import AnswerState, Button, ChatKind, Inbound, Outbound, SendPriority
 from rosic.core.order import RestReport
 from rosic.core.records import Stopped
 from rosic.core.time_units import MINUTE_NS
@@ -269,7 +269,13 @@ class StopLane:
             key = self._outbox.owe(by, messenger, owed)
         if messenger.edits:
             plain = in_language(messages.stopping(shown), catalogue)
-            sent = Outbound(chat=inbound.chat, text=plain, weight=SendPriority.STOP)
+            sent = Outbound(
+                chat=inbound.chat,
+                text=plain,
+                weight=SendPriority.STOP,
+                cause=inbound.message,
+                state=AnswerState.GOES_ON,
+            )
             message = await self._say(messenger, sent, "")
         rests = [await self._rest(robot, task) for robot, task in halting.rests.items()]
         text = self._told(inbound, rests)
@@ -278,8 +284,14 @@ class StopLane:
         who, asking = self._who_can(inbound, tuple(halting.rests), by)
         plain = in_language(joined("\n", filter(None, (text, who))), catalogue)
         buttons = self._buttons(inbound, tuple(halting.rests), by, catalogue, asking)
+        rested = all(rest.confirmed for rest in rests)
         outbound = Outbound(
-            chat=inbound.chat, text=plain, buttons=buttons, weight=SendPriority.STOP
+            chat=inbound.chat,
+            text=plain,
+            buttons=buttons,
+            weight=SendPriority.STOP,
+            cause=inbound.message,
+            state=AnswerState.DONE if rested else AnswerState.NOT_DONE,
         )
         told = await self._say(messenger, outbound, message)
         if told:

@@ -17,6 +17,7 @@ from rosic.core.i18n import said, said_n
 from rosic.core.language import Misunderstood
 from rosic.core.message import Button, ChatKind, MessageValidity
 from rosic.errors import Refusal
+from rosic.gateway.commands import Reply
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -145,4 +146,4 @@ class UnfollowedMessages:
         text = inbound.text.strip()
         label = text if len(text) <= OFFERED_LETTERS else f"{text[:OFFERED_LETTERS]}..."
         row = (Button(label, text),)
-        self._replies.offer(messenger, inbound, caller, NOT_FOLLOWED, (row,))
+        self._replies.offer(messenger, inbound, caller, Reply(NOT_FOLLOWED, (row,)))

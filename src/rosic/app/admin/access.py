@@ -15,7 +15,9 @@ from rosic.contracts.messenger import invite_link_of
 from rosic.core.i18n import joined
 from rosic.core.identity import OPERATOR
 from rosic.core.language import clean
-from rosic.core.policy.roles import Grant
+from rosic.core.policy.roles import Grant, chains
+from rosic.core.policy.scope import FLEET
+from rosic.core.policy.scope import GRANT as GIVES
 from rosic.core.policy.validation import grant_mistakes
 from rosic.core.records import Decided
 from rosic.errors import NotPermitted, NotUnderstood
@@ -49,6 +51,16 @@ class InviteParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     confirm: bool = False
 
 
+class ProgramParameters(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A program as a command asks for it: how it is called, and what it may."""
+
+    name: str
+    roles: tuple[str, ...]
+    robots: tuple[str, ...] = ()
+    limits: tuple[str, ...] = ()
+    lasts_s: float | None = None
+
+
 class RotateParameters(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """How long the replaced key stays good."""
 
@@ -78,7 +90,7 @@ class AccessAdmin:
             TooManyRequests: Too many are open.
             RecordUnavailable: Not written.
         """
-        self._check(asked)
+        self._check(asked.roles, asked.robots, asked.limits)
         # The first admin may be whoever sits at the terminal.
         others = not self.nobody_is_admin()
         if others and only_here([messenger.platform for messenger in self._books.messengers]):
@@ -130,16 +142,42 @@ class AccessAdmin:
         how = how_to_join("\n".join(links), text).replace("send me", "send the bot")
         return f"{offer.sentence}\n{how}", links[0] if links else text
 
-    def _check(self, asked: InviteParameters) -> None:
+    def _check(
+        self, roles: tuple[str, ...], robots: tuple[str, ...], limits: tuple[str, ...]
+    ) -> None:
         rights = self._books.authority.rights
-        if not asked.roles:
+        if not roles:
             raise NotUnderstood(messages.NO_ROLE)
-        for role in asked.roles:
-            grant = Grant(role=role, robots=asked.robots, limits=asked.limits)
+        for role in roles:
+            grant = Grant(role=role, robots=robots, limits=limits)
             mistakes = grant_mistakes(grant, rights.rulebook, rights.fleet, self._convert)
             if mistakes:
                 first = mistakes[0]
                 raise NotUnderstood(" ".join(filter(None, (first.sentence, first.hint))))
+
+    async def create_program(self, asked: ProgramParameters) -> str:
+        """Let a program in. Return what to read, with its secret.
+
+        Raises:
+            NotUnderstood: What is wrong with it, in one sentence. Nothing was done.
+            RecordUnavailable: Not written; nothing changed.
+        """
+        self._check(asked.roles, asked.robots, asked.limits)
+        rules = self._books.authority.rolebook.rulebook.roles
+        reached = (chain.last for role in asked.roles for chain in chains(rules, role))
+        scopes = [scope for role in reached for scope in role.scopes]
+        if any(s.startswith(f"{FLEET}:") or s.endswith(f":{GIVES}") for s in scopes):
+            raise NotUnderstood(keys_messages.NEVER_ADMIN)
+        given = InvitedRights(
+            roles=asked.roles, robots=asked.robots, limits=asked.limits, lasts_s=asked.lasts_s
+        )
+        async with self._access.changes.turn() as turn:
+            made = self._access.programs.enrol(asked.name, given, OPERATOR)
+            held = self._books.authority.grants_book.give(made.program.id, made.grants, OPERATOR)
+            await turn.write((*made.records, *held))
+        return keys_messages.program_made(
+            clean(made.program.name), given.words, made.secret.reveal()
+        )
 
     # ---- keys ----
 
@@ -196,8 +234,13 @@ class AccessAdmin:
         person = the_one(self._directory, name)
         async with self._access.changes.turn() as turn:
             rotation = self._access.keys.rotate(person.id, OPERATOR, grace_s=asked.grace_s)
-            await turn.write(rotation.records)
-        return keys_messages.rotated(clean(person.name), rotation.grace_s)
+            secret, digest = self._access.programs.secret_for(rotation.key.id)
+            shown = (digest,) if person.is_program else ()
+            await turn.write((*rotation.records, *shown))
+        sentence = keys_messages.rotated(clean(person.name), rotation.grace_s)
+        if not person.is_program:
+            return sentence
+        return keys_messages.secret_renewed(sentence, secret.reveal())
 
     async def take_key(self, name: str) -> str:
         """Take back one key, by its id, or every key of a person; at once.

@@ -136,6 +136,7 @@ class AdminVerb(enum.Enum):
     REVOKE = "revoke"
     INVITE = "invite"
     KEYS = "keys"
+    CREATE_KEY = "create-key"
     ROTATE = "rotate-key"
     TAKE_KEY = "revoke-key"
     LOCK = "lock"
@@ -153,6 +154,7 @@ class AdminVerb(enum.Enum):
     ERASE = "erase-container"
     ADD_ROBOT = "add-robot"
     HISTORY = "history"
+    ATTACH = "attach"
 
 
 class AnswerFormat(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

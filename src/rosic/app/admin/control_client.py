@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app.admin.control_socket import ANSWER_BYTES, AdminAnswer, encode, socket_path
-from rosic.errors import Fault
+from rosic.errors import Fault, Refusal
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -67,6 +67,31 @@ async def ask_gateway(
         raise Fault("The gateway did not answer.") from error
     finally:
         writer.close()
+
+
+async def attach_to_gateway(
+    data: Path, ask: AdminRequest
+) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    """Return a connection to the gateway of a data folder, which serves a program over it.
+
+    Raises:
+        NotRunning: None runs there.
+        Refusal: It said why not.
+        Fault: It runs and did not answer.
+    """
+    reader, writer = await _connection(data)
+    try:
+        writer.write(encode(ask) + b"\n")
+        await writer.drain()
+        async with asyncio.timeout(HEARD_WITHIN_S):
+            answer = _decode_answer(await reader.readline())
+        if answer.good:
+            return reader, writer
+    except (OSError, TimeoutError, ValueError, msgspec.MsgspecError) as error:
+        writer.close()
+        raise Fault("The gateway did not answer.") from error
+    writer.close()
+    raise Refusal(answer.text)
 
 
 async def _connection(data: Path) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:

@@ -221,6 +221,9 @@ class ControlServer:
         except (ValueError, msgspec.MsgspecError, EOFError):
             writer.write(_line(AdminAnswer("That is no request I know.", good=False)))
             return
+        if ask.verb is AdminVerb.ATTACH:
+            await self._attach(ask, reader, writer)
+            return
         if ask.verb is not AdminVerb.STOP and self._following >= AT_ONCE:
             writer.write(_line(AdminAnswer("Too many commands at once. Try again.", good=False)))
             return
@@ -242,6 +245,18 @@ class ControlServer:
             writer.write(_line(AdminAnswer("Something went wrong; the log says what.", good=False)))
         finally:
             self._following -= 1
+
+    async def _attach(
+        self, ask: AdminRequest, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> None:
+        """Leave a connection to a program, once it has shown who it is."""
+        try:
+            serve = self._operating.attach(ask)
+        except RosicError as error:
+            writer.write(_line(AdminAnswer(str(error), good=False)))
+            return
+        writer.write(_line(HEARD))
+        await serve(reader, writer)
 
     async def _read(self, writer: asyncio.StreamWriter) -> None:
         """Wait until the other end has taken what was written.

@@ -7,12 +7,17 @@ something is on the record under `OPERATOR`.
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import msgspec
 
 from rosic.app.added_robots import AddRobotRequest
-from rosic.app.admin.access import AccessAdmin, InviteParameters, RotateParameters
+from rosic.app.admin.access import (
+    AccessAdmin,
+    InviteParameters,
+    ProgramParameters,
+    RotateParameters,
+)
 from rosic.app.admin.api import ALL, AdminVerb
 from rosic.app.admin.containers import ContainersAdmin, LimitParameters
 from rosic.app.admin.explain import Explainer
@@ -21,11 +26,13 @@ from rosic.app.admin.naming import people_lines, people_listed
 from rosic.app.admin.schedule import BookParameters, ScheduleAdmin, ScheduleWindow
 from rosic.app.maintenance import lost
 from rosic.config.profiles import known_units
+from rosic.contracts.programs import AttachesPrograms
 from rosic.core import messages
 from rosic.core.i18n import joined, plain, said
 from rosic.core.identity import OPERATOR
 from rosic.core.order import RestReport
 from rosic.core.policy.limits import unit_converter
+from rosic.core.secret import Secret
 from rosic.errors import NotUnderstood
 from rosic.gateway.robot_registry import owner_may
 
@@ -35,6 +42,7 @@ if TYPE_CHECKING:
 
     from rosic.app.admin.api import AdminContext, AdminRequest
     from rosic.app.gateway import Gateway
+    from rosic.contracts.programs import ServeConnection
     from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import RobotId
 
@@ -73,6 +81,7 @@ class AdminApi:
             AdminVerb.INVITE: self._invite,
             AdminVerb.KEYS: self._keys,
             AdminVerb.ROTATE: self._rotate,
+            AdminVerb.CREATE_KEY: self._create_key,
             AdminVerb.TAKE_KEY: self._to(self.access.take_key),
             AdminVerb.LOCK: self._to(self.access.lock),
             AdminVerb.UNLOCK: self._to(self.access.unlock),
@@ -119,6 +128,9 @@ class AdminApi:
         if ask.wants_json:
             return _lists(self.access.keys_listed(ask.names))
         return _together(self.access.keys(ask.names))
+
+    async def _create_key(self, ask: AdminRequest) -> Iterable[str]:
+        return (await self.access.create_program(body_of(ask, ProgramParameters)),)
 
     async def _rotate(self, ask: AdminRequest) -> Iterable[str]:
         return (await self.access.rotate(" ".join(ask.names), body_of(ask, RotateParameters)),)
@@ -182,7 +194,17 @@ def body_of(ask: AdminRequest, kind: type[T]) -> T:
 
 # ---- everything the operator may ask ----
 
+NO_PROGRAMS = (
+    'This gateway serves no programs. Add [[messenger]] with kind = "mcp" to its configuration, '
+    "and start it again."
+)
 NOT_KEPT = said("This could not be written down: after a restart, look before you move anything.")
+
+
+class AttachParameters(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Who wants to speak over this connection: the secret of a program's key."""
+
+    secret: Annotated[str, msgspec.Meta(min_length=1, max_length=256)]
 
 
 class AdminDispatcher:
@@ -309,6 +331,19 @@ class AdminDispatcher:
             )
         at_ns = self._gateway.access.time.wall_ns()
         return await self._gateway.pipeline.resuming.by_operator(stopped, at_ns)
+
+    def attach(self, ask: AdminRequest) -> ServeConnection:
+        """Return what serves a program over the connection on which it asked.
+
+        Raises:
+            NotUnderstood: This gateway has no messenger for programs.
+            Unrecognised: It shows no secret of a good key.
+        """
+        secret = Secret(body_of(ask, AttachParameters).secret)
+        for messenger in self._gateway.kernel.reach.messengers:
+            if isinstance(messenger, AttachesPrograms):
+                return messenger.attach(secret)
+        raise NotUnderstood(NO_PROGRAMS)
 
     async def do(self, ask: AdminRequest) -> Iterable[str]:
         """Do what is asked about people and their rights, and return the answers.

@@ -150,7 +150,7 @@ class Recipients:
     def _within(self, robot: RobotId, circle: RecipientCircle) -> Iterator[PrincipalId]:
         belongs = self._belongs[circle]
         for person in self._authoriser.directory.people():
-            if person.is_robot:
+            if person.is_robot or person.is_program:
                 continue
             if self.may_hear(person.id, robot) and belongs(person.id, robot):
                 yield person.id

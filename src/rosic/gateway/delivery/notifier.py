@@ -12,7 +12,7 @@ import msgspec
 from rosic.authoriser.button_tokens import is_lasting
 from rosic.contracts.messenger import Messenger, handle_of
 from rosic.core.i18n import said
-from rosic.core.message import Button, Chat, Outbound, SendPriority
+from rosic.core.message import AnswerState, Button, Chat, Outbound, SendPriority
 from rosic.core.signal import Deferred
 from rosic.errors import ChatNotBegun
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
@@ -45,6 +45,8 @@ class Notification(msgspec.Struct, frozen=True, kw_only=True):
         landed: Hears through which messenger, in which chat, which message says it.
         matter: What it is about, so that a later run that says it again can offer the same anew;
             ids and numbers only. Without one, what offers a button is lost in a crash.
+        cause: Id of the message of theirs because of which they are told; empty for none.
+        state: What it comes to, for a program.
     """
 
     text: str
@@ -55,6 +57,8 @@ class Notification(msgspec.Struct, frozen=True, kw_only=True):
     instead_of: Mapping[tuple[str, str], str] = msgspec.field(default_factory=dict)
     landed: Callable[[Messenger, Chat, str], None] | None = None
     matter: bytes = b""
+    cause: str = ""
+    state: AnswerState = AnswerState.FINAL
 
 
 class Notifier:
@@ -121,7 +125,13 @@ class Notifier:
         lasts = notice.urgent or not offers or bool(notice.matter)
         for principal in dict.fromkeys(people):
             for messenger, chat in self._chats(principal):
-                outbound = Outbound(chat=chat, text=notice.text, weight=weight)
+                outbound = Outbound(
+                    chat=chat,
+                    text=notice.text,
+                    weight=weight,
+                    cause=notice.cause,
+                    state=notice.state,
+                )
                 edit_of = notice.instead_of.get((messenger.name, chat.id), "")
                 note = OutgoingMessage(messenger, outbound, edit_of=edit_of)
                 self._offer(principal, note, notice)
@@ -137,6 +147,11 @@ class Notifier:
         notice = self.again(note.to, matter)
         if notice is not None:
             self._offer(note.to, note, notice)
+
+    def is_program(self, principal: PrincipalId) -> bool:
+        """Whether nobody reads what somebody is told: it is a program."""
+        known = self._authoriser.directory.person(principal)
+        return known is not None and known.is_program
 
     def read_by(self, who: PrincipalId) -> Catalogue | None:
         """Return what somebody reads; None: English."""

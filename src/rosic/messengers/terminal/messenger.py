@@ -118,7 +118,6 @@ def _number_in(text: str) -> int:
 
 # ---- the messenger ----
 
-CHAT = "terminal"
 WAITING_AT_MOST = 256
 OVER = "over"  # the nonce of no button: a number that was typed too late is a tap too late
 
@@ -172,7 +171,8 @@ class TerminalMessenger:
         self._completer = Completer()
         self._choices = Choices()
         self.downloads = DownloadFolder()
-        self._chat = Chat(self.platform, CHAT)
+        # As a private chat is found by whoever has something to tell: it is the account.
+        self._chat = Chat(self.platform, self.account)
         self._serial = 0
         self._interrupts = 0
         # Ids must not come again in another run: the record remembers them (I1).
