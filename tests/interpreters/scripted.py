@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import socket
 import threading
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from rosic.core.secret import Secret
@@ -92,9 +93,15 @@ class ScriptedEndpoint:
         self._accepting.join()
         self._listening.close()
         for connection in self._connections:
-            connection.close()
+            with suppress(OSError):  # closed already
+                connection.shutdown(socket.SHUT_RDWR)  # wakes who still sends
         for thread in self._threads:
             thread.join()
+
+    @property
+    def idle(self) -> bool:
+        """Whether every call has been answered to its end, or was cut off."""
+        return not any(thread.is_alive() for thread in self._threads)
 
     @property
     def address(self) -> str:

@@ -409,8 +409,8 @@ class ChatHandler:
                 message, cid, why, kept_of(line, message.text, self._rooms.vocabulary.commands)
             )
             self._hooks.refused(caller, why)
-            if isinstance(line, Misunderstood) and isinstance(why, NotUnderstood):
-                self._hooks.not_understood.emit(message, line)
+            if isinstance(why, NotUnderstood) and isinstance(line, Do | Misunderstood):
+                self._hooks.not_understood.emit(message)
         elif not isinstance(why, Exception):
             raise why
         else:

@@ -17,7 +17,6 @@ from rosic.gateway.commands import CommandRegistry
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
-    from rosic.core.language import Misunderstood
     from rosic.core.language.command import CommandTable
     from rosic.core.message import Inbound
     from rosic.core.robot.profile import RobotId
@@ -41,7 +40,8 @@ class PipelineHooks:
         enclosed: Takes in files that people send.
         outdated: Hears, in private, of a tap on a button that is no good any more.
         task_steps: What a task or a mission, as typed, lets robots do for somebody.
-        not_understood: Hears of what was refused because it could not be read, once that is told.
+        not_understood: Hears of a line that was refused because it could not be read, once that is
+            told.
         view_buttons: Buttons for what can be seen of a robot, for its menu.
 
     Args:
@@ -76,7 +76,7 @@ class PipelineHooks:
         self.task_steps: Deferred[[str, str, PrincipalId], TaskSteps] = Deferred(_no_steps)
         self.view_buttons: Deferred[[RobotId], list[Button]] = Deferred(_unseen)
         self.outdated: Signal[[PrincipalId]] = Signal()
-        self.not_understood: Signal[[MessageContext, Misunderstood]] = Signal()
+        self.not_understood: Signal[[MessageContext]] = Signal()
 
 
 async def _no_code(_messenger: Messenger, _inbound: Inbound, _text: str) -> Reply | None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 import time
 from typing import TYPE_CHECKING
 
 from rosic.features.interpreter import InterpreterFeature
 from tests.gateway.place import ADA, Place
+from tests.interpreters.scripted import saying
 from tests.pace import pace
 
 if TYPE_CHECKING:
@@ -15,7 +17,11 @@ if TYPE_CHECKING:
     from rosic.contracts.store import Store
     from rosic.core.message import Button
     from rosic.core.robot.profile import Profile
+    from tests.interpreters.scripted import Call, ScriptedEndpoint
 
+GOOD = "omni move forward 0.5 m"
+LABEL = "omni: move, 0.50 m forward"
+UNREAD = "would you kindly shuffle a smidgen ahead"
 TOLD = "What I do not understand I can show"
 PROPOSED = "An interpreter takes that for one of these"
 TURN_S = 0.002
@@ -82,3 +88,27 @@ class Interpreted(Place):
     def all_acted(self) -> int:
         """Return how often any robot acted."""
         return sum(len(self.robot(name).acted) for name in self.gateway.robots)
+
+
+def silent(call: Call) -> None:
+    """Say nothing for as long as the server runs."""
+    call.ended.wait()
+
+
+class Held:
+    """Answers well, once it is let."""
+
+    def __init__(self) -> None:
+        self.let = threading.Event()
+
+    def __call__(self, call: Call) -> None:
+        """Wait, then answer."""
+        self.let.wait()
+        saying(GOOD)(call)
+
+
+async def called(endpoint: ScriptedEndpoint, count: int) -> None:
+    until = time.monotonic() + 60 * pace()
+    while len(endpoint.calls) < count:
+        assert time.monotonic() < until, "nobody calls"
+        await asyncio.sleep(0.005)

@@ -2,34 +2,35 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
-import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
 from rosic.app.people import ConfiguredPerson
 from rosic.core.identity import Address
-from rosic.core.message import ChatKind
-from rosic.stores.memory import MemoryStore
-from tests.features.interpreter.interpreted import PROPOSED, TOLD, Interpreted
-from tests.gateway.place import ADA, BO, PEOPLE, VI, Place
-from tests.interpreters.scripted import Call, ScriptedEndpoint, client_of, saying
+from rosic.core.robot.profile import Link, Profile
+from rosic.core.robot.skill import Parameter, Skill
+from rosic.robots.ros2.profile import Ros2Link
+from tests.features.interpreter.interpreted import (
+    GOOD,
+    LABEL,
+    PROPOSED,
+    TOLD,
+    UNREAD,
+    Held,
+    Interpreted,
+    called,
+    silent,
+)
+from tests.gateway.place import BO, FLEET, PEOPLE, VI, Place
+from tests.interpreters.scripted import ScriptedEndpoint, saying
 from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 CROWD = [str(100 + number) for number in range(12)]
-GOOD = "omni move forward 0.5 m"
-LABEL = "omni: move, 0.50 m forward"
-UNREAD = "would you kindly shuffle a smidgen ahead"
-
-
-def silent(call: Call) -> None:
-    """Say nothing for as long as the server runs."""
-    call.ended.wait()
 
 
 @pytest.fixture
@@ -91,80 +92,107 @@ async def test_what_somebody_may_not_do_is_not_proposed_to_them(endpoint: Script
         assert place.counts["nothing to propose"] == 1
 
 
-async def test_somebody_is_told_once_before_anything_of_theirs_is_shown(
-    endpoint: ScriptedEndpoint,
+@pytest.mark.parametrize("text", ["omni move a smidgen ahead", "omni move very far", "omni mvoe"])
+async def test_a_line_that_lacks_a_value_is_asked_about_too(
+    endpoint: ScriptedEndpoint, text: str
 ) -> None:
-    store = MemoryStore()
-    async with Interpreted(endpoint.client(), store).open() as place:
-        _, notice = await place.ask(UNREAD)
-        assert notice.startswith(TOLD)
-        assert "on the machine that I run on" in notice
-        assert "/interpreter off" in notice
-        assert endpoint.calls == []
-        await place.clock.advance(60)
-        await place.ask(UNREAD)
-        assert [call.text for call in endpoint.calls] == [UNREAD]
-    async with Interpreted(endpoint.client(), store).open() as place:
-        told = await place.ask(UNREAD)
-        assert not any(TOLD in text for text in told)
-        assert len(endpoint.calls) == 2
-
-
-async def test_the_notice_says_whose_machine_it_is() -> None:
-    async with Interpreted(client_of("https://llm.example.com")).open() as place:
-        _, notice = await place.ask(UNREAD)
-        assert "at llm.example.com, outside this place" in notice
-
-
-async def test_a_yes_shows_the_line_that_was_asked_about(endpoint: ScriptedEndpoint) -> None:
     async with Interpreted(endpoint.client()).open() as place:
-        await place.ask(UNREAD)
-        button, under = place.button("Show it this one")
-        await place.clock.advance(20)
-        await place.tap(button, under)
-        await place.answered()
-
-        assert [call.text for call in endpoint.calls] == [UNREAD]
+        await place.allow()
+        await place.ask(text)
+        assert [call.text for call in endpoint.calls] == [text]
         assert [button.label for button, _ in place.proposals()] == [LABEL]
 
 
-@pytest.mark.parametrize("way", ["tap", "typed"])
-async def test_whoever_says_no_is_never_shown_to_it(endpoint: ScriptedEndpoint, way: str) -> None:
-    store = MemoryStore()
-    async with Interpreted(endpoint.client(), store).open() as place:
-        await place.ask(UNREAD)
-        if way == "tap":
-            said = await place.tap(*place.button("Never show it anything"))
-        else:
-            said = await place.say("/interpreter off")
-        assert "shown to nobody" in said
-        for _ in range(3):
-            await place.clock.advance(60)
-            assert len(await place.ask(UNREAD)) == 1
-    async with Interpreted(endpoint.client(), store).open() as place:
-        assert len(await place.ask(UNREAD)) == 1
-        assert "shown to nobody" in await place.say("/interpreter")
-        assert endpoint.calls == []
-        assert "is shown to an interpreter" in await place.say("/interpreter on")
-        await place.clock.advance(60)
-        await place.ask(UNREAD)
-        assert len(endpoint.calls) == 1
-
-
-async def test_a_no_while_it_is_asked_ends_it() -> None:
-    with ScriptedEndpoint(silent) as endpoint:
-        async with Interpreted(endpoint.client(timeout_s=30)).open() as place:
-            await place.allow()
+@pytest.mark.parametrize("change", ["no", "revoked", "locked"])
+async def test_whatever_ends_it_meanwhile_ends_it(change: str) -> None:
+    later = Held()
+    with ScriptedEndpoint(later) as endpoint:
+        async with Interpreted(endpoint.client(timeout_s=60 * pace())).open() as place:
+            await place.allow(BO)
             before = len(place.chat.told)
-            await place.say(UNREAD)
-            await _called(endpoint, 1)
-            endpoint.script = saying(GOOD)
-            await place.say("/interpreter off")
-            await place.clock.advance(60)
-            await place.say(UNREAD)
-            assert len(endpoint.calls) == 1
+            await place.say(UNREAD, account=BO, chat=BO)
+            await called(endpoint, 1)
+            if change == "no":
+                await place.say("/interpreter off", account=BO, chat=BO)
+            elif change == "revoked":
+                await place.revoke("Bo")
+            else:
+                await place.say("/lock Bo")
+            later.let.set()
+            await place.answered()
+            assert place.counts["answered"] == 1
+            assert "proposed" not in place.counts
             texts = [told.outbound.text for told in list(place.chat.told)[before:]]
             assert not any(text.startswith(PROPOSED) for text in texts)
+
+
+async def test_the_refusal_and_whatever_else_is_said_wait_for_nothing() -> None:
+    with ScriptedEndpoint(silent) as endpoint:
+        async with Interpreted(endpoint.client(timeout_s=60 * pace())).open() as place:
+            await place.allow()
+            assert "I do not know" in await place.say(UNREAD)
+            await called(endpoint, 1)
+            assert "done" in await place.say("omni wave")
+            assert "stop" in (await place.say("stop")).casefold()
+            assert not place.feature.quiet
+
+
+async def test_what_is_being_asked_ends_with_the_gateway() -> None:
+    with ScriptedEndpoint(silent) as endpoint:
+        async with Interpreted(endpoint.client(timeout_s=60 * pace())).open() as place:
+            await place.allow()
+            await place.say(UNREAD)
+            await called(endpoint, 1)
+            client = place.feature.client
+        assert client.quiet
+
+
+TELL = Skill(id="tell", parameters={"text": Parameter(text=True)})
+SIGNAL = Skill(id="signal", parameters={"what": Parameter(choices={"go": (), "off": ()})})
+TURN = Skill(
+    id="turn",
+    parameters={name * 12: Parameter(unit="m", min=0.1, max=5.0) for name in ("one", "two")},
+)
+ODD = Profile(
+    id="odd", link=Link(kind="memory"), skills={each.id: each for each in (TELL, SIGNAL, TURN)}
+)
+TALKER = Profile(id="talker", link=Ros2Link(kind="memory", dialogue=True))
+
+
+@pytest.mark.parametrize(
+    ("line", "labels"),
+    [
+        ("odd signal go", ["odd: signal, go"]),
+        ("odd tell open the door", []),
+        ("odd tell text=open", []),
+        ("talker open the door", []),
+        ("talker say open the door", []),
+        (f"odd turn {'one' * 12}=1 m {'two' * 12}=2 m", []),
+    ],
+)
+async def test_words_to_robots_are_not_proposed_nor_what_no_button_shows(
+    endpoint: ScriptedEndpoint, line: str, labels: list[str]
+) -> None:
+    endpoint.script = saying(line)
+    async with Interpreted(endpoint.client(), fleet=(*FLEET, ODD, TALKER)).open() as place:
+        await place.allow()
+        await place.ask(UNREAD)
+        assert place.counts["answered"] == 1
+        assert [button.label for button, _ in place.proposals()] == labels
+
+
+async def test_a_line_that_would_stop_if_it_was_typed_is_not_proposed(
+    endpoint: ScriptedEndpoint,
+) -> None:
+    light = Skill(id="light", parameters={"what": Parameter(choices={"go": (), "stop": ()})})
+    lamp = Profile(id="lamp", link=Link(kind="memory"), skills={"light": light})
+    async with Interpreted(endpoint.client(), fleet=(*FLEET, lamp)).open() as place:
+        await place.allow()
+        for what, labels in (("stop", []), ("go", ["lamp: light, go"])):
+            endpoint.script = saying(f"lamp light {what}")
+            await place.ask(UNREAD)
+            assert [button.label for button, _ in place.proposals()] == labels
+            await place.clock.advance(60)
 
 
 async def test_nothing_is_asked_where_nothing_is_configured() -> None:
@@ -173,133 +201,43 @@ async def test_nothing_is_asked_where_nothing_is_configured() -> None:
         assert TOLD not in await place.say(UNREAD)
 
 
-async def test_what_is_understood_is_not_shown(endpoint: ScriptedEndpoint) -> None:
-    async with Interpreted(endpoint.client()).open() as place:
-        await place.allow()
-        for text in ("omni wave", "status", "help", "/settings", "omni", "stop", "omni move 90 m"):
-            await place.ask(text)
-            await place.clock.advance(60)
-        assert endpoint.calls == []
-
-
-async def test_in_a_group_only_what_is_said_to_us_is_shown(endpoint: ScriptedEndpoint) -> None:
-    async with Interpreted(endpoint.client()).open() as place:
-        await place.allow()
-        group: dict[str, Any] = {"chat": "-7", "kind": ChatKind.GROUP}
-        await place.ask(UNREAD, **group)
-        await place.ask(f"omni, {UNREAD}", **group)
-        assert endpoint.calls == []
-        await place.say("status", **group)
-        ours = place.chat.told[-1].message
-        await place.ask(UNREAD, answers=ours, **group)
-        assert [call.text for call in endpoint.calls] == [UNREAD]
-        ((button, under),) = place.proposals()
-        await place.tap(button, under)
-        assert place.all_acted() == 1
-
-
-async def test_a_group_tells_nobody_of_it(endpoint: ScriptedEndpoint) -> None:
-    async with Interpreted(endpoint.client()).open() as place:
-        group: dict[str, Any] = {"chat": "-7", "kind": ChatKind.GROUP}
-        await place.say("status", **group)
-        ours = place.chat.told[-1].message
-        assert len(await place.ask(UNREAD, answers=ours, **group)) == 1
-        assert endpoint.calls == []
-
-
-async def test_what_leaves_the_house_is_the_line_and_what_may_be_said() -> None:
-    key = "sk-very-secret-123"
-    with ScriptedEndpoint(saying(GOOD)) as endpoint:
-        async with Interpreted(endpoint.client(key=key)).open() as place:
-            await place.allow()
-            await place.say("omni wave")
-            await place.say("omni move 0.25 m left")
-            await place.ask("tell Bo that omni shall do Vi's dance for @marvin", account=ADA)
-
-            (call,) = endpoint.calls
-            assert call.text == "tell somebody that omni shall do somebody dance for somebody"
-            for name in ("Ada", "Bo ", "Vi ", "marvin", "memory", "0.25", "wave\\n"):
-                assert name not in call.body["messages"][1]["content"].replace("somebody", "")
-            whole = str(call.body)
-            for name in ("Ada", "Bo", "Vi", "marvin", "hum hum", "0.25", key, "admin"):
-                assert name not in whole, name
-            assert set(call.body) == {"model", "messages", "temperature", "max_tokens", "stream"}
-            assert "move; direction: forward | back | left (optional); distance: 0.01 to 5 m" in (
-                call.instructions
-            )
-            assert "swarm: all of cf1, cf2" in call.instructions
-            assert f"Authorization: Bearer {key}" in call.head
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "my password is hunter2",
-        "mein passwort lautet sonne",
-        "code 123 456",
-        "it says 482913",
-        "call me at +49 170 1234567",
-        "7K3M-Q0ZD please",
-        "use 7K3M Q0ZD please",
-        "jion 7K3MQ0ZD",
-        "/strat 7K3M-Q0ZD",
-        "look at https://example.com/a?token=1",
-        "write to ada@example.com",
-        "the thing is JBSWY3DPEHPK3PXP ok",
-        "123456789:AAHk3l2j4h5k6j7h8g9f0d1s2a3q4w5e6r7 is the bot",
-        "x" * 41,
-        "go on " * 60,
-        "one thing\nand another thing",
-    ],
-)
-async def test_what_may_be_a_secret_is_shown_to_nobody(
-    endpoint: ScriptedEndpoint, text: str
-) -> None:
-    async with Interpreted(endpoint.client()).open() as place:
-        await place.allow()
-        await place.ask(text)
-        assert endpoint.calls == []
-
-
-async def test_an_invitation_however_it_is_written_is_shown_to_nobody(
-    endpoint: ScriptedEndpoint,
-) -> None:
-    async with Interpreted(endpoint.client()).open() as place:
-        await place.allow()
-        made = await place.say("/invite viewer as Cy")
-        code = next(word for word in made.split() if len(word) == 9 and word[4] == "-")
-        for text in (f"give {code} to her", f"so {code[:4]} then {code[5:]}", " ".join(code)):
-            await place.ask(text)
-            await place.clock.advance(60)
-        assert endpoint.calls == []
-
-
-async def test_one_person_asks_one_thing_at_a_time_and_not_too_often() -> None:
-    with ScriptedEndpoint(silent) as endpoint:
-        async with Interpreted(endpoint.client(timeout_s=0.5)).open() as place:
+async def test_one_person_asks_one_thing_at_a_time() -> None:
+    held = Held()
+    with ScriptedEndpoint(held) as endpoint:
+        async with Interpreted(endpoint.client(timeout_s=60 * pace())).open() as place:
             await place.allow()
             for _ in range(5):
-                assert len(await place.say(UNREAD)) > 0
+                assert await place.say(UNREAD)  # refused as always
+            await called(endpoint, 1)
+            held.let.set()
             await place.answered()
             assert len(endpoint.calls) == 1
-            assert place.counts["dropped"] == 4
-            endpoint.script = saying(GOOD)
-            for _ in range(6):
-                await place.ask(UNREAD)
-            assert len(endpoint.calls) < 6
+            assert place.counts == {"answered": 1, "dropped": 4, "proposed": 1}
+
+
+async def test_one_person_does_not_ask_too_often(endpoint: ScriptedEndpoint) -> None:
+    async with Interpreted(endpoint.client()).open() as place:
+        await place.allow()
+        for _ in range(10):
+            await place.ask(UNREAD)
+        assert len(endpoint.calls) == place.counts["proposed"] == 3
+        await place.clock.advance(5)
+        await place.ask(UNREAD)
+        assert len(endpoint.calls) == 4
 
 
 async def test_a_few_are_asked_about_at_once_and_the_rest_is_dropped() -> None:
-    with ScriptedEndpoint(silent) as endpoint:
-        async with Crowded(endpoint.client(timeout_s=1.0)).open() as place:
+    held = Held()
+    with ScriptedEndpoint(held) as endpoint:
+        async with Crowded(endpoint.client(timeout_s=60 * pace())).open() as place:
             for account in CROWD:
                 await place.allow(account)
             for account in CROWD:
-                answer = await place.say(UNREAD, account=account, chat=account)
-                assert answer  # refused as always
+                assert await place.say(UNREAD, account=account, chat=account)
+            await called(endpoint, 4)
+            held.let.set()
             await place.answered()
-            assert len(endpoint.calls) == 4
-            assert place.counts["late"] == 4
+            assert len(endpoint.calls) == place.counts["proposed"] == 4
             assert place.counts["dropped"] == 8
 
 
@@ -352,13 +290,6 @@ async def test_whoever_lost_the_right_meanwhile_gets_nothing_by_a_tap(
         await place.revoke("Bo")
         await place.tap(button, under, account=BO)
         assert place.all_acted() == 0
-
-
-async def _called(endpoint: ScriptedEndpoint, count: int) -> None:
-    until = time.monotonic() + 60 * pace()
-    while len(endpoint.calls) < count:
-        assert time.monotonic() < until, "nobody calls"
-        await asyncio.sleep(0.005)
 
 
 class Crowded(Interpreted):

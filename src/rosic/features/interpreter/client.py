@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from rosic.container.preferences import OFF, TOLD
 from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.contracts.interpreter import AnswerKind
+from rosic.core.language.stop_detection import speaks_of_stop
 from rosic.core.message import Button, ChatKind
 from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.time_units import MINUTE_NS
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.interpreter import Interpreter
     from rosic.core.identity import PrincipalId
-    from rosic.core.language import Misunderstood
     from rosic.core.message import Inbound
     from rosic.core.robot.profile import RobotId
     from rosic.features.interpreter.proposals import ProposalReader
@@ -101,15 +101,18 @@ class InterpreterClient:
 
     # ---- whether it is asked ----
 
-    def hear(self, message: MessageContext, line: Misunderstood) -> None:
-        """Begin to ask what a line may mean, if that may be asked. Returns at once."""
-        if line.about_stop or not _is_meant(message.inbound):
+    def hear(self, message: MessageContext) -> None:
+        """Begin to ask what a line may mean, if that may be asked. Returns at once.
+
+        Not where it speaks of stopping: its author is offered that alone.
+        """
+        vocabulary = self._rooms.vocabulary
+        if not _is_meant(message.inbound) or speaks_of_stop(message.text, vocabulary.known):
             return
         who, parts = message.caller.principal, self._parts
         state = parts.preferences.of(who).interpreter
         if state == OFF or who in parts.preferences.damaged():
             return
-        vocabulary = self._rooms.vocabulary
         if is_withheld(message.text, vocabulary, vocabulary.commands, parts.codes_in):
             self.counts["withheld"] += 1
         elif state:

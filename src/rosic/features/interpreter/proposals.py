@@ -25,7 +25,7 @@ LONGEST_LABEL: Final = 64
 
 def lines_of(answer: str) -> Iterator[str]:
     """Yield the first lines of an answer that have a word in them."""
-    found = (line.strip() for line in answer.splitlines())
+    found = (line.strip(" \t") for line in answer.splitlines())
     worded = (line for line in found if any(map(str.isalnum, line)))
     for _, line in zip(range(PROPOSALS_AT_MOST), worded, strict=False):
         yield line
@@ -68,10 +68,7 @@ class ProposalReader:
         context = LineContext(rooms.container.selected(who, chat), rooms.organiser.visible(who))
         lines = understand(text, vocabulary, context, mends=False)
         line = lines[0]
-        if len(lines) != 1 or not isinstance(line, Do) or line.speech:
-            return None
-        asked = zip(line.robots, line.skills, strict=True)
-        if not all(rooms.organiser.allows(who, robot, skill.id) for robot, skill in asked):
+        if len(lines) != 1 or not isinstance(line, Do):
             return None
         return self._resolved(line, caller)
 
@@ -86,7 +83,7 @@ class ProposalReader:
         return act if act.parts and len(act.shown) <= LONGEST_LABEL else None
 
     def _is_bounded(self, caller: Caller, part: ActPart) -> bool:
-        """Whether all that a robot would be told is within bounds: a text of its own has none."""
+        """Whether somebody may let a robot do this, so far: a text for it has no bounds at all."""
         compiled = self._rooms.vocabulary.compiled_skill(part.robot, part.skill)
         if compiled is None or (compiled.text and compiled.text.name in part.arguments):
             return False
