@@ -93,6 +93,7 @@ SECONDS = {
     "tests/real/ros2/test_among.py": 25,
     "tests/real/ros2/test_services.py": 25,
     "tests/real/ros2/test_sights.py": 25,
+    "tests/real/ros2/test_programs.py": 25,
     "tests/stores/test_facts.py": 25,
     "tests/cli/test_running_access.py": 25,
     "tests/cli/test_mcp.py": 35,

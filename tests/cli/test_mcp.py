@@ -177,7 +177,7 @@ async def test_a_call_moves_the_robot_and_its_statuses_are_progress(config: Path
         assert not result.is_error
         assert said(result).startswith("omni: move, 0.30 m left\n")
         assert re.search(r"done [\d:]+: moved 0.30 m left", said(result))
-        assert "received by the robot" in "".join(told.texts)
+        assert "\nsent " in "".join(told.texts)
         assert told.steps == sorted(set(told.steps)), "it only grows"
         after = at_rest("omni", config)["values"]
         assert isinstance(before, dict)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import socket
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
@@ -16,22 +17,35 @@ from rosic.app.people import ConfiguredPerson
 from rosic.config.profiles import known_units
 from rosic.core.identity import PROGRAM, Address
 from rosic.core.language import Do, LanguageReader, Vocabulary, VocabularyHolder
-from rosic.core.message import AnswerState, Button, Chat
+from rosic.core.message import AnswerState, Button, Chat, Outbound
 from rosic.core.policy.roles import SkillPrecondition
 from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.skill import Parameter, Skill, SkillClass
-from rosic.errors import NotUnderstood, Unrecognised
+from rosic.core.secret import Secret
+from rosic.errors import (
+    ConfigurationError,
+    MessengerFault,
+    NotUnderstood,
+    TooManyRequests,
+    Unrecognised,
+)
 from rosic.gateway.programs import ProgramService, _given, _says, _word
 from rosic.gateway.replies import CONFIRMED
-from rosic.messengers.mcp.messenger import McpMessenger, McpSettings
+from rosic.messengers.mcp.messenger import (
+    CALLS_AT_MOST,
+    McpMessenger,
+    McpSettings,
+    mcp_messenger,
+)
+from rosic.testing.clock import ManualClock
 from tests.gateway.place import BO, FLEET, MOVE, PEOPLE, VI, Place
 from tests.gateway.test_rights import rules
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
+    from rosic.core.message import Inbound
     from rosic.messengers.mcp.calls import Answer
-    from rosic.testing.clock import ManualClock
 
 HAL, SAL = Address(PROGRAM, "hal"), Address(PROGRAM, "sal")
 SAY = Skill(id="tell", kind=SkillClass.TASK, parameters={"words": Parameter(text=True)})
@@ -196,6 +210,84 @@ async def test_one_program_hears_nothing_of_another() -> None:
         assert "taken by Sal" in refused.answer.text
         assert place.programs._unsolicited.take(HAL.account) == ()
         assert call.answer.besides == ()
+
+
+async def test_what_is_said_in_another_conversation_is_not_told() -> None:
+    async with lab(SkillPrecondition(scopes=("omni:*",), confirm=True)) as place:
+        call = await place.call("omni wave")
+        [cause] = place.programs._calls._calls
+        other = Outbound(chat=Chat(PROGRAM, SAL.account), text="For Sal.", cause=cause)
+        await place.programs.send(other)
+        await place.quiet()
+        assert not call.task.done()
+        assert place.programs._unsolicited.take(SAL.account) == ("For Sal.",)
+
+
+GO = Skill(
+    id="go",
+    parameters={
+        "where": Parameter(choices={"Dock": (), "top left": (), "x=y": ()}),
+        "times": Parameter(min=0, max=9, default=1),
+    },
+)
+
+
+@pytest.mark.parametrize(("where", "said"), [("Dock", True), ("top left", True), ("x=y", False)])
+async def test_a_text_that_would_say_something_else_is_not_said(where: str, said: bool) -> None:
+    fleet = (replace(FLEET[0], skills={GO.id: GO}),)
+    async with Lab(fleet=fleet).open() as place:
+        service = ProgramService(place.gateway.rooms, place.gateway.access.programs)
+        values = {"where": where, "times": 2}
+        if said:
+            assert service.line(HAL, "omni", "go", values) == f"omni go where={where} times=2.0"
+            return
+        with pytest.raises(NotUnderstood, match="cannot be said in one line"):
+            service.line(HAL, "omni", "go", values)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{"port": 70_000}, {"port": "8765"}, {"wait_s": 0}, {"host": "0.0.0.0"}],  # noqa: S104 - refused
+)
+def test_a_wrong_setting_is_named(settings: dict[str, object]) -> None:
+    with pytest.raises(ConfigurationError, match=r"The messenger mcp: .* It knows: port, wait_s\."):
+        mcp_messenger("mcp", settings, ManualClock())
+
+
+async def test_a_port_that_is_taken_is_one_sentence() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        messenger = mcp_messenger("mcp", {"port": port}, ManualClock())
+        with pytest.raises(ConfigurationError, match=f"Port {port} of this machine cannot be"):
+            await messenger.run(nobody)
+
+
+async def nobody(_inbound: Inbound) -> None:
+    """Receive nothing."""
+
+
+async def test_nothing_is_said_before_anybody_listens() -> None:
+    messenger = mcp_messenger("mcp", {}, ManualClock())
+    with pytest.raises(MessengerFault, match="does not listen yet"):
+        await messenger.say(HAL, "status", refusals)
+    with pytest.raises(MessengerFault, match="does not listen yet"):
+        messenger.attach(Secret("rosic_k1_x"))
+
+
+async def test_no_more_than_so_many_calls_at_once_but_for_stops() -> None:
+    async with lab(SkillPrecondition(scopes=("omni:*",), confirm=True)) as place:
+        calls = [await place.call("omni wave") for _ in range(CALLS_AT_MOST)]
+        over = await place.call("status")
+        assert isinstance(over.task.exception(), TooManyRequests)
+        assert not (await place.call("status", who=SAL)).task.exception()
+        stopped = asyncio.create_task(place.programs.stop(HAL, ("omni",), refusals))
+        await place.quiet()
+        await place.clock.advance(1.0)
+        assert (await stopped).good
+        for call in calls:
+            call.task.cancel()
 
 
 async def test_an_answer_says_what_it_comes_to_for_people_too() -> None:

@@ -15,6 +15,7 @@ from tests.planted.faults_of_groups import OF_GROUPS
 from tests.planted.faults_of_hanging import OF_HANGING
 from tests.planted.faults_of_keeping import OF_KEEPING
 from tests.planted.faults_of_orders import OF_ORDERS
+from tests.planted.faults_of_programs import OF_PROGRAMS
 from tests.planted.faults_of_reading import OF_READING
 from tests.planted.faults_of_scheduling import OF_SCHEDULING
 from tests.planted.faults_of_telling import OF_TELLING
@@ -38,5 +39,6 @@ ALL = (
     *OF_READING,
     *OF_GROUPS,
     *OF_SCHEDULING,
+    *OF_PROGRAMS,
     *MESSENGER_FAULTS,
 )

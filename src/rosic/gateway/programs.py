@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rosic.authoriser.program_keys import ProgramKeys
     from rosic.core.identity import Address, PrincipalId
     from rosic.core.language.compiled import CompiledParameter, CompiledSkill
+    from rosic.core.order import SpokenValue
     from rosic.core.robot.profile import RobotId
     from rosic.core.secret import Secret
     from rosic.gateway.components import Components
@@ -174,5 +175,16 @@ def _says(
     """Whether a line was read as an order of one robot, with just these values."""
     if not isinstance(line, Do) or line.robots != (robot,) or line.skills[0].id != skill:
         return False
-    read = [value.word if value.number is None else value.number for value in line.spoken]
-    return read == [value for _, value in given]
+    return len(line.spoken) == len(given) and all(
+        _is(spoken, parameter, value)
+        for spoken, (parameter, value) in zip(line.spoken, given, strict=True)
+    )
+
+
+def _is(spoken: SpokenValue, parameter: CompiledParameter, value: float | str) -> bool:
+    if spoken.name != parameter.name:
+        return False
+    if isinstance(value, float):
+        return spoken.number == value and not spoken.word
+    read = spoken.word if parameter.words is None else parameter.words.get(spoken.word)
+    return spoken.number is None and read == value
