@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import socket
+import ssl
 import threading
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Self, TypeAlias
@@ -72,8 +73,9 @@ class ScriptedEndpoint:
         script: Answers a call. Whoever sets it does so before the call.
     """
 
-    def __init__(self, script: Script) -> None:
+    def __init__(self, script: Script, *, tls: ssl.SSLContext | None = None) -> None:
         self.script = script
+        self._tls = tls
         self.calls: list[Call] = []
         self._ended = threading.Event()
         self._listening = socket.create_server(("127.0.0.1", 0))
@@ -106,7 +108,8 @@ class ScriptedEndpoint:
     @property
     def address(self) -> str:
         """Where it listens."""
-        return f"http://127.0.0.1:{self._listening.getsockname()[1]}"
+        scheme = "http" if self._tls is None else "https"
+        return f"{scheme}://127.0.0.1:{self._listening.getsockname()[1]}"
 
     def client(self, *, key: str = "", timeout_s: float = 5.0) -> ChatCompletions:
         """Return an adapter to it."""
@@ -118,6 +121,10 @@ class ScriptedEndpoint:
             if self._ended.is_set():
                 connection.close()
                 return
+            if self._tls is not None:
+                connection = self._tls.wrap_socket(
+                    connection, server_side=True, do_handshake_on_connect=False
+                )
             self._connections.append(connection)
             thread = threading.Thread(target=self._serve, args=(connection,), daemon=True)
             self._threads.append(thread)
@@ -126,6 +133,8 @@ class ScriptedEndpoint:
     def _serve(self, connection: socket.socket) -> None:
         with connection:
             try:
+                if isinstance(connection, ssl.SSLSocket):
+                    connection.do_handshake()
                 call = self._read(connection)
             except OSError:
                 return

@@ -13,6 +13,7 @@ from tests.planted.faults_of_dispatch import OF_DISPATCH
 from tests.planted.faults_of_fleet import OF_FLEET, OF_TASKS
 from tests.planted.faults_of_groups import OF_GROUPS
 from tests.planted.faults_of_hanging import OF_HANGING
+from tests.planted.faults_of_interpreting import OF_INTERPRETING
 from tests.planted.faults_of_keeping import OF_KEEPING
 from tests.planted.faults_of_orders import OF_ORDERS
 from tests.planted.faults_of_programs import OF_PROGRAMS
@@ -38,6 +39,7 @@ ALL = (
     *OF_HANGING,
     *OF_READING,
     *OF_GROUPS,
+    *OF_INTERPRETING,
     *OF_SCHEDULING,
     *OF_PROGRAMS,
     *MESSENGER_FAULTS,

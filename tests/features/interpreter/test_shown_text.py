@@ -9,6 +9,7 @@ import pytest
 from rosic.core.message import ChatKind, MessageValidity
 from rosic.stores.memory import MemoryStore
 from tests.features.interpreter.interpreted import GOOD, LABEL, TOLD, UNREAD, Interpreted
+from tests.features.interpreter.test_hostile_answers import LI, NarrowPlace
 from tests.gateway.place import ADA
 from tests.interpreters.scripted import ScriptedEndpoint, client_of, saying
 
@@ -32,6 +33,7 @@ async def test_somebody_is_told_once_before_anything_of_theirs_is_shown(
         assert "on the machine that I run on" in notice
         assert "/interpreter off" in notice
         assert endpoint.calls == []
+        assert "may be shown to an interpreter" in await place.say("/settings")
         await place.clock.advance(60)
         await place.ask(UNREAD)
         assert [call.text for call in endpoint.calls] == [UNREAD]
@@ -75,6 +77,7 @@ async def test_whoever_says_no_is_never_shown_to_it(endpoint: ScriptedEndpoint, 
     async with Interpreted(endpoint.client(), store).open() as place:
         assert len(await place.ask(UNREAD)) == 1
         assert "shown to nobody" in await place.say("/interpreter")
+        assert "What I do not understand: is shown to nobody" in await place.say("/settings")
         assert endpoint.calls == []
         assert "is shown to an interpreter" in await place.say("/interpreter on")
         await place.clock.advance(60)
@@ -224,3 +227,18 @@ async def test_an_invitation_however_it_is_written_is_shown_to_nobody(
             await place.ask(text)
             await place.clock.advance(60)
         assert endpoint.calls == []
+
+
+async def test_whom_somebody_chose_is_shown_while_they_see_it(endpoint: ScriptedEndpoint) -> None:
+    meant = "Where no robot is named, this one is meant: kuka1\n"
+    async with NarrowPlace(endpoint.client()).open() as place:
+        await place.allow(LI)
+        granted = await place.say("/grant Li kuka1:wave for 10 min")
+        assert "kuka1" in granted
+        await place.say("use kuka1", account=LI, chat=LI)
+        await place.ask(UNREAD, account=LI)
+        assert meant in endpoint.calls[-1].instructions
+        await place.clock.advance(15 * 60)
+        await place.ask(UNREAD, account=LI)
+        assert len(endpoint.calls) == 2
+        assert "kuka1" not in endpoint.calls[-1].instructions

@@ -181,8 +181,8 @@ class InterpreterClient:
 
     async def _ask(self, message: MessageContext) -> None:
         who, rooms = message.caller.principal, self._rooms
-        selected = rooms.container.selected(who, message.inbound.chat)
         vocabulary = rooms.vocabulary
+        selected = self._selected(who, message)
         line = without_names(message.text, vocabulary, rooms.authoriser.directory.named)
         instructions = await instructions_for(
             vocabulary,
@@ -204,6 +204,13 @@ class InterpreterClient:
         self.counts["proposed"] += 1
         rows = (*((button,) for button in buttons), (Button(LEAVE_IT, LEAVE),))
         self._say(message, Reply(words.proposed([b.label for b in buttons]), rows))
+
+    def _selected(self, who: PrincipalId, message: MessageContext) -> str:
+        """Return whom somebody means where they name none, if they see it still; else nothing."""
+        chosen = self._rooms.container.selected(who, message.inbound.chat)
+        called, visible = self._rooms.vocabulary.callees.get(chosen), self._rooms.organiser.visible
+        seen = called is not None and any(each.id in visible(who) for each in called.robots)
+        return chosen if seen else ""
 
     def _may_be_told(self, who: PrincipalId) -> bool:
         """Whether somebody is still here, and has not said no meanwhile."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.container.messages import size
-from rosic.container.preferences import IMPERIAL, METRIC
+from rosic.container.preferences import IMPERIAL, METRIC, OFF, ON, TOLD
 from rosic.core.i18n import joined, said, said_n
 from rosic.core.language.sanitise import quote
 from rosic.core.language.suggestions import AND
@@ -58,15 +58,25 @@ def language(language: str, names: Iterable[str]) -> str:
     )
 
 
+INTERPRETED: Final = said("What I do not understand")
+INTERPRETED_SAID: Final[Mapping[str, str]] = {
+    ON: said("may be shown to an interpreter"),
+    TOLD: said("may be shown to an interpreter"),
+    OFF: said("is shown to nobody"),
+}
+
+
 def settings(kept: Preferences, language: str, robot: str, zone: str) -> str:
     """Return everything that somebody has set, and what holds where they have set nothing."""
     speed = kept.speed.partition("<=")[2].strip()
+    shown = INTERPRETED_SAID.get(kept.interpreter)
     lines = (
         (said("Language"), language),
         (said("Units"), UNITS_SAID.get(kept.units, METRIC_SAID)),
         (said("Robot, when none is named"), robot or said("none")),
         (said("Highest speed"), _speed(speed)),
         (said("Time zone"), zone),
+        *(((INTERPRETED, shown),) if shown else ()),
     )
     return joined(
         "\n",
