@@ -1,4 +1,4 @@
-"""The guards around orders that wait for their time, and around places."""
+"""The guards around planned orders, places, and missions that are put together in a chat."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ COMMANDS = "features/scheduled_orders/commands.py"
 AT_ITS_TIME = "tests/features/scheduled_orders/test_at_its_time.py::"
 PLANNING = "tests/features/scheduled_orders/test_planning.py::"
 PLACES = "tests/features/places/test_places.py::"
+EDITOR = "tests/features/fleet/test_mission_editor.py::"
 COSTS = "tests/features/scheduled_orders/test_clocks_and_costs.py::"
 
 OF_SCHEDULING = (
@@ -148,5 +149,33 @@ OF_SCHEDULING = (
         guard="    if not known or len(line.robots) > 1:\n",
         without="    if not known:\n",
         caught_by=(PLACES + "test_a_group_goes_to_no_place_by_its_name",),
+    ),
+    Fault(
+        name="a step of a mission is done while it is put together",
+        file="gateway/chat_handler.py",
+        guard="        elif self._hooks.drafting:\n",
+        without="        elif False:\n",
+        caught_by=(EDITOR + "test_lines_become_steps_and_are_saved_and_started",),
+    ),
+    Fault(
+        name="whose draft it is does not matter",
+        file="gateway/chat_handler.py",
+        guard="        if where not in self._hooks.drafting:\n",
+        without="        if False:\n",
+        caught_by=(EDITOR + "test_only_orders_typed_there_by_the_same_person_are_steps",),
+    ),
+    Fault(
+        name="a draft that was left lying takes lines in",
+        file="features/fleet/mission_editor.py",
+        guard="        if now_ns - draft.touched_ns > LEFT_AFTER_NS:\n",
+        without="        if False:\n",
+        caught_by=(EDITOR + "test_what_was_left_lying_takes_no_line_in_and_does_none",),
+    ),
+    Fault(
+        name="anybody saves missions for everybody",
+        file="features/fleet/mission_editor.py",
+        guard="            self._check_shares(who)\n",
+        without="            pass\n",
+        caught_by=(EDITOR + "test_a_mission_is_its_authors_or_with_the_right_everybodys",),
     ),
 )

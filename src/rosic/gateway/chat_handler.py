@@ -172,12 +172,25 @@ class ChatHandler:
             if inbound.answers or inbound.answers_us
             else container.selected(caller.principal, inbound.chat)
         )
-        lines = self._reader.lines(message.text, selected, visible)
+        lines: Sequence[Line] = self._reader.lines(message.text, selected, visible)
         if inbound.nonce is not None:
             self._agreements.check(caller, lines, message.act)
+        elif self._hooks.drafting:
+            lines = self._drafted(message, lines)
         if len(lines) > 1 and inbound.chat.kind is not ChatKind.PRIVATE:
             message.read_as(lines, self._reader.vocabulary)
         return lines
+
+    def _drafted(self, message: MessageContext, lines: Sequence[Line]) -> Sequence[Line]:
+        """Return lines of which no order is done that is a step of a mission put together here."""
+        where = message.caller.principal, message.messenger.name, message.inbound.chat.id
+        if where not in self._hooks.drafting:
+            return lines
+        named = self._agreements.named
+        return [
+            CommandLine("mission", f"add {named(line)}") if isinstance(line, Do) else line
+            for line in lines
+        ]
 
     def check_units(self, message: MessageContext, line: Do) -> None:
         """Refuse a number without a unit, typed by somebody who reads feet, with both readings.

@@ -43,6 +43,8 @@ class PipelineHooks:
         not_understood: Hears of a line that was refused because it could not be read, once that is
             told.
         view_buttons: Buttons for what can be seen of a robot, for its menu.
+        drafting: Where an order that somebody types is a step of a mission that they put together,
+            and is not done: who, by which messenger, in which chat.
 
     Args:
         confirmation_of: Returns what asks for confirmations, made with what says what words come
@@ -75,6 +77,7 @@ class PipelineHooks:
         self.enclosed: Deferred[[Messenger, Inbound, Caller], None] = Deferred(_left)
         self.task_steps: Deferred[[str, str, PrincipalId], TaskSteps] = Deferred(_no_steps)
         self.view_buttons: Deferred[[RobotId], list[Button]] = Deferred(_unseen)
+        self.drafting: set[tuple[PrincipalId, str, str]] = set()
         self.outdated: Signal[[PrincipalId]] = Signal()
         self.not_understood: Signal[[MessageContext]] = Signal()
 

@@ -18,7 +18,9 @@ from rosic.features.fleet.dispatch_state import KIND as LETTER
 from rosic.features.fleet.dispatcher import TaskDispatcher
 from rosic.features.fleet.idempotency import KIND as ORIGIN
 from rosic.features.fleet.integration import AssistCommands, RuleTasks, TaskNotifications
+from rosic.features.fleet.mission_book import DRAFT, SAVED, MissionBook
 from rosic.features.fleet.mission_commands import MissionCommands
+from rosic.features.fleet.mission_editor import MissionEditor
 from rosic.features.fleet.mission_schedule import KIND as TIMES
 from rosic.features.fleet.mission_schedule import MissionSchedule
 from rosic.features.fleet.monitor import FleetMonitor
@@ -60,6 +62,7 @@ class FleetFeature(Feature):
         watching: Looks after it.
         telling: Tells people.
         overview: Looks at all of it.
+        book: Every mission by name.
     """
 
     def __init__(self, kernel: Kernel) -> None:
@@ -90,8 +93,12 @@ class FleetFeature(Feature):
         zone = zone_named(kernel.site.zone)
         self._timetable = MissionSchedule(kernel.changes, kernel.reach, clock, zone)
         self._timetable.restore(kernel.memory.facts.get(TIMES, ()))
+        self.book = MissionBook(kernel.site.missions, kernel.pipeline.hooks.drafting)
+        for kind in (SAVED, DRAFT):
+            kernel.keep(kind, self.book.restore, self.book.apply)
+        editor = MissionEditor(rooms, kernel.changes, self.book, kernel.pipeline.agreements)
         self._missions = MissionCommands(
-            rooms, kernel.changes, tasks, kernel.site.missions, self._timetable, zone
+            rooms, kernel.changes, tasks, editor, self._timetable, zone
         )
         self._missions.register(kernel.commands)
         steps = AgreementSteps(rooms, self.dispatching.fleet, tasks, self._missions)
@@ -141,6 +148,7 @@ class FleetFeature(Feature):
         return (
             *self.dispatching.letters.end_all(principal),
             *self._timetable.end_all(principal),
+            *self.book.end_all(principal),
         )
 
     # ---- while it runs ----

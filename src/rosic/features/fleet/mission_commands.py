@@ -30,6 +30,7 @@ from rosic.core.time_units import MINUTE_NS
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, Refusal, TooManyRequests
 from rosic.features.fleet import mission_messages as words
 from rosic.features.fleet.dispatch_state import TaskText
+from rosic.features.fleet.mission_editor import EDITS
 from rosic.features.fleet.mission_schedule import KIND as TIMES
 from rosic.features.fleet.mission_schedule import PLANS_AT_MOST, MissionChat, MissionPlan
 from rosic.features.fleet.task_commands import ANY, ASSIGN, check_room
@@ -39,13 +40,14 @@ from rosic.gateway.commands import Reply
 from rosic.gateway.requests import check_command_fresh
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from rosic.core.fleet.mission import MissionTask
     from rosic.core.fleet.template import TemplateValues
     from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.robot.profile import RobotId
     from rosic.features.fleet.dispatcher import Given
+    from rosic.features.fleet.mission_editor import MissionEditor
     from rosic.features.fleet.mission_schedule import MissionSchedule
     from rosic.features.fleet.task_commands import TaskCommands
     from rosic.features.fleet.task_parser import CapableRobots
@@ -86,7 +88,7 @@ class MissionCommands:
         rooms: Components,
         changes: Transactions,
         tasks: TaskCommands,
-        missions: Iterable[Mission],
+        editor: MissionEditor,
         timetable: MissionSchedule,
         zone: Zone,
     ) -> None:
@@ -96,7 +98,8 @@ class MissionCommands:
         self._timetable = timetable
         self._zone = zone
         self._tasks = tasks
-        self._missions = {mission.name: mission for mission in missions}
+        self._editor = editor
+        self._book = editor.book
 
     def register(self, commands: CommandRegistry) -> None:
         """Take these commands."""
@@ -107,10 +110,11 @@ class MissionCommands:
         """List what there is, and what runs."""
         runs = [self._run_line(run) for run in self._open_runs(asked.caller.principal)]
         runs += self._times()
-        known = [words.known(mission.name, mission.title) for mission in self._missions.values()]
+        missions = self._book.of(asked.caller.principal)
+        known = [words.known(mission.name, mission.title) for mission in missions.values()]
         if not known and not runs:
             return Reply(words.NONE)
-        return Reply(joined("\n", [*runs, *known]), words.start_buttons(self._missions))
+        return Reply(joined("\n", [*runs, *known]), words.start_buttons(missions))
 
     async def mission(self, asked: CommandContext) -> Reply:
         """Start a mission, or do something with one that runs.
@@ -120,11 +124,14 @@ class MissionCommands:
             NotPermitted: Somebody else's.
             Expired: Robots would move because of it, and it was not sent just now.
         """
-        verb, said = self._words(asked.rest)
+        who = asked.caller.principal
+        verb, said = self._words(asked.rest, who)
         name = said.casefold()
         if not verb:
             return await self.missions(asked)
-        starts = self._starts(verb, said)
+        if verb in EDITS:
+            return await self._editor.edit(asked, verb, said)
+        starts = self._starts(verb, said, who)
         if starts or (name and verb in GO_ON):
             check_command_fresh(asked.inbound, f"/mission {asked.rest}")
         if starts:
@@ -133,23 +140,24 @@ class MissionCommands:
             return await self._off(asked, name)
         if verb in ACTS and name:
             return await self._act(asked, verb, self._running(asked, name))
-        if not name and (verb in self._missions or self._runs_of(verb)):
+        if not name and (verb in self._book.of(who) or self._runs_of(verb)):
             return self._show(asked, verb)
         raise NotUnderstood(words.HOW_TO)
 
-    def _words(self, rest: str) -> tuple[str, str]:
+    def _words(self, rest: str, who: PrincipalId) -> tuple[str, str]:
         """Return the verb of a command, as it is called in English, and what follows it."""
         verb, _, said = rest.strip().partition(" ")
         verb = verb.casefold()
-        if verb not in self._missions:
+        if verb not in self._book.of(who):
             verb = self._rooms.vocabulary.commands.verb("mission", verb)
         return verb, said.strip()
 
-    def _starts(self, verb: str, said: str) -> str:
+    def _starts(self, verb: str, said: str, who: PrincipalId) -> str:
         """Return what is started, and with what; empty: nothing is."""
         if not said or verb == "start":
             return said
-        return f"{verb} {said}" if verb in self._missions and verb not in {*ACTS, "off"} else ""
+        known = verb in self._book.of(who) and verb not in {*ACTS, "off"}
+        return f"{verb} {said}" if known else ""
 
     def asked(self, rest: str, who: PrincipalId) -> list[RobotSteps]:
         """Return which robots each task of a mission is for that is started, and what they do.
@@ -157,10 +165,10 @@ class MissionCommands:
         Raises:
             Refusal: It is not begun: it is said badly.
         """
-        name, _, said = self._starts(*self._words(rest)).partition(" ")
+        name, _, said = self._starts(*self._words(rest, who), who).partition(" ")
         if not name:
             return []
-        mission = self._named(name.casefold())
+        mission = self._named(name.casefold(), who)
         given = read_values(said, mission.parameters, self._rooms.vocabulary.units).given
         leaves = self._laid_out(mission, given)
         robots = {on: self._robots(on, who) for on in {leaf.part.on for leaf in leaves}}
@@ -185,21 +193,19 @@ class MissionCommands:
         )
 
     async def _feed(self, asked: CommandContext, event: e.TaskHeld | e.TaskReleased) -> bool:
-        decided = Decided(
-            act="mission",
-            by=asked.caller.principal,
-            about=event.task,
-            at_ns=self._rooms.organiser.wall_ns(),
-            digest=asked.cid,
-        )
-        return await self._dispatching.feed(event, decided)
+        return await self._dispatching.feed(event, self._decided(asked, "mission", event.task))
+
+    def _decided(self, asked: CommandContext, act: str, about: str) -> Decided:
+        who, now_ns = asked.caller.principal, self._rooms.organiser.wall_ns()
+        return Decided(act=act, by=who, about=about, at_ns=now_ns, digest=asked.cid)
 
     # ---- which ----
 
-    def _named(self, name: str) -> Mission:
-        mission = self._missions.get(name)
+    def _named(self, name: str, who: PrincipalId) -> Mission:
+        missions = self._book.of(who)
+        mission = missions.get(name)
         if mission is None:
-            close = did_you_mean(name, sorted(self._missions))
+            close = did_you_mean(name, sorted(missions))
             offers = tuple(f"/mission start {other}" for other in close)
             raise NotUnderstood(words.no_mission(name), offers=offers)
         return mission
@@ -234,7 +240,7 @@ class MissionCommands:
         who = asked.caller.principal
         runs = [run for run in self._open_runs(who) if run in self._runs_of(name)]
         lines = [line for run in runs for line in (self._run_line(run), *self._tasks_of(run, who))]
-        mission = self._missions.get(name)
+        mission = self._book.of(who).get(name)
         if mission is not None:
             lines.append(words.known(mission.name, mission.title))
             lines += [bounds(*quantity) for quantity in mission.parameters.items()]
@@ -262,7 +268,7 @@ class MissionCommands:
         What it leaves open is said before that: ``restock distance=2 m every mon 8:00``.
         """
         name, _, rest = said.partition(" ")
-        mission = self._named(name.casefold())
+        mission = self._named(name.casefold(), asked.caller.principal)
         values = read_values(rest, mission.parameters, self._rooms.vocabulary.units)
         texts_of(mission.parameters, values.given)  # that nothing is missing
         where = MissionChat(asked.messenger.name, asked.inbound.chat)
@@ -280,7 +286,7 @@ class MissionCommands:
         """
         organiser = self._rooms.organiser
         organiser.check_unlocked(self._rooms.authoriser.stand_for(plan.author))
-        mission = self._named(plan.mission)
+        mission = self._named(plan.mission, plan.author)
         meant = ResolvedMission(mission, plan.values, where)
         run, count = await self._begin(plan.author, meant, cid)
         return words.started(mission.shown, run, count)
@@ -304,7 +310,7 @@ class MissionCommands:
     def _laid_out(
         self, mission: Mission, given: Mapping[str, float] | None = None
     ) -> list[MissionTask]:
-        return lay_out(mission, self._missions, self._rooms.vocabulary.units, given)
+        return lay_out(mission, self._book.of_files, self._rooms.vocabulary.units, given)
 
     async def _capable(
         self, who: PrincipalId, meant: ResolvedMission
@@ -464,13 +470,7 @@ class MissionCommands:
             who, FLEET, ASSIGN, organiser.wall_ns()
         ):
             raise NotPermitted(words.not_your_time(organiser.name_of(plan.author)))
-        decided = Decided(
-            act="mission-off",
-            by=who,
-            about=plan.mission,
-            at_ns=organiser.wall_ns(),
-            digest=asked.cid,
-        )
+        decided = self._decided(asked, "mission-off", plan.mission)
         async with self._changes.turn() as turn:
             await turn.write((decided, Fact(kind=TIMES, key=key, body=b"")))
         return Reply(words.taken_back(plan.mission))

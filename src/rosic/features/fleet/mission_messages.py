@@ -238,3 +238,91 @@ def slept_through(name: str) -> str:
 def not_begun(name: str, why: str) -> str:
     """Return that a mission did not begin at its time."""
     return said("{mission} was to begin now, and does not. {why}", mission=name, why=why)
+
+
+# ---- missions that are put together in a chat ----
+
+NO_DRAFT: Final = said("You put no mission together now. /mission new dance begins one.")
+NAME_OF_ONE_WORD: Final = said(
+    "A mission is called by one word of up to 24 letters and digits that means nothing else here. "
+    "Nothing was begun."
+)
+NOTHING_TO_SAVE: Final = said("It has no steps yet: type one, as you would say it to the robot.")
+MAY_NOT_SHARE: Final = said(
+    "Only whoever may assign tasks here saves missions for everybody. It is not saved yet."
+)
+
+
+def name_taken(name: str) -> str:
+    """Return that there is such a mission."""
+    return said("There is a mission called {name} already. Nothing was changed.", name=echo(name))
+
+
+def drafts_already(name: str) -> str:
+    """Return that somebody puts another one together."""
+    return said("You are putting {name} together. Save it or leave it first.", name=name)
+
+
+def too_many_saved(most: int) -> str:
+    """Return that somebody has saved as many as one may."""
+    return said(
+        "You have saved {most} missions already. /mission forget NAME forgets one.", most=most
+    )
+
+
+def draft(name: str, steps: Sequence[str]) -> str:
+    """Return a mission as far as it is put together."""
+    head = said("{name}, which you put together. No robot does any of it now:", name=name)
+    lines = [joined("", (f"{number}. ", step)) for number, step in enumerate(steps, 1)]
+    return joined("\n", (head, *lines, said("Type the next step, as you would say it.")))
+
+
+def draft_buttons(*, some: bool, shares: bool) -> tuple[tuple[Button, ...], ...]:
+    """Return what can be done with a mission that is put together."""
+    leave = Button(said("Leave it"), "/mission leave")
+    if not some:
+        return ((leave,),)
+    row = (Button(said("Undo"), "/mission undo"), Button(said("Save"), "/mission save"), leave)
+    everybody = (Button(said("Save for everybody"), "/mission share"),)
+    return (row, everybody) if shares else (row,)
+
+
+def left(name: str) -> str:
+    """Return that a draft is kept no more."""
+    return said("{name} is left. What you type is an order again.", name=name)
+
+
+def left_long_ago(name: str) -> str:
+    """Return that a draft was left lying, so that a line may mean two things."""
+    return said(
+        "You have not gone on with {name} for half an hour, so it is left, and this line was not "
+        "done either. What you type from now on is an order again.",
+        name=name,
+    )
+
+
+def draft_full(most: int) -> str:
+    """Return that a draft has as many steps as it may."""
+    return said("It has {most} steps already. Save it, or undo one.", most=most)
+
+
+def no_step(said_so: str) -> str:
+    """Return that a line is no step."""
+    return said("Only orders to robots are steps, and this is none: {line}.", line=echo(said_so))
+
+
+def saved(name: str, *, everybody: bool) -> str:
+    """Return that a mission is saved."""
+    if everybody:
+        return said("{name} is saved for everybody. What you type is an order again.", name=name)
+    return said("{name} is saved, for you. What you type is an order again.", name=name)
+
+
+def not_saved(name: str) -> str:
+    """Return that somebody has saved no such mission."""
+    return said("You have saved no mission called {name}.", name=echo(name))
+
+
+def forgotten(name: str) -> str:
+    """Return that a mission is kept no more."""
+    return said("{name} is forgotten.", name=name)
