@@ -10,7 +10,7 @@ COMMANDS = "features/scheduled_orders/commands.py"
 AT_ITS_TIME = "tests/features/scheduled_orders/test_at_its_time.py::"
 PLANNING = "tests/features/scheduled_orders/test_planning.py::"
 PLACES = "tests/features/places/test_places.py::"
-EDITOR = "tests/features/fleet/test_mission_editor.py::"
+EDITOR = "tests/features/fleet/test_mission_builder.py::"
 COSTS = "tests/features/scheduled_orders/test_clocks_and_costs.py::"
 
 OF_SCHEDULING = (
@@ -166,14 +166,14 @@ OF_SCHEDULING = (
     ),
     Fault(
         name="a draft that was left lying takes lines in",
-        file="features/fleet/mission_editor.py",
+        file="features/fleet/mission_builder.py",
         guard="        if now_ns - draft.touched_ns > LEFT_AFTER_NS:\n",
         without="        if False:\n",
         caught_by=(EDITOR + "test_what_was_left_lying_takes_no_line_in_and_does_none",),
     ),
     Fault(
         name="anybody saves missions for everybody",
-        file="features/fleet/mission_editor.py",
+        file="features/fleet/mission_builder.py",
         guard="            self._check_shares(who)\n",
         without="            pass\n",
         caught_by=(EDITOR + "test_a_mission_is_its_authors_or_with_the_right_everybodys",),

@@ -19,8 +19,8 @@ from rosic.features.fleet.dispatcher import TaskDispatcher
 from rosic.features.fleet.idempotency import KIND as ORIGIN
 from rosic.features.fleet.integration import AssistCommands, RuleTasks, TaskNotifications
 from rosic.features.fleet.mission_book import DRAFT, SAVED, MissionBook
+from rosic.features.fleet.mission_builder import MissionBuilder
 from rosic.features.fleet.mission_commands import MissionCommands
-from rosic.features.fleet.mission_editor import MissionEditor
 from rosic.features.fleet.mission_schedule import KIND as TIMES
 from rosic.features.fleet.mission_schedule import MissionSchedule
 from rosic.features.fleet.monitor import FleetMonitor
@@ -96,9 +96,9 @@ class FleetFeature(Feature):
         self.book = MissionBook(kernel.site.missions, kernel.pipeline.hooks.drafting)
         for kind in (SAVED, DRAFT):
             kernel.keep(kind, self.book.restore, self.book.apply)
-        editor = MissionEditor(rooms, kernel.changes, self.book, kernel.pipeline.agreements)
+        builder = MissionBuilder(rooms, kernel.changes, self.book, kernel.pipeline.agreements)
         self._missions = MissionCommands(
-            rooms, kernel.changes, tasks, editor, self._timetable, zone
+            rooms, kernel.changes, tasks, builder, self._timetable, zone
         )
         self._missions.register(kernel.commands)
         steps = AgreementSteps(rooms, self.dispatching.fleet, tasks, self._missions)

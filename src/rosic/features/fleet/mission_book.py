@@ -52,14 +52,14 @@ class MissionDraft(msgspec.Struct, frozen=True):
     touched_ns: int
 
 
-class SavedMission(msgspec.Struct, frozen=True):
+class KeptMission(msgspec.Struct, frozen=True):
     """A mission that somebody has saved, as it stands in their container."""
 
     name: str
     steps: tuple[DraftStep, ...]
 
 
-class MissionOwner(msgspec.Struct, frozen=True):
+class MissionEntry(msgspec.Struct, frozen=True):
     """Whose it is, and whether everybody here may start it: in the open."""
 
     author: PrincipalId
@@ -68,8 +68,8 @@ class MissionOwner(msgspec.Struct, frozen=True):
 
 _encode = msgspec.msgpack.Encoder().encode
 _draft = msgspec.msgpack.Decoder(MissionDraft).decode
-_saved = msgspec.msgpack.Decoder(SavedMission).decode
-_owner = msgspec.msgpack.Decoder(MissionOwner).decode
+_saved = msgspec.msgpack.Decoder(KeptMission).decode
+_owner = msgspec.msgpack.Decoder(MissionEntry).decode
 
 
 class MissionBook:
@@ -91,7 +91,7 @@ class MissionBook:
         self.of_files = {mission.name: mission for mission in missions}
         self.drafts: dict[PrincipalId, MissionDraft] = {}
         self._drafting = drafting
-        self._saved: dict[str, tuple[MissionOwner, Mission]] = {}
+        self._saved: dict[str, tuple[MissionEntry, Mission]] = {}
         self._known: dict[PrincipalId, dict[str, Mission]] = {}
 
     # ---- what is written ----
@@ -133,9 +133,9 @@ class MissionBook:
             return Fact(kind=DRAFT, key=who, body=b"")
         return Fact(kind=DRAFT, key=who, body=b"1", letter=Letter(who, _encode(draft)))
 
-    def saved_fact(self, owner: MissionOwner, draft: MissionDraft) -> Fact:
+    def saved_fact(self, owner: MissionEntry, draft: MissionDraft) -> Fact:
         """Return what keeps a mission."""
-        letter = Letter(owner.author, _encode(SavedMission(draft.name, draft.steps)))
+        letter = Letter(owner.author, _encode(KeptMission(draft.name, draft.steps)))
         key = _key(owner.author, draft.name)
         return Fact(kind=SAVED, key=key, body=_encode(owner), letter=letter)
 

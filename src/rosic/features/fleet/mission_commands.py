@@ -30,7 +30,7 @@ from rosic.core.time_units import MINUTE_NS
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, Refusal, TooManyRequests
 from rosic.features.fleet import mission_messages as words
 from rosic.features.fleet.dispatch_state import TaskText
-from rosic.features.fleet.mission_editor import EDITS
+from rosic.features.fleet.mission_builder import EDITS
 from rosic.features.fleet.mission_schedule import KIND as TIMES
 from rosic.features.fleet.mission_schedule import PLANS_AT_MOST, MissionChat, MissionPlan
 from rosic.features.fleet.task_commands import ANY, ASSIGN, check_room
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.robot.profile import RobotId
     from rosic.features.fleet.dispatcher import Given
-    from rosic.features.fleet.mission_editor import MissionEditor
+    from rosic.features.fleet.mission_builder import MissionBuilder
     from rosic.features.fleet.mission_schedule import MissionSchedule
     from rosic.features.fleet.task_commands import TaskCommands
     from rosic.features.fleet.task_parser import CapableRobots
@@ -88,7 +88,7 @@ class MissionCommands:
         rooms: Components,
         changes: Transactions,
         tasks: TaskCommands,
-        editor: MissionEditor,
+        builder: MissionBuilder,
         timetable: MissionSchedule,
         zone: Zone,
     ) -> None:
@@ -98,8 +98,8 @@ class MissionCommands:
         self._timetable = timetable
         self._zone = zone
         self._tasks = tasks
-        self._editor = editor
-        self._book = editor.book
+        self._builder = builder
+        self._book = builder.book
 
     def register(self, commands: CommandRegistry) -> None:
         """Take these commands."""
@@ -130,7 +130,7 @@ class MissionCommands:
         if not verb:
             return await self.missions(asked)
         if verb in EDITS:
-            return await self._editor.edit(asked, verb, said)
+            return await self._builder.edit(asked, verb, said)
         starts = self._starts(verb, said, who)
         if starts or (name and verb in GO_ON):
             check_command_fresh(asked.inbound, f"/mission {asked.rest}")

@@ -14,7 +14,7 @@ from rosic.core.time_units import MINUTE_NS
 from rosic.errors import Expired, NotPermitted, NotUnderstood, OutOfBounds, TooManyRequests
 from rosic.features.fleet import messages as fleet_words
 from rosic.features.fleet import mission_messages as words
-from rosic.features.fleet.mission_book import DraftStep, MissionDraft, MissionOwner
+from rosic.features.fleet.mission_book import DraftStep, MissionDraft, MissionEntry
 from rosic.features.fleet.task_commands import ASSIGN
 from rosic.features.fleet.task_parser import PermittedSteps, step_for
 from rosic.gateway.commands import Reply
@@ -42,7 +42,7 @@ LEFT_AFTER_NS: Final = 30 * MINUTE_NS
 _NAME: Final = re.compile(r"[^\W\d_]\w{0,23}\Z")
 
 
-class MissionEditor:
+class MissionBuilder:
     """Puts missions together.
 
     Attributes:
@@ -151,7 +151,7 @@ class MissionEditor:
             self._check_shares(who)
         if draft.name in self.book.of(who):  # somebody has shared one of that name meanwhile
             raise NotUnderstood(words.name_taken(draft.name))
-        saved = self.book.saved_fact(MissionOwner(who, shared), draft)
+        saved = self.book.saved_fact(MissionEntry(who, shared), draft)
         await self._write(asked, (saved, self.book.draft_fact(who, None)))
         return Reply(words.saved(draft.name, everybody=shared), words.start_buttons((draft.name,)))
 

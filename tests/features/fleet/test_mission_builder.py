@@ -14,7 +14,7 @@ from rosic.core.order import OrderEnding
 from rosic.core.records import Fact
 from rosic.features.fleet import FleetFeature
 from rosic.features.fleet.mission_book import DRAFT, SAVED
-from rosic.features.fleet.mission_editor import OF_ONE_AT_MOST, STEPS_AT_MOST
+from rosic.features.fleet.mission_builder import OF_ONE_AT_MOST, STEPS_AT_MOST
 from tests.features.fleet.test_tasks import heard, tasks, worker
 from tests.features.scheduled_orders.planning import Recording
 from tests.features.scheduled_orders.planning import lab as place_of_workers
