@@ -111,7 +111,7 @@ class ScriptedEndpoint:
         scheme = "http" if self._tls is None else "https"
         return f"{scheme}://127.0.0.1:{self._listening.getsockname()[1]}"
 
-    def client(self, *, key: str = "", timeout_s: float = 5.0) -> ChatCompletions:
+    def client(self, *, key: str = "", timeout_s: float = 60.0) -> ChatCompletions:
         """Return an adapter to it."""
         return client_of(self.address, key=key, timeout_s=timeout_s)
 
@@ -159,7 +159,7 @@ class ScriptedEndpoint:
         return Call(connection, head.decode(), json.loads(body), self._ended)
 
 
-def client_of(address: str, *, key: str = "", timeout_s: float = 5.0) -> ChatCompletions:
+def client_of(address: str, *, key: str = "", timeout_s: float = 60.0) -> ChatCompletions:
     """Return an adapter to what listens at an address, if anything does."""
     settings = InterpreterSettings(
         endpoint=parse_endpoint(address),

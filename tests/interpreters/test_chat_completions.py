@@ -9,6 +9,7 @@ import time
 from typing import TYPE_CHECKING
 
 import pytest
+import uvloop
 
 from rosic.contracts.interpreter import ANSWER_BYTES, AnswerKind, InterpreterAnswer
 from rosic.interpreters.chat_completions import read_completion
@@ -173,7 +174,8 @@ async def test_an_answer_as_long_as_may_be_is_read() -> None:
     room = ANSWER_BYTES - len(completion(""))
     answer = await asked(saying("a" * room), timeout_s=30 * pace())
     assert (answer.kind, len(answer.text)) == (AnswerKind.ANSWERED, room)
-    assert (await asked(saying("a" * (room + 1)))).kind is AnswerKind.TOO_LARGE
+    longer = await asked(saying("a" * (room + 1)), timeout_s=30 * pace())
+    assert longer.kind is AnswerKind.TOO_LARGE
 
 
 async def test_what_sends_too_much_is_cut_off() -> None:
@@ -260,3 +262,27 @@ async def cut_off(endpoint: ScriptedEndpoint) -> None:
     while not endpoint.idle:
         assert time.monotonic() < until, "the connection is still open"
         await asyncio.sleep(0.005)
+
+
+def test_it_is_the_same_on_the_faster_loop() -> None:
+    scripts = (
+        saying(GOOD),
+        raw(http(b" " * 400_000)),
+        endless(b" " * 65_536, UNMEASURED),
+        raw(chunked(completion(GOOD))),
+        raw(b""),
+    )
+
+    async def kinds() -> list[AnswerKind]:
+        found = [await asked(script, timeout_s=30 * pace()) for script in scripts]
+        return [each.kind for each in (*found, await asked(dripping(b" " * 10_000)))]
+
+    with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
+        assert runner.run(kinds()) == [
+            AnswerKind.ANSWERED,
+            AnswerKind.TOO_LARGE,
+            AnswerKind.TOO_LARGE,
+            AnswerKind.ANSWERED,
+            AnswerKind.UNREACHABLE,
+            AnswerKind.LATE,
+        ]

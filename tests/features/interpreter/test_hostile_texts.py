@@ -12,6 +12,7 @@ from tests.features.interpreter.test_hostile_answers import LI, THEIRS, NarrowPl
 from tests.gateway.place import ADA, BO
 from tests.interpreters.hostile import GOOD, NOT_TO_BE_PROPOSED
 from tests.interpreters.scripted import Call, ScriptedEndpoint, completion, http, saying
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -97,7 +98,7 @@ def test_they_are_three_hundred() -> None:
 async def test_nothing_acts_and_nothing_leaks_however_it_is_asked() -> None:
     shown: set[str] = set()
     with ScriptedEndpoint(obedient) as endpoint:
-        async with NarrowPlace(endpoint.client(key=KEY)).open() as place:
+        async with NarrowPlace(endpoint.client(key=KEY, timeout_s=30 * pace())).open() as place:
             await place.allow(LI)
             for text in hostile_texts():
                 before = len(endpoint.calls)
