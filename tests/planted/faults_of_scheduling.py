@@ -88,8 +88,8 @@ OF_SCHEDULING = (
     Fault(
         name="a plan stands though the rules have changed since it was shown",
         file=COMMANDS,
-        guard="            raise Expired(words.CHANGED)\n",
-        without="            pass\n",
+        guard="            if not self._agreements.is_current(act, line, asked.caller):\n",
+        without="            if False:\n",
         caught_by=(PLANNING + "test_whoever_taps_agrees_to_what_was_shown_under_the_same_rules",),
     ),
     Fault(

@@ -18,7 +18,7 @@ from rosic.features.fleet.mission_builder import OF_ONE_AT_MOST, STEPS_AT_MOST
 from tests.features.fleet.test_tasks import heard, tasks, worker
 from tests.features.scheduled_orders.planning import Recording
 from tests.features.scheduled_orders.planning import lab as place_of_workers
-from tests.gateway.place import BO, FLEET, VI, Place
+from tests.gateway.place import BO, FLEET, VI, Place, profile
 
 if TYPE_CHECKING:
     from rosic.stores.memory import MemoryStore
@@ -235,3 +235,15 @@ async def test_values_are_kept_as_they_were_said() -> None:
         await here.say("omni move 100 cm left")
         await here.say("/mission save")
         assert "1. omni: move 100 cm left" in await here.say("/mission dance")
+
+
+async def test_a_step_for_more_robots_than_a_mission_has_tasks_is_not_added() -> None:
+    many = tuple(profile(f"r{number}", groups=("crowd",)) for number in range(110))
+    here = place_of_workers(zone="UTC", fleet=(FLEET[0], *many))
+    async with here.open():
+        await here.say("/mission new dance")
+        assert "1. crowd" in await here.say("crowd wave")
+        told = await here.say("crowd wave")
+        assert told == (
+            "A mission has at most 200 tasks, one for each robot of a step. Nothing was added."
+        )

@@ -349,6 +349,42 @@ async def test_what_was_under_way_is_said_and_not_gone_on_with() -> None:
         assert list(schedule(here).orders) == ["2"], "what comes again goes on"
 
 
+async def test_an_orderly_end_in_between_is_said_once() -> None:
+    store = MemoryStore()
+    async with lab(store).open() as here:
+        await plan(here, "/at 15:00 omni move 1 m; cf1 wave")
+        await later(here, 4 * HOUR_S)
+    told = str([told.outbound.text for told in here.chat.told])
+    again = lab(store)
+    again.clock.jump_wall(4 * HOUR_S + 60)
+    async with again.open():
+        await later(again, 5)
+        assert again.acted("cf1") == 0
+        assert not schedule(again).orders
+    told += str([told.outbound.text for told in again.chat.told])
+    over = told.count("was under way when I was shut down"), told.count("the rest was not done")
+    assert sum(over) == 1, "at the end, or at the next start"
+
+
+async def test_its_next_time_does_not_begin_while_it_is_under_way() -> None:
+    async with lab().open() as here:
+        await plan(here, "/every day 15:00 omni move 1 m; cf1 wave")
+        await later(here, 4 * HOUR_S)
+        worker(here).work_s = 10 * DAY_S
+        told = await next_time(here)
+        assert "was not done this time: it is under way still." in told
+        assert here.acted() == 1
+
+
+async def test_a_robot_that_was_retired_meanwhile_does_nothing() -> None:
+    async with lab().open() as here:
+        await plan(here, "/at 15:00 omni move 1 m")
+        await here.say("/robot retire omni")
+        told = await later(here, 4 * HOUR_S)
+        assert "Planned order 1 (omni move 1 m) was not done: " in told
+        assert here.acted() == 0
+
+
 CHANGED = replace(
     FLEET[0],
     skills={

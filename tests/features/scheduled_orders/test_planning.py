@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from msgspec.structs import replace
 
 from rosic.core.message import ChatKind
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules, SkillPrecondition
-from rosic.features.scheduled_orders.schedule import OF_ONE_AT_MOST
+from rosic.features.scheduled_orders.schedule import IN_ALL_AT_MOST, OF_ONE_AT_MOST, fact_of
 from rosic.stores.memory import MemoryStore
 from tests.features.scheduled_orders.planning import (
     HOUR_S,
@@ -160,6 +161,17 @@ async def test_one_person_plans_so_much_and_no_more() -> None:
         second = here.button("Plan it")
         assert "Planned as 22" in await here.tap(*first), "no number is given twice"
         assert "You have planned 20 times already" in await here.tap(*second)
+
+
+async def test_all_together_plan_so_much_and_no_more() -> None:
+    async with lab().open() as here:
+        await plan(here, "/at 15:00 omni wave")
+        kept = schedule(here)
+        for number in range(2, IN_ALL_AT_MOST + 1):
+            order = replace(kept.orders["1"], author=f"p{number}")
+            kept.apply(fact_of(str(number), order, kept.texts["1"]))
+        told = await here.say("/at 15:00 omni wave", account=BO, chat=BO)
+        assert told == "2000 times are planned here already. Nothing was planned."
 
 
 async def test_it_is_cancelled_by_its_number_by_words_and_by_a_button() -> None:

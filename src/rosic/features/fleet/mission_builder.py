@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from msgspec.structs import replace
 
+from rosic.core.fleet.mission import TASKS_AT_MOST
 from rosic.core.language import Do, LanguageReader, Misunderstood, bind
 from rosic.core.policy.scope import FLEET
 from rosic.core.records import Decided
@@ -16,7 +17,7 @@ from rosic.features.fleet import messages as fleet_words
 from rosic.features.fleet import mission_messages as words
 from rosic.features.fleet.mission_book import DraftStep, MissionDraft, MissionEntry
 from rosic.features.fleet.task_commands import ASSIGN
-from rosic.features.fleet.task_parser import PermittedSteps, step_for
+from rosic.features.fleet.task_parser import PermittedSteps
 from rosic.gateway.commands import Reply
 
 if TYPE_CHECKING:
@@ -119,10 +120,12 @@ class MissionBuilder:
             raise Expired(words.left_long_ago(draft.name))
         if len(draft.steps) >= STEPS_AT_MOST:
             raise OutOfBounds(words.draft_full(STEPS_AT_MOST))
-        step = self._step(asked, said)
+        step = await self._step(asked, said)
+        if sum(len(each.robots) for each in (*draft.steps, step)) > TASKS_AT_MOST:
+            raise OutOfBounds(words.draft_too_large(TASKS_AT_MOST))
         return await self._keep(asked, replace(draft, steps=(*draft.steps, step)))
 
-    def _step(self, asked: CommandContext, said: str) -> DraftStep:
+    async def _step(self, asked: CommandContext, said: str) -> DraftStep:
         rooms, who = self._rooms, asked.caller.principal
         selected = rooms.container.selected(who, asked.inbound.chat)
         [line, *_] = self._reader.lines(said, selected, rooms.organiser.visible(who))
@@ -133,9 +136,12 @@ class MissionBuilder:
             raise NotUnderstood(words.no_step(said))
         text = _said_anew(rooms.vocabulary, line)
         permitted = PermittedSteps(rooms, who)
+        if len(line.robots) > TASKS_AT_MOST:
+            raise OutOfBounds(words.draft_too_large(TASKS_AT_MOST))
         for robot, skill in zip(line.robots, line.skills, strict=True):
+            await permitted.look(robot, (text,), to_the_end=False)  # others have their turn
             permitted.all(robot, (text,))
-            read = step_for(rooms, robot, text)
+            read = permitted.reader.read(robot, text)
             arguments = bind(rooms.vocabulary, robot, skill, line.spoken, group=line.group)
             if bind(rooms.vocabulary, robot, read.skills[0], read.spoken) != arguments:
                 shown = rooms.profiles[robot].shown

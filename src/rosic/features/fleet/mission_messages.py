@@ -306,6 +306,14 @@ def draft_full(most: int) -> str:
     return said("It has {most} steps already. Save it, or undo one.", most=most)
 
 
+def draft_too_large(most: int) -> str:
+    """Return that a draft asks for more than a mission may."""
+    return said(
+        "A mission has at most {most} tasks, one for each robot of a step. Nothing was added.",
+        most=most,
+    )
+
+
 def no_step(said_so: str) -> str:
     """Return that a line is no step."""
     return said("Only orders to robots are steps, and this is none: {line}.", line=echo(said_so))

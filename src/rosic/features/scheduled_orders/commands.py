@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock, ClockReading, Entropy
     from rosic.core.identity import PrincipalId
+    from rosic.core.language import Do
     from rosic.core.message import Button
     from rosic.core.robot.profile import RobotId
     from rosic.features.scheduled_orders.order_plan import OrderPlan, OrderPlanReader
@@ -136,11 +138,11 @@ class ScheduledOrderCommands:
 
     def _planner(self, verb: str) -> CommandHandler:
         async def propose(asked: CommandContext) -> Reply:
-            return self._propose(verb, asked)
+            return await self._propose(verb, asked)
 
         return propose
 
-    def _propose(self, verb: str, asked: CommandContext) -> Reply:
+    async def _propose(self, verb: str, asked: CommandContext) -> Reply:
         """Show a plan; it stands only once its button is tapped.
 
         Raises:
@@ -149,7 +151,7 @@ class ScheduledOrderCommands:
         if not asked.rest.strip():
             return Reply(joined("\n", (words.HOW_TO, *self._lines(asked.caller.principal))))
         try:
-            plan = self._reader.read(verb, asked)
+            plan = await self._reader.read(verb, asked)
         except (NotUnderstood, OutOfBounds):
             if not self._reader.meant(asked):
                 return Reply("")
@@ -157,7 +159,7 @@ class ScheduledOrderCommands:
         who = asked.caller.principal
         self._check_room(who)
         key = self._entropy.token(REQUEST_ID_BYTES).hex()
-        steps = tuple(plain(act.command) for act in plan.acts)
+        steps = tuple(map(_named, plan.lines))
         typed = f"{verb} {clean(asked.rest)}"
         text = ScheduledText(asked.messenger.name, asked.inbound.chat, steps, typed)
         self._proposed[key] = PendingPlan(who, plan, text, reading(self._clock))
@@ -198,9 +200,7 @@ class ScheduledOrderCommands:
         if passed_ns(self._clock, proposed.asked) > ASKED_FOR_NS:
             raise Expired(words.SETTLED)
         plan = proposed.plan
-        current = self._agreements.is_current
-        if not all(map(current, plan.acts, plan.lines, [asked.caller] * len(plan.acts))):
-            raise Expired(words.CHANGED)
+        await self._check_current(asked, plan)
         now_ns = self._rooms.organiser.wall_ns()
         if plan.when.after(now_ns) is None:
             raise OutOfBounds(words.OVER)
@@ -214,6 +214,21 @@ class ScheduledOrderCommands:
         self._schedule.look()
         text = words.planned(number, self._when(who, plan.when, now_ns))
         return Reply(text, (words.cancel_button(number),))
+
+    async def _check_current(self, asked: CommandContext, plan: OrderPlan) -> None:
+        """See that every step is what was shown, under the same rules (I16).
+
+        Raises:
+            Expired: One is not.
+        """
+        rooms = self._rooms
+        policy, vocabulary = rooms.organiser.rights.policy, rooms.vocabulary
+        for act, line in zip(plan.acts, plan.lines, strict=True):
+            await asyncio.sleep(0)  # each may be for many robots: a stop does not wait for twenty
+            if not self._agreements.is_current(act, line, asked.caller):
+                raise Expired(words.CHANGED)
+        if rooms.organiser.rights.policy != policy or rooms.vocabulary is not vocabulary:
+            raise Expired(words.CHANGED)
 
     def _order(self, who: PrincipalId, plan: OrderPlan, now_ns: int) -> ScheduledOrder:
         robots = {part.robot for act in plan.acts for part in act.parts}
@@ -371,3 +386,8 @@ class ScheduledOrderCommands:
             await turn.write((decided, fact_of(key, order, self._schedule.texts[key])))
         at_ns = order.when.after(max(order.after_ns, now_ns))
         return Reply(words.goes_on(key, self._rooms.organiser.moment(who, at_ns or now_ns)))
+
+
+def _named(line: Do) -> str:
+    """Return an order with the name of whom it is for: another robot may be here by then."""
+    return line.text if line.named else f"{line.name} {line.text.lstrip('/')}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.i18n import ImperialCatalogue
@@ -79,7 +80,7 @@ class OrderPlanReader:
         callees = self._rooms.vocabulary.callees
         return any(word.casefold() in callees for word in asked.rest.split())
 
-    def read(self, verb: str, asked: CommandContext) -> OrderPlan:
+    async def read(self, verb: str, asked: CommandContext) -> OrderPlan:
         """Return what somebody plans.
 
         Raises:
@@ -97,16 +98,16 @@ class OrderPlanReader:
             first = first or read
             steps = steps_of(typed[read.used :])
             if steps and isinstance(self._one(who, steps[0], selected), Do):
-                return self._planned(asked, read, typed, steps, selected)
+                return await self._planned(asked, read, typed, steps, selected)
         if first is None:
             raise NotUnderstood(words.NO_TIME, offers=())
         steps = steps_of(typed[first.used :])
-        return self._planned(asked, first, typed, steps, selected)
+        return await self._planned(asked, first, typed, steps, selected)
 
     def _one(self, who: PrincipalId, step: str, selected: str) -> object:
         return self._reader.lines(step, selected, self._rooms.organiser.visible(who))[0]
 
-    def _planned(
+    async def _planned(
         self,
         asked: CommandContext,
         read: ReadTime,
@@ -126,6 +127,7 @@ class OrderPlanReader:
         lines: list[Do] = []
         acts: list[ResolvedAct] = []
         for number, step in enumerate(steps):
+            await asyncio.sleep(0)  # each may be for many robots: a stop does not wait for twenty
             try:
                 line = self._step(asked, step, selected)
                 act = self._agreements.of(line, asked.caller)

@@ -142,6 +142,14 @@ class ScheduledRuns:
     # ---- step by step ----
 
     async def _carry(self, run: ScheduledRun) -> None:
+        """Carry one out. Cut off by the end of ROSIC it stays noted, for the next run to say so."""
+        try:
+            await self._all_steps(run)
+        finally:
+            self._runs.pop(run.due.key, None)
+        self._schedule.over(run.due)
+
+    async def _all_steps(self, run: ScheduledRun) -> None:
         due, step, steps = run.due, 0, len(run.due.text.steps)
         try:
             for step in range(steps):
@@ -157,9 +165,6 @@ class ScheduledRuns:
         except Exception:
             log.exception("the planned order %s could not be carried out", due.key)
             self._tell(due, words.not_done(due.key, due.text.steps, words.FAULT))
-        finally:
-            self._runs.pop(due.key, None)
-            self._schedule.over(due)
 
     def _say_why_not(self, run: ScheduledRun, step: int, why: Refusal) -> None:
         due = run.due
