@@ -69,7 +69,17 @@ async def test_help_is_a_menu_of_what_one_may_and_has_no_empty_line() -> None:
                 assert all(line.strip() for line in text.splitlines()), text
                 assert not text.rstrip().endswith(":"), text
             pages[who] = "\n".join(told)
-        wanted = ("/book", "/wish", "/role", "/ask", "/plan ·", "/lock", "/fleet", "/task", "/alerts")
+        wanted = (
+            "/book",
+            "/wish",
+            "/role",
+            "/ask",
+            "/plan ·",
+            "/lock",
+            "/fleet",
+            "/task",
+            "/alerts",
+        )
         assert all(verb in pages[ADA] for verb in wanted)
         assert all(verb in pages[BO] for verb in ("/book", "/wish", "/resume", "/ask"))
         assert "/plan ·" not in pages[BO]
