@@ -14,12 +14,12 @@ from rosic.core.robot.skill import Parameter, Skill
 from rosic.core.robot.view import Pose
 from rosic.features.places.commands import OF_ONE_AT_MOST
 from rosic.features.places.place_book import KIND
+from rosic.stores.memory import MemoryStore
 from tests.features.scheduled_orders.planning import Recording
 from tests.gateway.place import BO, FLEET, VI, Place
 
 if TYPE_CHECKING:
     from rosic.core.robot.profile import Profile
-    from rosic.stores.memory import MemoryStore
 
 METRES = Parameter(unit="m", min=-10, max=10)
 GOTO = Skill(
@@ -238,6 +238,19 @@ async def test_places_are_kept_over_a_restart_and_their_names_sealed() -> None:
         assert here.acted() == 0, "it is beyond the bounds of today"
     async with lab(store, FLEET).open() as here:
         assert here.gateway.rooms.vocabulary.places == {}
+
+
+async def test_what_a_profile_calls_so_later_is_meant_by_it() -> None:
+    store = MemoryStore()
+    async with lab(store).open() as here:
+        put(here, "omni", 1, 2)
+        await here.say("/place omni dock")
+    named = Parameter(choices={"dock": (), "shelf": ()}, default="shelf")
+    told_apart = replace(GOTO, parameters={**GOTO.parameters, "side": named})
+    async with lab(store, (going(FLEET[0], told_apart), *ROBOTS[1:])).open() as here:
+        assert "dock: x" not in await here.say("omni goto x=3 y=4 dock")
+        assert here.gateway.rooms.vocabulary.places == {}
+        assert here.acted() == 1
 
 
 async def test_a_button_that_goes_to_a_place_goes_where_it_was_when_it_was_shown() -> None:

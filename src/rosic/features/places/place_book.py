@@ -97,6 +97,9 @@ class PlaceBook:
         vocabulary = self._vocabularies.current
         found: dict[str, KeptPlace] = {}
         for described in self._descriptions[robot].values():
+            if described.name in vocabulary.known:
+                log.warning("a place of %s is called like something that its profile says", robot)
+                continue
             try:
                 found[described.name] = kept_place(vocabulary, robot, described)
             except Refusal:
