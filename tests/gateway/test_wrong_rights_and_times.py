@@ -181,7 +181,8 @@ ROLES = [
         {"a": Role(scopes=("*:fly*",))},
         (
             "No robot of '*' has a skill 'fly*'. "
-            "Known here: ask, files, grant, help, look, move, read, resume, share, strategy, wave."
+            "Known here: ask, files, grant, help, look, move, places, read, resume, share, "
+            "strategy, wave."
         ),
     ),
     (

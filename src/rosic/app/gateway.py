@@ -29,6 +29,7 @@ from rosic.app.robot_provisioning import RobotProvisioning
 from rosic.app.robot_startup import RobotStartup, robots_of, stop_registry_of, warn_of_thieves
 from rosic.app.settings import GatewayParts, GatewaySettings
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
+from rosic.config.lexicons import known_phrases
 from rosic.config.plugins import LANGUAGES, catalogue, whose
 from rosic.container.archive import Archive
 from rosic.container.container import Containers
@@ -174,7 +175,9 @@ class Gateway(RunningGateway):
 
     def _vocabulary(self) -> Vocabulary:
         try:
-            return Vocabulary.build(self._settings.profiles, self._parts.units, command_table())
+            return Vocabulary.build(
+                self._settings.profiles, self._parts.units, command_table(), known_phrases()
+            )
         except ValueError as wrong:
             raise ConfigurationError(str(wrong)) from wrong
 

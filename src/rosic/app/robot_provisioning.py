@@ -229,8 +229,9 @@ class RobotProvisioning:
         parts = self._parts
         robots = (*self._gateway.profiles.values(), profile)
         try:
+            known = self._gateway.rooms.vocabulary
             vocabulary = await asyncio.to_thread(
-                Vocabulary.build, robots, parts.units, self._gateway.rooms.vocabulary.commands
+                Vocabulary.build, robots, parts.units, known.commands, known.phrases
             )
         except ValueError as why:
             sentence = capital(f"{str(why).rstrip('.')}.")

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from rosic.core import messages
 from rosic.core.i18n import joined, said
-from rosic.core.language import Help, Line, Start, Status, Use
+from rosic.core.language import Answered, Help, Line, Start, Status, Use
 from rosic.core.language.command import Command, HelpEntry, HelpNeed, HelpPage, MenuEntry
 from rosic.core.message import Button, Chat
 from rosic.errors import RobotTaken
@@ -133,6 +133,17 @@ NOTHING_TO_UNDO = said(
 NONE = "nothing"
 
 
+POLITE: Final = {
+    "hello": said("Hello."),
+    "thanks": said("You are welcome."),
+    "self": said(
+        "I am ROSIC, a program: I pass on to robots what people may ask of them, and tell what the "
+        "robots answer."
+    ),
+    "never_mind": said("All right. Nothing was done."),
+}
+
+
 class BuiltinCommands:
     """Answers from memory; reads only what its asker may see (I11)."""
 
@@ -161,11 +172,21 @@ class BuiltinCommands:
     def answer(self, caller: Caller, chat: Chat, line: Line) -> Reply:
         """Answer a line that moves nothing."""
         visible = self._organiser.visible(caller.principal)
+        if isinstance(line, Answered):
+            return self._polite(caller.principal, line)
         if isinstance(line, Start):
             return self._linked(caller, chat, line, visible) or self._start(caller, visible)
         return (
             self._look(caller, chat, line, visible) if visible else Reply(messages.NOTHING_VISIBLE)
         )
+
+    def _polite(self, principal: PrincipalId, line: Answered) -> Reply:
+        """Answer what people say to each other; whoever greets is shown what to begin with."""
+        text = POLITE.get(line.what, POLITE["never_mind"])
+        if line.what not in {"hello", "self"}:
+            return Reply(text)
+        menu = self.menu(principal)
+        return Reply(joined(" ", filter(None, (text, menu.text))), menu.buttons)
 
     def _look(self, caller: Caller, chat: Chat, line: Line, visible: frozenset[RobotId]) -> Reply:
         if isinstance(line, Status):

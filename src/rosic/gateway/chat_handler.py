@@ -9,16 +9,20 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.i18n import ImperialCatalogue, said
 from rosic.core.language import (
+    Answered,
     CommandLine,
     Do,
     Halt,
     Misunderstood,
+    Proposed,
     Resume,
     Use,
     hears_wait,
     kept_of,
 )
 from rosic.core.language.arguments import unit_needed
+from rosic.core.language.phrase_reader import MEANT
+from rosic.core.language.proposals import MOST_PROPOSED
 from rosic.core.message import ChatKind
 from rosic.core.policy.roles import StepRequired
 from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, Repeated, Unrecognised
@@ -172,7 +176,10 @@ class ChatHandler:
             if inbound.answers or inbound.answers_us
             else container.selected(caller.principal, inbound.chat)
         )
-        lines: Sequence[Line] = self._reader.lines(message.text, selected, visible)
+        overheard = inbound.chat.kind is not ChatKind.PRIVATE and not (
+            inbound.addressed or (self.addressed(inbound) and "\n" not in message.text)
+        )
+        lines: Sequence[Line] = self._reader.lines(message.text, selected, visible, overheard)
         if inbound.nonce is not None:
             self._agreements.check(caller, lines, message.act)
         elif self._hooks.drafting:
@@ -323,9 +330,23 @@ class ChatHandler:
                 self._replies.hand_over(messenger, inbound, message.caller, wanted)
             return
         if isinstance(line, Misunderstood):
+            line = self._goes_on(message, line)
             raise NotUnderstood(line.sentence, offers=line.offers)
         if not repeated:
             await self._do(message, line, cid)
+
+    def _goes_on(self, message: MessageContext, line: Misunderstood) -> Misunderstood:
+        """Return a line with what it means after the last order of its author in this chat."""
+        if not isinstance(line, Proposed) or not line.follows:
+            return line
+        visible = self._rooms.organiser.visible(message.caller.principal)
+        last = self._parts.builder.last(message.caller, message.inbound.chat, visible)
+        found = () if last is None else self._reader.following(message.text, last, visible)
+        if not found:
+            return line
+        others = tuple(offer for offer in line.offers if offer != "help")
+        offers = tuple(dict.fromkeys((*found, *others)))[:MOST_PROPOSED]
+        return Proposed(MEANT, offers)
 
     def _wait(self, message: MessageContext, line: Line) -> Reply | None:
         """Return what ends the motion that somebody watches who writes wait or no; else None.
@@ -336,7 +357,7 @@ class ChatHandler:
         if message.inbound.nonce is not None:
             return None
         bare = isinstance(line, CommandLine) and not line.rest
-        if not bare and not isinstance(line, Misunderstood):
+        if not bare and not isinstance(line, Misunderstood | Answered):
             return None
         known = self._rooms.vocabulary.known
         whole = bare or message.inbound.chat.kind is not ChatKind.PRIVATE

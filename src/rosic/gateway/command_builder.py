@@ -150,6 +150,12 @@ class CommandBuilder:
             raise NotUnderstood(NOTHING_TO_DO)
         return self.ask(caller, last[1], visible, last[0])
 
+    def last(self, caller: Caller, chat: Chat, visible: frozenset[RobotId]) -> Do | None:
+        """Return the last order that somebody gave in a chat; None: there was none."""
+        last = self._command_history.last(caller.principal, chat)
+        line = self._reader.lines(last[1], last[0], visible)[0] if last is not None else None
+        return line if isinstance(line, Do) else None
+
     def favourites(
         self, principal: PrincipalId, robot: RobotId, visible: frozenset[RobotId]
     ) -> list[Button]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.i18n import said, said_n
-from rosic.core.language import Misunderstood
+from rosic.core.language import Answered, Misunderstood
 from rosic.core.message import Button, ChatKind, MessageValidity
 from rosic.errors import Refusal
 from rosic.gateway.commands import Reply
@@ -138,7 +138,7 @@ class UnfollowedMessages:
         visible = self._rooms.organiser.visible(caller.principal)
         selected = self._rooms.container.selected(caller.principal, inbound.chat)
         lines = self._reader.lines(inbound.text, selected, visible)
-        if all(isinstance(line, Misunderstood) for line in lines):
+        if all(isinstance(line, Misunderstood | Answered) for line in lines):
             return
         self._answered[where] = None
         if len(self._answered) > KEPT:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from rosic.app.features import command_table
+from rosic.config.lexicons import known_phrases
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
 from rosic.core.language import (
     Do,
@@ -38,7 +39,9 @@ class Conversation:
 
     def __init__(self) -> None:
         files = shipped_profiles().values()
-        self.vocabulary = Vocabulary.build(map(load_profile, files), known_units(), command_table())
+        self.vocabulary = Vocabulary.build(
+            map(load_profile, files), known_units(), command_table(), known_phrases()
+        )
         self.visible = frozenset(self.vocabulary.profiles)
         self.selected = ""
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 LI: Final = "7"
-REFUSED: Final = 'I do not know "would"'
+REFUSED: Final = 'I do not know "shuffle"'
 LATE_S: Final = 0.15
 LONG_S: Final = 30.0
 NARROW: Final = Role(scopes=("omni:move",), limits=("omni:move distance <= 1 m",), priority=5)

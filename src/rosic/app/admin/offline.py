@@ -17,6 +17,7 @@ from rosic.app.containers import DataContext, data_context_of, preferences_of
 from rosic.app.features import command_table
 from rosic.app.people import remember, seed
 from rosic.authoriser.monotonic_clock import MonotonicWallClock
+from rosic.config.lexicons import known_phrases
 from rosic.config.profiles import known_units
 from rosic.container.archive import Archive
 from rosic.container.files import FileQuota
@@ -180,7 +181,9 @@ class OfflineAdmin:
             authoriser,
             organiser,
             profiles,
-            VocabularyHolder(Vocabulary.build(robots, known_units(), command_table())),
+            VocabularyHolder(
+                Vocabulary.build(robots, known_units(), command_table(), known_phrases())
+            ),
             clock,
             _nobody_hears,
             CommandHistory(),

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from rosic.core.language.arguments import bind
 from rosic.core.language.ast import (
+    Answered,
     Cancel,
     CommandLine,
     Do,
@@ -16,6 +17,7 @@ from rosic.core.language.ast import (
     Line,
     LineContext,
     Misunderstood,
+    Proposed,
     Resume,
     Robots,
     Start,
@@ -40,6 +42,7 @@ __all__ = [
     "MOST_LINES",
     "MOST_WORDS",
     "SAY",
+    "Answered",
     "Cancel",
     "CommandLine",
     "Do",
@@ -49,6 +52,7 @@ __all__ = [
     "Line",
     "LineContext",
     "Misunderstood",
+    "Proposed",
     "Resume",
     "Robots",
     "Start",

@@ -19,10 +19,14 @@ class LineContext(msgspec.Struct, frozen=True):
         selected: The robot or group that this person chose in this chat; empty for none.
         visible: The robots this person may see. Any other robot is as unknown as one that does
             not exist.
+        overheard: People talk to each other where it was written, and nobody addressed ROSIC: of
+            what is no line of the grammar, only a whole order that names its robot counts, and that
+            only if it stands alone.
     """
 
     selected: str
     visible: frozenset[RobotId]
+    overheard: bool = False
 
 
 class Do(msgspec.Struct, frozen=True, kw_only=True):
@@ -154,6 +158,38 @@ class Misunderstood(msgspec.Struct, frozen=True):
         return "stop" in self.offers
 
 
+class Proposed(Misunderstood, frozen=True, kw_only=True):
+    """The line leaves something out, or is vague: its offers are what may be meant, best first.
+
+    Attributes:
+        follows: What it says of what was asked before it: ``again``, ``faster``; empty: nothing.
+        doubtful: Some of its words mean nothing, or have no place in what is offered.
+    """
+
+    follows: tuple[str, ...] = ()
+    doubtful: bool = False
+
+
+class Answered(msgspec.Struct, frozen=True):
+    """What people say to each other, and to a bot.
+
+    Attributes:
+        what: ``hello``, ``thanks``, ``never_mind`` or ``self``: who it is.
+    """
+
+    what: str
+
+
 Line: TypeAlias = (
-    Do | Halt | Status | Help | Robots | Use | Resume | Start | CommandLine | Misunderstood
+    Do
+    | Halt
+    | Status
+    | Help
+    | Robots
+    | Use
+    | Resume
+    | Start
+    | CommandLine
+    | Answered
+    | Misunderstood
 )

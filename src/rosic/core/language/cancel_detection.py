@@ -28,6 +28,7 @@ _CANCEL = """
     abbrechen abbruch abbreche abbrich brich
     annuler annule annulez annulé abandonner abandonne abandonnez interrompre interromps
     cancelar cancela cancele cancelen abortar aborta aborte
+    cancélalo cancélala cancélalos anula anular anúlalo abórtalo
     annulla annullare annullate annulli interrompi interrompere interrompete
     abortem cancelem interrompa
     annuleren annuleer afbreken avbryt avbryta annuller annullér afbryd afbryde avbryte

@@ -10,6 +10,7 @@ import msgspec
 
 from rosic.core.language.common_names import shown_name, typed_names
 from rosic.core.language.keywords import FILLERS, NOT_FINITE
+from rosic.core.language.lexicon import longest_by_first_word
 from rosic.core.language.numbers import NONE, Unit, UnitTable, read_numeral
 from rosic.core.language.sanitise import clean_name, normalised, quote
 from rosic.core.language.suggestions import did_you_mean
@@ -17,7 +18,7 @@ from rosic.core.robot.profile import Profile, RobotId
 from rosic.core.robot.skill import Argument, Parameter, Skill, SkillClass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
 
 T = TypeVar("T")
 
@@ -77,6 +78,7 @@ class CompiledSkill(msgspec.Struct, frozen=True, kw_only=True):
         plain_words: Those of them that even after a number are no unit.
         longest_word: For choices of several words: first word to the number of words.
         text: The parameter that takes the rest of the line, if there is one.
+        dimensions: What its numbers measure.
     """
 
     skill: Skill
@@ -89,6 +91,7 @@ class CompiledSkill(msgspec.Struct, frozen=True, kw_only=True):
     plain_words: frozenset[str]
     longest_word: dict[str, int]
     text: CompiledParameter | None
+    dimensions: frozenset[str]
 
 
 class CompiledRobot(msgspec.Struct, frozen=True, kw_only=True):
@@ -111,21 +114,26 @@ class CompiledRobot(msgspec.Struct, frozen=True, kw_only=True):
     longest: dict[str, int]
 
 
+class NameTarget(msgspec.Struct, frozen=True):
+    """Whom a name calls.
+
+    Attributes:
+        name: A robot's id or a group's name.
+        robots: One, or the members of the group.
+        group: Whether it is a group, be it of one.
+    """
+
+    name: str
+    robots: tuple[CompiledRobot, ...]
+    group: bool = False
+
+
 def fold(text: str) -> str:
     """Return a name as the grammar compares it: NFKC, small letters, single spaces.
 
     Of what is longer than any name no more is looked at.
     """
     return " ".join(normalised(text[:FOLDED_AT_MOST]).casefold().split())
-
-
-def longest_by_first_word(phrases: Iterator[str] | dict[str, CompiledSkill]) -> dict[str, int]:
-    """Return, for each first word, how many words the longest phrase has."""
-    longest: dict[str, int] = {}
-    for phrase in phrases:
-        words = phrase.split()
-        longest[words[0]] = max(longest.get(words[0], 0), len(words))
-    return longest
 
 
 def spellings(name: str) -> tuple[str, ...]:
@@ -206,6 +214,7 @@ def compile_skill(skill: Skill, units: UnitTable) -> CompiledSkill:
         ),
         longest_word=longest_by_first_word(word for word in words if " " in word),
         text=texts[0] if texts else None,
+        dimensions=frozenset(dimensions),
     )
 
 
@@ -240,6 +249,7 @@ def merge(skills: tuple[CompiledSkill, ...]) -> CompiledSkill:
         by_name=by_name,
         words=first.words.union(*(skill.words for skill in others)),
         plain_words=first.plain_words.union(*(skill.plain_words for skill in others)),
+        dimensions=first.dimensions.union(*(skill.dimensions for skill in others)),
         longest_word=longest_by_first_word(
             word for skill in skills for p in skill.choices for word in p.words or () if " " in word
         ),

@@ -19,7 +19,7 @@ from rosic.core.language.ast import (
     Status,
     Use,
 )
-from rosic.core.language.compiled import CompiledRobot, CompiledSkill, merge
+from rosic.core.language.compiled import CompiledRobot, CompiledSkill, NameTarget, merge
 from rosic.core.language.keywords import (
     ALONG_ELSEWHERE,
     BEFORE_NAMES,
@@ -37,13 +37,13 @@ from rosic.core.language.skill_values import fits
 from rosic.core.language.stop_detection import hears_stop
 from rosic.core.language.syntax_errors import SyntaxErrorBuilder
 from rosic.core.language.values import AmbiguousNumber, ValueReader
-from rosic.core.language.vocabulary import NameTarget, Vocabulary
 from rosic.core.order import SpokenValue
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.core.language.command import CommandTable
+    from rosic.core.language.vocabulary import Vocabulary
     from rosic.core.robot.profile import RobotId
 
 
@@ -194,11 +194,11 @@ class LineReader:
             for count in range(self._vocabulary.longest_callee.get(low[at], 0), 0, -1):
                 name = low[at] if count == 1 else " ".join(low[at : at + count])
                 callee = self._vocabulary.callees.get(name)
-                if callee is not None and (seen := self._seen(callee)) is not None:
+                if callee is not None and (seen := self.seen(callee)) is not None:
                     return seen, at + count
         return None, at
 
-    def _seen(self, callee: NameTarget) -> NameTarget | None:
+    def seen(self, callee: NameTarget) -> NameTarget | None:
         """Return what the person may see of a robot or group; None for nothing."""
         visible = self._visible
         if not callee.group:
@@ -206,9 +206,10 @@ class LineReader:
         robots = tuple([robot for robot in callee.robots if robot.id in visible])
         return NameTarget(callee.name, robots, group=True) if robots else None
 
-    def _chosen(self) -> NameTarget | None:
+    def chosen(self) -> NameTarget | None:
+        """Return who is chosen, as far as this person may see."""
         callee = self._vocabulary.callees.get(self._selected)
-        return self._seen(callee) if callee is not None else None
+        return self.seen(callee) if callee is not None else None
 
     def _everybody(self) -> tuple[RobotId, ...]:
         return tuple([r for r in self._vocabulary.profiles if r in self._visible])
@@ -325,7 +326,7 @@ class LineReader:
                 line = self._skill_first(callee, phrase, end)
                 if line is not None:
                     return line
-        chosen = self._chosen()
+        chosen = self.chosen()
         line = self._to_chosen(chosen, at, slash=slash) if chosen is not None else None
         if line is not None:
             return line
@@ -406,7 +407,7 @@ class LineReader:
         named_one = bool(meant) and not everybody
         if everybody:
             meant = dict.fromkeys(self._everybody())
-        elif not meant and (chosen := self._chosen()) is not None:
+        elif not meant and (chosen := self.chosen()) is not None:
             meant = dict.fromkeys(robot.id for robot in chosen.robots)
         left = tuple([robot for robot in meant if robot not in spared])
         return make(left, named_one, tuple(spared)) if left or not spared else NOBODY_LEFT
@@ -467,8 +468,7 @@ class LineReader:
 
     def start(self, callee: NameTarget | None, at: int) -> Line:
         """Read ``start`` and the payload of an invitation; behind a robot's name stands none."""
-        brings = callee is None and at < len(self._raw)
-        return Start(self._raw[at][:LONGEST_PAYLOAD] if brings else "")
+        return Start("" if callee or at >= len(self._raw) else self._raw[at][:LONGEST_PAYLOAD])
 
     def _trouble(self) -> SyntaxErrorBuilder:
         words = (self._raw, self._low)

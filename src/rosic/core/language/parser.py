@@ -8,15 +8,29 @@ A leading slash changes nothing. Total: any ``str`` gives lines, and nothing is 
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
+from msgspec.structs import replace
+
 from rosic.core.i18n import said
-from rosic.core.language.ast import Cancel, CommandLine, Do, Halt, Line, LineContext, Misunderstood
+from rosic.core.language.ast import (
+    Cancel,
+    CommandLine,
+    Do,
+    Halt,
+    Line,
+    LineContext,
+    Misunderstood,
+    Proposed,
+)
 from rosic.core.language.cancel_detection import hears_cancel
 from rosic.core.language.kept_places import with_places
 from rosic.core.language.keywords import FILLERS
+from rosic.core.language.lexicon import NO_PHRASES, SenseKind, phrase_key
 from rosic.core.language.line_parser import LineReader
 from rosic.core.language.line_words import words_of
+from rosic.core.language.phrase_reader import LONGEST_PHRASE, PhraseReader
 from rosic.core.language.sanitise import REORDERING, clean, is_plain
 from rosic.core.language.stop_detection import hears_stop
 
@@ -60,6 +74,8 @@ def understand(
                 )
             ),
         )
+    if len(lines) > 1 and context.overheard:
+        vocabulary = replace(vocabulary, phrases=NO_PHRASES)
     read = [_cleaned(line, vocabulary, context, mends=mends) for line in lines]
     return tuple(read) or (_EMPTY,)
 
@@ -85,6 +101,9 @@ def _with_words(text: str) -> list[str]:
 
 
 _EMPTY = Misunderstood(said("There was nothing to read. Say help for what can be said."), ("help",))
+WHOAMI = "me"
+"""The command whose names begin many a sentence: ``ich hätte gern``; nothing follows it."""
+
 _REORDERED = Misunderstood(
     said(
         "That line has invisible marks that show its words in another order. Please "
@@ -113,10 +132,88 @@ def _line(line: str, vocabulary: Vocabulary, context: LineContext, *, mends: boo
     raw, low, slash = words_of(line)
     if slash and low[0] in FILLERS and low[0] in vocabulary.commands.aliases:
         return CommandLine(vocabulary.commands.aliases[low[0]], line.partition(" ")[2].strip())
-    read = LineReader(line, (raw, low), vocabulary, context, mends=mends).read(slash=slash)
+    phrases = mends and not slash and bool(vocabulary.phrases.tables)
+    reader = LineReader(line, (raw, low), vocabulary, context, mends=mends and not phrases)
+    read = reader.read(slash=slash)
     if vocabulary.places and isinstance(read, Do):
-        return with_places(read, vocabulary.places)
-    return read
+        read = with_places(read, vocabulary.places)
+    if not phrases or _is_sure(read, vocabulary):
+        return read
+    return _loosely(line, read, reader, vocabulary, context)
+
+
+def _loosely(
+    line: str, read: Line, reader: LineReader, vocabulary: Vocabulary, context: LineContext
+) -> Line:
+    """Return what a line means that the grammar does not read to its end."""
+    found = _phrase(line, read, reader, vocabulary, context)
+    if context.overheard and not (isinstance(found, Do) and found.named):
+        found = None
+    if found is not None and not (isinstance(found, Proposed) and found.doubtful):
+        return found
+    if isinstance(read, Misunderstood):
+        raw, low, slash = words_of(line)
+        read = LineReader(line, (raw, low), vocabulary, context, mends=True).read(slash=slash)
+    helps = isinstance(read, Misunderstood) and all(o.startswith("help") for o in read.offers)
+    return found if found is not None and helps else read
+
+
+def _is_sure(line: Line, vocabulary: Vocabulary) -> bool:
+    """Whether the grammar read a line to its end. Hardly a call, as every order passes here."""
+    if type(line) is not Do:
+        return type(line) is not Misunderstood and type(line) is not CommandLine
+    exact = vocabulary.units.exact
+    skill = vocabulary.robots[line.robots[0]].skills[line.skills[0].id]
+    for number, word in [(value.number, value.word) for value in line.spoken]:
+        if number is None:
+            sure = word in skill.words or skill.text is not None
+        elif not word:
+            sure = number >= 0
+        else:
+            sure = number >= 0 and word in exact and exact[word].dimension in skill.dimensions
+        if not sure:
+            return False
+    return True
+
+
+def _phrase(
+    line: str, read: Line, reader: LineReader, vocabulary: Vocabulary, context: LineContext
+) -> Line | None:
+    """Return what a line means as people write it; None: nothing but what the grammar made."""
+    about_stop = isinstance(read, Misunderstood) and read.about_stop
+    if about_stop or len(line) > LONGEST_PHRASE:
+        return None
+    if type(read) is CommandLine and not (
+        (read.verb == WHOAMI and read.rest) or _is_phrase(line, vocabulary)
+    ):
+        return read
+    phrases = _phrase_reader(line, reader, vocabulary, context)
+    found = phrases.read()
+    return replace(found, text=line, named=phrases.named) if isinstance(found, Do) else found
+
+
+def _phrase_reader(
+    line: str, reader: LineReader, vocabulary: Vocabulary, context: LineContext
+) -> PhraseReader:
+    strictly = partial(_strictly, vocabulary=vocabulary, context=context)
+    return PhraseReader(line, vocabulary, context, reader.chosen(), reader.seen, strictly)
+
+
+def _is_phrase(line: str, vocabulary: Vocabulary) -> bool:
+    """Whether all of a line is what people say in one of the languages, of several words."""
+    key = phrase_key(line)
+    return " " in key and any(
+        sense.kind is SenseKind.QUESTION or sense.kind is SenseKind.MANNER
+        for table in vocabulary.phrases.tables
+        for sense in table.senses.get(key, ())
+    )
+
+
+def _strictly(line: str, *, vocabulary: Vocabulary, context: LineContext) -> Line:
+    """Return what the grammar alone makes of a line."""
+    raw, low, slash = words_of(line)
+    read = LineReader(line, (raw, low), vocabulary, context, mends=False).read(slash=slash)
+    return with_places(read, vocabulary.places) if isinstance(read, Do) else read
 
 
 # ---- reading with a memory ----
@@ -134,7 +231,7 @@ class LanguageReader:
         self._vocabularies = vocabularies
         vocabularies.replaced.connect(self._forget)
         self._urgent: dict[str, Halt | Cancel | None] = {}
-        self._lines: dict[tuple[str, str, frozenset[RobotId]], tuple[Line, ...]] = {}
+        self._lines: dict[tuple[str, str, frozenset[RobotId], bool], tuple[Line, ...]] = {}
 
     def urgent(self, text: str) -> Halt | Cancel | None:
         """Return what a text stops or ends before anything else is read; None for nothing."""
@@ -166,14 +263,33 @@ class LanguageReader:
         self._urgent.clear()
         self._lines.clear()
 
-    def lines(self, text: str, selected: str, visible: frozenset[RobotId]) -> tuple[Line, ...]:
+    def lines(
+        self,
+        text: str,
+        selected: str,
+        visible: frozenset[RobotId],
+        overheard: bool = False,
+    ) -> tuple[Line, ...]:
         """Return what `understand` does for somebody who sees and chose this."""
-        key = (text, selected, visible)
+        key = (text, selected, visible, overheard)
         read = self._lines.get(key)
         if read is None:
-            read = understand(text, self._vocabularies.current, LineContext(selected, visible))
+            context = LineContext(selected, visible, overheard)
+            read = understand(text, self._vocabularies.current, context)
             if len(text) <= LONGEST_REMEMBERED:
                 if len(self._lines) >= REMEMBERED:
                     self._lines.clear()
                 self._lines[key] = read
         return read
+
+    def following(self, text: str, last: Do, visible: frozenset[RobotId]) -> tuple[str, ...]:
+        """Return the lines that a vague one may mean after the order that was given before it.
+
+        Args:
+            text: One line: ``again``, ``no, left``, ``the same but 1 m``.
+            last: The order.
+            visible: The robots that this person may see.
+        """
+        vocabulary, context = self._vocabularies.current, LineContext(last.name, visible)
+        reader = LineReader(text, ([], []), vocabulary, context, mends=False)
+        return _phrase_reader(text, reader, vocabulary, context).following(last)

@@ -61,7 +61,10 @@ _PHRASES = """
 """
 
 # Ordinary words besides: they stop alone, or together with names and with what goes along.
-_WEAK = "alto para pare parar paren parad parem basta alt fermo ferma stai dur"
+_WEAK = """
+    alto para pare parar paren parad parem basta alt fermo ferma stai dur
+    quieto quieta quietos quietas
+"""
 
 # Goes along with a stop without adding to it.
 _ALONG = """
@@ -83,7 +86,8 @@ _EVERYTHING = """
 # What stands right before a stop and makes another word of it, or its opposite.
 _UNSAID = """
     bus train tram truck full pit non last next first whistle door not never t dont doesnt didnt
-    cant cannot wont nicht nie niemals pas ne jamais nunca não mai niet không đừng не 不 不要 别 別
+    cant cannot wont nicht nie niemals pas ne n jamais nunca não mai niet không đừng не 不
+    不要 别 別
 """
 
 # As strong as the others at the beginning of a line, but words of every day in the midst of one:

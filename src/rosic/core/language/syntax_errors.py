@@ -20,8 +20,8 @@ from rosic.core.language.suggestions import MOST_CANDIDATES, did_you_mean, liste
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from rosic.core.language.compiled import CompiledSkill
-    from rosic.core.language.vocabulary import NameTarget, Vocabulary
+    from rosic.core.language.compiled import CompiledSkill, NameTarget
+    from rosic.core.language.vocabulary import Vocabulary
     from rosic.core.robot.profile import RobotId
 
 MOST_OFFERS = 4

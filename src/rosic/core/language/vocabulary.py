@@ -12,15 +12,22 @@ from rosic.core.language.common_names import TYPED
 from rosic.core.language.compiled import (
     CompiledRobot,
     CompiledSkill,
+    NameTarget,
     compile_skill,
     fold,
-    longest_by_first_word,
     skills_of,
     spellings,
 )
 from rosic.core.language.kept_places import KeptPlace
 from rosic.core.language.keywords import EVERYTHING, FILLERS, NOT_FINITE, NOTHING, NUMBERS
+from rosic.core.language.lexicon import (
+    NO_PHRASES,
+    Phrasebook,
+    longest_by_first_word,
+    phrase_key,
+)
 from rosic.core.language.numbers import UnitTable, read_numeral
+from rosic.core.language.phrase_words import RobotWords, robot_words
 from rosic.core.language.sanitise import clean_name, quote
 from rosic.core.language.stop_detection import is_stop_word
 from rosic.core.robot.profile import Profile, RobotId
@@ -34,20 +41,6 @@ if TYPE_CHECKING:
 _RESERVED = VERBS | FILLERS | EVERYTHING | NOTHING | frozenset(NUMBERS) | frozenset(NOT_FINITE)
 
 
-class NameTarget(msgspec.Struct, frozen=True):
-    """Whom a name calls.
-
-    Attributes:
-        name: A robot's id or a group's name.
-        robots: One, or the members of the group.
-        group: Whether it is a group, be it of one.
-    """
-
-    name: str
-    robots: tuple[CompiledRobot, ...]
-    group: bool = False
-
-
 class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
     """A snapshot of robots, groups, skills and units. `VocabularyHolder` holds the newest.
 
@@ -58,6 +51,11 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
         longest_callee: First word of a name to the number of words in the longest such name.
         having: What people say for a skill to the robots that have it.
         longest_skill: As ``longest_callee``, for skills.
+        phrases: What people write in other words than these, by language.
+        words: By robot, what its profile lets be said, for reading such phrases.
+        spoken_names: As ``callees``, by the words of a name as phrases have them.
+        longest_spoken: As ``longest_callee``, for ``spoken_names``.
+        groups: Each group once.
         known: Every name, verb, skill, parameter and choice: none of them is a misspelt word,
             whatever it resembles.
         places: What people have kept for each robot, by name.
@@ -73,12 +71,21 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
     longest_skill: dict[str, int]
     known: frozenset[str]
     places: dict[RobotId, dict[str, KeptPlace]] = {}
+    phrases: Phrasebook = NO_PHRASES
+    words: dict[RobotId, RobotWords] = {}
+    spoken_names: dict[str, NameTarget] = {}
+    longest_spoken: dict[str, int] = {}
+    groups: tuple[NameTarget, ...] = ()
 
     @classmethod
     def build(
-        cls, profiles: Iterable[Profile], units: UnitTable, commands: CommandTable
+        cls,
+        profiles: Iterable[Profile],
+        units: UnitTable,
+        commands: CommandTable,
+        phrases: Phrasebook = NO_PHRASES,
     ) -> Vocabulary:
-        """Compile profiles, and keep what commands there are beside them.
+        """Compile profiles, and keep what commands and phrases there are beside them.
 
         Raises:
             ValueError: Two things would have one name, or a unit is unknown. The sentence names
@@ -102,6 +109,7 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
         _add_loose_names(robots, callees, frozenset(having))
         skills = [c for robot in robots.values() for c in robot.skills.values()]
         said = [*(c.words for c in skills), *(c.by_name for c in skills)]
+        spoken_names = {phrase_key(name): callee for name, callee in callees.items()}
         return cls(
             units=units,
             commands=commands,
@@ -112,6 +120,11 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
             having=having,
             longest_skill=longest_by_first_word(iter(having)),
             known=frozenset(VERBS).union(NUMBERS, callees, having, *said),
+            phrases=phrases,
+            words=_words(robots) if phrases.tables else {},
+            spoken_names=spoken_names,
+            longest_spoken=longest_by_first_word(iter(spoken_names)),
+            groups=tuple([callee for callee in _distinct(callees) if callee.group]),
         )
 
     @property
@@ -319,6 +332,19 @@ def _distinct(callees: dict[str, NameTarget]) -> Iterator[NameTarget]:
         if callee.name not in seen:
             seen.add(callee.name)
             yield callee
+
+
+def _words(robots: dict[RobotId, CompiledRobot]) -> dict[RobotId, RobotWords]:
+    """Return the words of each robot; robots whose profiles say the same share them."""
+    shared: dict[tuple[int, ...], RobotWords] = {}
+    found: dict[RobotId, RobotWords] = {}
+    for robot in robots.values():
+        same = (*map(id, robot.skills.values()), hash(tuple(robot.phrases)))
+        words = shared.get(same)
+        if words is None:
+            words = shared[same] = robot_words(robot)
+        found[robot.id] = words
+    return found
 
 
 def _having(robots: dict[RobotId, CompiledRobot]) -> dict[str, frozenset[RobotId]]:

@@ -70,6 +70,8 @@ class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             an arm), yes or no, a word of the robot's. A binding takes one as ``$place.x``.
         text: Takes the rest of the line as it is.
         default: In ``unit``, or one of the choices; None means it must be given.
+        say: Choice to what else is said for it in a language, by its code:
+            ``{ left: { de: [backbord] } }``.
     """
 
     title: str = ""
@@ -81,8 +83,10 @@ class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     means: dict[str, dict[str, Meaning]] = {}
     text: bool = False
     default: float | str | None = None
+    say: dict[str, dict[str, tuple[str, ...]]] = {}
 
     def __post_init__(self) -> None:
+        _check_said(self.say, self.choices or {})
         if self.means:
             _check_meanings(self.means, self.choices or {})
         if self.choices is not None or self.text:
@@ -99,6 +103,18 @@ class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             isinstance(self.default, str) or not self.min <= self.default <= self.max
         ):
             raise ValueError("the default is not a number between min and max")
+
+
+def _check_said(
+    say: dict[str, dict[str, tuple[str, ...]]], choices: dict[str, tuple[str, ...]]
+) -> None:
+    """See that what is said in a language is said for a choice that there is.
+
+    Raises:
+        ValueError: It is not.
+    """
+    if not set(say) <= set(choices):
+        raise ValueError("say must have the same words as choices")
 
 
 def _check_meanings(
@@ -158,6 +174,9 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
             in place of what runs and of what waits.
         cost: How much of a rate limit it takes: of the person's, the robot's, the role's.
         benchmark: How long it should take, with how much of the battery, how exactly.
+        say: What else is said for it in a language, by its code: ``{ de: [mähe] }``.
+        reverse: What undoes it: another skill, or by parameter the choice that undoes each choice,
+            ``{ direction: { left: right, right: left } }``. Proposed, never done by itself.
     """
 
     id: str = ""
@@ -171,6 +190,8 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     to_safety: bool = False
     cost: float = 1.0
     benchmark: Benchmark | None = None
+    say: dict[str, tuple[str, ...]] = {}
+    reverse: str | dict[str, dict[str, str]] = {}
 
     def __post_init__(self) -> None:
         if self.lifetime_s is not None and not 0 < self.lifetime_s <= LIFETIME_MAX_S:

@@ -1,0 +1,164 @@
+"""What one language's reading of a line asks of a robot or a group."""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from rosic.core.language.lexicon import SenseKind
+from rosic.core.language.phrase_values import (
+    PlacedValues,
+    SkillValueReader,
+    canonical,
+    skill_evidence,
+)
+from rosic.core.language.phrase_words import NO_WORDS
+from rosic.core.language.proposals import reversed_numbers
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosic.core.language.compiled import CompiledRobot, CompiledSkill, NameTarget
+    from rosic.core.language.lexicon import LexiconTable
+    from rosic.core.language.phrase_values import SkillEvidence
+    from rosic.core.language.phrase_words import Item
+    from rosic.core.language.vocabulary import Vocabulary
+
+ROBOTS_LOOKED_AT: Final = 8
+
+
+class Reading(NamedTuple):
+    """One language's reading of a line.
+
+    Attributes:
+        items: The words.
+        unknown: How many of them mean nothing.
+    """
+
+    table: LexiconTable
+    items: list[Item]
+    unknown: int
+
+    @property
+    def is_blocked(self) -> bool:
+        """Whether words in the line make it no order.
+
+        Some say nothing before a number: ``a 0,2 m/s`` without its accent, but not ``il a avance``.
+        """
+        return any(
+            item.means(SenseKind.BLOCKED)
+            and not (item.means(SenseKind.BEFORE_NUMBER) and _is_number(self.items[at : at + 1]))
+            for at, item in enumerate(self.items, 1)
+        )
+
+    def has(self, kind: SenseKind) -> bool:
+        """Whether any words of a sort stand in the line."""
+        return any(item.means(kind) for item in self.items)
+
+
+class Meaning(NamedTuple):
+    """What a line asks of a robot, as far as it says so.
+
+    Attributes:
+        line: The line of the grammar.
+        whole: Every word of it was used, and nothing else can be meant.
+        beyond: A number lies outside its bounds.
+    """
+
+    line: str
+    skill: CompiledSkill
+    values: PlacedValues
+    evidence: SkillEvidence
+    whole: bool
+
+
+class MeaningReader:
+    """Finds what a reading asks for.
+
+    Args:
+        vocabulary: What can be said.
+    """
+
+    __slots__ = ("_vocabulary",)
+
+    def __init__(self, vocabulary: Vocabulary) -> None:
+        self._vocabulary = vocabulary
+
+    def read(self, reading: Reading, callee: NameTarget) -> Meaning | None:
+        """Return what a reading asks of somebody; None where it names nothing they can do."""
+        robot = self._able(reading, callee)
+        words = self._vocabulary.words.get(robot.id, NO_WORDS)
+        items = without_callee(reading.items, callee)
+        evidence = skill_evidence(items, robot, words)
+        return self._best(items, evidence, callee, positional=reading.table.positional)
+
+    def _able(self, reading: Reading, callee: NameTarget) -> CompiledRobot:
+        """Return the member of a group that has what is asked for, or the robot."""
+        if len(callee.robots) == 1:
+            return callee.robots[0]
+        for robot in islice(callee.robots, ROBOTS_LOOKED_AT):
+            words = self._vocabulary.words.get(robot.id, NO_WORDS)
+            if skill_evidence(reading.items, robot, words).surely:
+                return robot
+        return callee.robots[0]
+
+    def _best(
+        self,
+        items: Sequence[Item],
+        evidence: SkillEvidence,
+        callee: NameTarget,
+        *,
+        positional: bool,
+    ) -> Meaning | None:
+        """Return the skill that takes most of the words; the profile's order decides a tie."""
+        best: Meaning | None = None
+        alike = 0
+        rank = (0, 0, 0)
+        for skill in islice(evidence.skills, ROBOTS_LOOKED_AT):
+            reader = SkillValueReader(items, skill, self._vocabulary.units, positional=positional)
+            values = reader.read()
+            missing = len(values.missing(skill))
+            mine = (len(values.left), missing, int(values.beyond))
+            if best is None or mine < rank:
+                best = self._meant(callee, skill, values, evidence)
+                rank, alike = mine, 1
+            elif mine == rank:
+                alike += 1
+        if best is None:
+            return None
+        # A skill that only a verb of any motion names is sure where it takes a number of the line.
+        surely = evidence.surely or bool(best.values.numbers)
+        # Of two that lack something the profile's first is asked about; of two whole ones, neither.
+        doubt = alike > 1 and not rank[1]
+        return best._replace(whole=surely and not rank[0] and not doubt)
+
+    def _meant(
+        self,
+        callee: NameTarget,
+        skill: CompiledSkill,
+        values: PlacedValues,
+        evidence: SkillEvidence,
+    ) -> Meaning:
+        turned = reversed_numbers(skill, values)
+        line = canonical(callee.name, skill, turned)
+        return Meaning(line, skill, turned, evidence, whole=False)
+
+
+def _is_number(items: Sequence[Item]) -> bool:
+    return any(
+        item.numeral is not None or item.means(SenseKind.NUMBER) or item.means(SenseKind.ONE)
+        for item in items
+    )
+
+
+def without_callee(items: Sequence[Item], callee: NameTarget) -> list[Item]:
+    """Return the words without those that name whom all of it is for."""
+    kept: list[Item] = []
+    subject = False
+    for item in items:
+        named = item.callee is not None and item.callee.name == callee.name
+        if named and not subject:
+            subject = True
+        elif kept or not item.means(SenseKind.THEN):  # and now, forward
+            kept.append(item)
+    return kept

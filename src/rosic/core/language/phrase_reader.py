@@ -1,0 +1,444 @@
+"""A line as people write it, in any of the languages there is a lexicon of.
+
+Read only where the grammar makes nothing of a line. It acts if every word of it is known in one
+language, if they name a robot (or one is chosen), a skill and its values, and if every other
+language that knows all of its words reads the same. What is questions is answered; for the rest up
+to three lines of the grammar are proposed, which only a tap makes orders of.
+"""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.i18n import said
+from rosic.core.language.ast import (
+    Answered,
+    CommandLine,
+    Help,
+    Line,
+    Misunderstood,
+    Proposed,
+    Robots,
+    Status,
+)
+from rosic.core.language.lexicon import SenseKind, SpokenLine, phrase_key, spoken_line
+from rosic.core.language.phrase_meaning import (
+    ROBOTS_LOOKED_AT,
+    MeaningReader,
+    Reading,
+    without_callee,
+)
+from rosic.core.language.phrase_values import (
+    SKILLS_LOOKED_AT,
+    SkillValueReader,
+)
+from rosic.core.language.phrase_words import NO_WORDS, Item, WordReader, find_callees
+from rosic.core.language.proposals import (
+    MOST_PROPOSED,
+    STEP_OF_TASK,
+    first_lines,
+    following_lines,
+    said_before,
+    vague_lines,
+)
+from rosic.core.language.robot_kinds import KindReader
+from rosic.core.language.sanitise import quote
+from rosic.core.language.suggestions import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from rosic.core.language.ast import Do, LineContext
+    from rosic.core.language.compiled import NameTarget
+    from rosic.core.language.lexicon import LexiconTable
+    from rosic.core.language.phrase_words import Places, RobotWords
+    from rosic.core.language.vocabulary import Vocabulary
+
+LONGEST_PHRASE: Final = 240
+MOST_PHRASE_WORDS: Final = 48
+NAMES_LOOKED_AT: Final = 128
+
+NO_ORDER: Final = said("I read no order in that. Nothing was done.")
+MEANT: Final = said("Is that what you mean? Nothing was done yet.")
+GOES_ON: Final = said(
+    "That goes on from something, and nothing was asked of a robot here before. Nothing was done."
+)
+WHICH_ROBOT: Final = said("Which robot is that for? Nothing was done yet.")
+
+COMMANDS: Final = frozenset({"history", "picture", "map", "slots"})
+"""What is asked that the command of that name answers."""
+
+
+class PhraseReader:
+    """Reads one line; used once.
+
+    Args:
+        text: The line.
+        vocabulary: What can be said.
+        context: Whom this person may see, and chose.
+        chosen: Who is chosen, if anybody visible is.
+        seen: What the person may see of a robot or group.
+        reads: Reads a line of the grammar.
+    """
+
+    def __init__(
+        self,
+        text: str,
+        vocabulary: Vocabulary,
+        context: LineContext,
+        chosen: NameTarget | None,
+        seen: Callable[[NameTarget], NameTarget | None],
+        reads: Callable[[str], Line],
+    ) -> None:
+        self._text = text
+        self._vocabulary = vocabulary
+        self._context = context
+        self._chosen = chosen
+        self._seen = seen
+        self._reads = reads
+        self._names = self._whole = False
+        self._kinds = KindReader(vocabulary, context.visible, seen)
+        self._meanings = MeaningReader(vocabulary)
+        self._line: SpokenLine = spoken_line(text)
+        self._named: Places = find_callees(
+            self._line, vocabulary.longest_spoken, vocabulary.spoken_names, seen
+        )
+
+    def read(self) -> Line | None:
+        """Return what the line means; None where nothing can be made of it."""
+        if not self._line.words or len(self._line.words) > MOST_PHRASE_WORDS:
+            return None
+        subject, readings = self._read_all()
+        if not readings:
+            return None
+        full = [reading for reading in readings if not reading.unknown]
+        fewest = min(reading.unknown for reading in readings)
+        best = [reading for reading in readings if reading.unknown == fewest]
+        said_else = self._line.quotes or self._line.answers
+        blocked = said_else or any(r.is_blocked for r in full or best)
+        asks = self._line.asks and not any(r.has(SenseKind.REQUEST) for r in best)
+        self._names = subject is not None
+        if full and not blocked and not asks:
+            acts = self._act(full, subject)
+            if acts:
+                return self._reads(acts)
+        return self._otherwise(best, subject, blocked=blocked)
+
+    @property
+    def named(self) -> bool:
+        """Whether the line itself says whom it is for."""
+        return self._names
+
+    def following(self, last: Do) -> tuple[str, ...]:
+        """Return the lines that this one may mean after another order, best first.
+
+        Args:
+            last: That order; its robot is the one that is meant.
+        """
+        compiled = self._vocabulary.compiled_skill(last.robots[0], last.skills[0].id)
+        callee = self._vocabulary.spoken_names.get(phrase_key(last.name))
+        if compiled is None or callee is None:
+            return ()
+        lines: dict[str, None] = {}
+        readings = self._readings(callee, self._vocabulary.phrases.tables)
+        fewest = min((reading.unknown for reading in readings), default=0)
+        for reading in readings:
+            if reading.unknown == fewest:
+                items = without_callee(reading.items, callee)
+                positional = reading.table.positional
+                units = self._vocabulary.units
+                values = SkillValueReader(items, compiled, units, positional=positional).read()
+                vague = {value for item in items for value in item.values(SenseKind.VAGUE)}
+                given = said_before(compiled, last, units)
+                said_now = following_lines(callee, compiled, given, values, vague)
+                lines.update(dict.fromkeys(said_now))
+        read = [line for line in lines if not isinstance(self._reads(line), Misunderstood)]
+        return tuple(read[:MOST_PROPOSED])
+
+    # ---- who ----
+
+    def _subject(self) -> NameTarget | None:
+        """Return who is spoken to: the first that is named, or who is chosen."""
+        callees = self._named.callees
+        return callees[0] if callees else None
+
+    def _read_all(self) -> tuple[NameTarget | None, list[Reading]]:
+        """Return who is spoken to, and the line as each language reads it."""
+        tables = self._vocabulary.phrases.tables
+        subject = self._subject()
+        readings = self._readings(subject, tables)
+        if subject is None:
+            fewest = min((reading.unknown for reading in readings), default=0)
+            named = (
+                item.callee
+                for reading in readings
+                if reading.unknown == fewest
+                for item in reading.items
+            )
+            subject = next((callee for callee in named if callee is not None), None)
+            if subject is not None:
+                readings = self._readings(subject, tables)
+        return subject, readings
+
+    def _words(self, callee: NameTarget | None) -> RobotWords:
+        if callee is None:
+            return NO_WORDS
+        return self._vocabulary.words.get(callee.robots[0].id, NO_WORDS)
+
+    def _readings(
+        self, callee: NameTarget | None, tables: Sequence[LexiconTable], *, mends: bool = False
+    ) -> list[Reading]:
+        words = self._words(callee or self._chosen)
+        found = []
+        for table in tables:
+            reader = WordReader(self._line, table, words, self._named, self._vocabulary.units)
+            items = self._kinds.named(reader.items(mends=mends))
+            found.append(Reading(table, items, sum(not item.is_known for item in items)))
+        return found
+
+    # ---- what acts ----
+
+    def _act(self, full: Sequence[Reading], callee: NameTarget | None) -> str:
+        """Return the order that all languages agree on which know every word of the line.
+
+        Empty: they do not, or something is left out, or nobody is named and nobody chosen.
+        """
+        callee = callee or self._chosen
+        if callee is None or not self._is_one_callee(callee):
+            return ""
+        lines = []
+        for reading in full:
+            meaning = self._meanings.read(reading, callee)
+            if meaning is None or not meaning.whole:
+                return ""
+            lines.append(meaning.line)
+        agreed = len(set(lines)) == 1
+        return lines[0] if agreed and not isinstance(self._reads(lines[0]), Misunderstood) else ""
+
+    def _is_one_callee(self, callee: NameTarget) -> bool:
+        """Whether nobody else is named, but as a value."""
+        return all(other.name == callee.name or not other.group for other in self._named.callees)
+
+    # ---- what does not ----
+
+    def _otherwise(
+        self,
+        best: Sequence[Reading],
+        callee: NameTarget | None,
+        *,
+        blocked: bool,
+    ) -> Line | None:
+        asked = self._question([r for r in best if _only_asks(r)], callee)
+        manner = self._manner(best) if asked is None else None
+        if manner is not None:
+            return manner
+        asked = asked or self._question(best, callee)
+        if asked is not None:
+            return asked
+        instead = any("instead" in item.values(SenseKind.VAGUE) for r in best for item in r.items)
+        manner = self._at_least_manner(best)
+        if manner is not None:
+            return manner
+        if blocked and not instead:
+            return Misunderstood(NO_ORDER, ("help",))
+        return self._renamed(best) or self._proposed(best, callee)
+
+    def _renamed(self, best: Sequence[Reading]) -> Line | None:
+        """Return what the line would be if a word that means nothing were a misspelt name."""
+        if self._named.named:
+            return None
+        names = [
+            name
+            for robot in islice(self._context.visible, NAMES_LOOKED_AT)
+            if robot in self._vocabulary.robots
+            for name in self._vocabulary.robots[robot].names
+        ]
+        for item in islice((item for item in best[0].items if not item.is_known), 2):
+            for name in did_you_mean(item.text, names):
+                words = (*self._line.words[: item.at], name, *self._line.words[item.end :])
+                line = PhraseReader(
+                    " ".join(words),
+                    self._vocabulary,
+                    self._context,
+                    self._chosen,
+                    self._seen,
+                    self._reads,
+                ).meant()
+                if line:
+                    return Proposed(MEANT, line, doubtful=True)
+        return None
+
+    def meant(self) -> tuple[str, ...]:
+        """Return the lines of the grammar that this one may be; none where it is no order."""
+        subject, readings = self._read_all()
+        fewest = min(reading.unknown for reading in readings)
+        best = [reading for reading in readings if reading.unknown == fewest]
+        if self._line.quotes or self._line.answers or any(r.is_blocked for r in best):
+            return ()
+        acts = self._act(best, subject) if not fewest else ""
+        proposed = None if acts else self._proposed(best, subject)
+        return (acts,) if acts else proposed.offers if isinstance(proposed, Proposed) else ()
+
+    def _manner(self, best: Sequence[Reading]) -> Line | None:
+        """Return the answer to what is said out of politeness alone."""
+        for reading in best:
+            manners = [v for item in reading.items for v in item.values(SenseKind.MANNER)]
+            alone = all(
+                item.means(SenseKind.MANNER)
+                or item.means(SenseKind.NOTHING)
+                or item.callee is not None
+                for item in reading.items
+            )
+            if manners and alone and not reading.unknown:
+                return Answered(manners[0])
+        return None
+
+    def _at_least_manner(self, best: Sequence[Reading]) -> Line | None:
+        """Return the answer to a greeting with words beside it that nobody knows."""
+        for reading in best:
+            manners = [v for item in reading.items for v in item.values(SenseKind.MANNER)]
+            speaks = any(item.means(kind) for item in reading.items for kind in _DOES)
+            if manners and not speaks and not self._named.named:
+                return Answered(manners[0])
+        return None
+
+    def _question(self, best: Sequence[Reading], callee: NameTarget | None) -> Line | None:
+        """Return the answer to a question: of the longest phrase that asks one."""
+        found: list[tuple[int, str]] = []
+        for reading in best:
+            for item in reading.items:
+                found += [
+                    (len(item.text.split()), asked) for asked in item.values(SenseKind.QUESTION)
+                ]
+        if not found:
+            return None
+        asked = max(found, key=lambda one: one[0])[1]
+        if asked == "picture" and any(other == "map" for _, other in found):
+            asked = "map"
+        return self._answer(asked, callee or self._chosen)
+
+    def _answer(self, asked: str, callee: NameTarget | None) -> Line | None:
+        name = callee.name if callee is not None else ""
+        if asked == "status":
+            return Status(tuple([robot.id for robot in callee.robots]) if callee else ())
+        if asked in {"help", "skills"}:
+            return Help(name if asked == "skills" else "")
+        if asked == "robots":
+            return Robots()
+        if asked == "rules":
+            return Misunderstood(NO_ORDER, ("help",))
+        if asked in COMMANDS:
+            return CommandLine(asked, name)
+        return Answered(asked)
+
+    # ---- proposals ----
+
+    def _proposed(self, best: Sequence[Reading], callee: NameTarget | None) -> Line | None:
+        """Return up to three lines that may be meant."""
+        tables = [reading.table for reading in best]
+        mended = self._readings(callee, tables, mends=True)
+        fewest = min(reading.unknown for reading in mended)
+        callee = callee or self._chosen
+        lines: dict[str, None] = {}
+        vague: dict[str, None] = {}
+        for reading in mended:
+            if reading.unknown > fewest:
+                continue
+            for item in reading.items:
+                vague.update(dict.fromkeys(item.values(SenseKind.VAGUE)))
+            for target in (callee,) if callee is not None else self._candidates(reading):
+                lines.update(dict.fromkeys(self._lines(reading, target)))
+        if not lines and callee is not None and vague:
+            lines = dict.fromkeys(first_lines(callee, vague))
+        read = [line for line in lines if not isinstance(self._reads(line), Misunderstood)]
+        if not read:
+            return Proposed(GOES_ON, ("help",), follows=tuple(vague)) if vague else None
+        sentence = MEANT if callee is not None else WHICH_ROBOT
+        unknown = next((item for item in best[0].items if not item.is_known), None)
+        if unknown is not None:
+            sentence = said(
+                "I do not know {word}. Is one of these what you mean? Nothing was done yet.",
+                word=quote(unknown.text),
+            )
+        sure = self._whole or bool(vague.keys() - {"place"})
+        doubtful = callee is None or bool(best[0].unknown) or not sure
+        offers = tuple(read[:MOST_PROPOSED])
+        return Proposed(sentence, offers, follows=tuple(vague), doubtful=doubtful)
+
+    def _lines(self, reading: Reading, callee: NameTarget) -> Iterator[str]:
+        """Yield what a reading may ask of somebody, clause by clause."""
+        clauses = _clauses(reading.items)
+        meanings = []
+        for clause in clauses:
+            meaning = self._meanings.read(reading._replace(items=clause), callee)
+            if meaning is not None:
+                meanings.append(meaning)
+        self._whole = self._whole or (bool(meanings) and all(m.whole for m in meanings))
+        if len(meanings) > 1 and all(m.whole for m in meanings):
+            steps = [meaning.line.split(" ", 1)[1] for meaning in meanings]
+            yield f"/task {callee.name} {STEP_OF_TASK.join(steps)}"
+        for meaning in meanings:
+            if meaning.evidence.surely or meaning.values.given:
+                yield from vague_lines(callee.name, meaning.skill, meaning.values, reading.items)
+            else:
+                yield meaning.line
+
+    def _candidates(self, reading: Reading) -> Iterator[NameTarget]:
+        """Yield who may be meant where nobody is named: those that have the skill."""
+        for item in reading.items:
+            together = map(self._kinds.all_of, item.values(SenseKind.KIND))
+            yield from (group for group in together if group is not None)
+        for item in reading.items:
+            for name in (*item.values(SenseKind.SKILL), *item.values(SenseKind.VERB)):
+                yield from self._having(name)
+        yield from self._choosing(reading)
+
+    def _choosing(self, reading: Reading) -> Iterator[NameTarget]:
+        """Yield some of the visible robots of whose skills a choice is said."""
+        spoken = {word for item in reading.items for word in item.values(SenseKind.CHOICE)}
+        for robot in sorted(islice(self._context.visible, SKILLS_LOOKED_AT)) if spoken else ():
+            words = self._vocabulary.words.get(robot, NO_WORDS)
+            callee = self._vocabulary.spoken_names.get(phrase_key(robot))
+            if callee is not None and not spoken.isdisjoint(words.chosen):
+                yield callee
+
+    def _having(self, name: str) -> Iterator[NameTarget]:
+        """Yield some of the visible robots that have a skill."""
+        vocabulary = self._vocabulary
+        having = vocabulary.having.get(name, frozenset()) & self._context.visible
+        for robot in sorted(islice(having, ROBOTS_LOOKED_AT)):
+            callee = vocabulary.spoken_names.get(phrase_key(robot))
+            if callee is not None:
+                yield callee
+
+
+def _only_asks(reading: Reading) -> bool:
+    """Whether a line is a question, with a name in it at most."""
+    return all(
+        item.means(SenseKind.QUESTION) or item.means(SenseKind.NOTHING) or item.callee is not None
+        for item in reading.items
+    )
+
+
+_DOES: Final = (SenseKind.SKILL, SenseKind.VERB, SenseKind.OWN_SKILL, SenseKind.CHOICE)
+
+
+def _clauses(items: Sequence[Item]) -> list[list[Item]]:
+    """Return the words between those that say that something follows.
+
+    What says nothing that can be done belongs to what is before it.
+    """
+    clauses: list[list[Item]] = [[]]
+    for item in items:
+        if item.means(SenseKind.THEN):
+            clauses.append([])
+        else:
+            clauses[-1].append(item)
+    kept: list[list[Item]] = []
+    for clause in clauses:
+        if kept and not any(item.means(kind) for item in clause for kind in _DOES):
+            kept[-1] += clause
+        elif clause:
+            kept.append(clause)
+    return kept

@@ -1,0 +1,301 @@
+"""From the words of a line to a skill and its values, said as a line of the grammar says them."""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from rosic.core.language.lexicon import SenseKind
+from rosic.core.language.spoken_numbers import SpokenNumber, SpokenNumbers
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosic.core.language.compiled import CompiledParameter, CompiledRobot, CompiledSkill
+    from rosic.core.language.numbers import UnitTable
+    from rosic.core.language.phrase_words import Item, RobotWords
+
+SKILLS_LOOKED_AT: Final = 32
+
+_IGNORED: Final = frozenset(
+    {
+        *(SenseKind.NOTHING, SenseKind.BEFORE_NUMBER, SenseKind.REQUEST, SenseKind.ONE),
+        *(SenseKind.VERB, SenseKind.COUNTER),
+    }
+)
+_POLITE: Final = frozenset({"hello", "thanks"})
+
+
+# ---- which skills may be meant ----
+
+
+class SkillEvidence(NamedTuple):
+    """What the words say about the skill.
+
+    Attributes:
+        skills: Those of the robot that every word for a skill may mean.
+        surely: A word says it; else it follows from a verb of any motion.
+    """
+
+    skills: tuple[CompiledSkill, ...]
+    surely: bool
+
+
+def skill_evidence(items: Sequence[Item], robot: CompiledRobot, words: RobotWords) -> SkillEvidence:
+    """Return which skills of a robot the words of a line may mean, most likely first.
+
+    A word for a skill says more than a choice that it has, that more than a phrase such as ``go
+    to``, that more than the names of its parameters, and all of them more than a verb.
+    """
+    named: list[dict[str, None]] = []
+    phrases: dict[str, None] = {}
+    chosen: dict[str, None] = {}
+    verbs: dict[str, None] = {}
+    parameters: list[str] = []
+    for item in items:
+        strong = dict.fromkeys(_skills(item, robot))
+        if strong and item.follows_verb:
+            phrases.update(strong)
+        elif strong and item.means(SenseKind.VERB):
+            verbs.update(strong)
+        elif strong:
+            named.append(strong)
+        verbs.update(dict.fromkeys(_common(item, SenseKind.VERB, robot)))
+        chosen.update(dict.fromkeys(_choosing(item, words)))
+        parameters += item.values(SenseKind.OWN_PARAMETER)[:1]
+    both = [name for name in (named or [{}])[0] if all(name in other for other in named)]
+    if named:
+        return SkillEvidence(tuple([robot.skills[name] for name in both]), True)
+    taking = _taking(parameters, robot) if not (chosen or phrases) else ()
+    surely = tuple(chosen) or tuple(phrases) or taking
+    return SkillEvidence(tuple([robot.skills[n] for n in surely or tuple(verbs)]), bool(surely))
+
+
+def _choosing(item: Item, words: RobotWords) -> list[str]:
+    """Return the skills that a choice names by itself."""
+    said = (*item.values(SenseKind.CHOICE), *item.values(SenseKind.OWN_CHOICE))
+    return [skill for choice in said for skill in words.chosen.get(choice, ())]
+
+
+def _taking(parameters: Sequence[str], robot: CompiledRobot) -> tuple[str, ...]:
+    """Return the skills that have all the parameters that were named."""
+    return tuple(
+        [
+            name
+            for name, skill in islice(robot.skills.items(), SKILLS_LOOKED_AT)
+            if parameters and all(parameter in skill.by_name for parameter in parameters)
+        ]
+    )
+
+
+def _skills(item: Item, robot: CompiledRobot) -> tuple[str, ...]:
+    """Return the ids of the robot's skills that some words name."""
+    own = item.values(SenseKind.OWN_SKILL)
+    return (*own, *_common(item, SenseKind.SKILL, robot))
+
+
+def _common(item: Item, kind: SenseKind, robot: CompiledRobot) -> tuple[str, ...]:
+    """Return the ids of a robot's skills that profiles commonly call so."""
+    known = [robot.phrases[name] for name in item.values(kind) if name in robot.phrases]
+    return tuple([compiled.skill.id for compiled in known])
+
+
+# ---- values ----
+
+
+class PlacedValues(NamedTuple):
+    """The values of one skill in a line.
+
+    Attributes:
+        given: Parameter to how its value is said: ``0.5 m``, ``left``.
+        numbers: Parameter to its number, SI, of those that are numbers.
+        left: Words that say nothing of this skill.
+        beyond: A number is outside its bounds.
+    """
+
+    given: dict[str, str]
+    numbers: dict[str, float]
+    left: tuple[Item, ...]
+    beyond: bool
+
+    def missing(self, skill: CompiledSkill) -> tuple[CompiledParameter, ...]:
+        """Return the parameters that have no value and no default."""
+        return tuple(
+            [p for p in skill.parameters if p.default is None and p.name not in self.given]
+        )
+
+
+class SkillValueReader:
+    """Reads the values of one skill from the words of a line; used once.
+
+    Args:
+        items: The words.
+        skill: Whose values.
+        units: Those that are known.
+        positional: How numbers are put together: see `Numerals.positional`.
+    """
+
+    __slots__ = (
+        *("_beyond", "_given", "_items", "_left", "_named", "_numbers", "_si", "_skill"),
+        *("_units", "_waits"),
+    )
+
+    def __init__(
+        self, items: Sequence[Item], skill: CompiledSkill, units: UnitTable, *, positional: bool
+    ) -> None:
+        self._items = items
+        self._skill = skill
+        self._units = units
+        self._numbers = SpokenNumbers(items, units, positional=positional)
+        self._given: dict[str, str] = {}
+        self._si: dict[str, float] = {}
+        self._left: list[Item] = []
+        self._beyond = False
+        self._named: CompiledParameter | None = None
+        self._waits: Item | None = None
+
+    def read(self) -> PlacedValues:
+        """Return the values, and the words that are none of them."""
+        at = 0
+        while at < len(self._items):
+            number = self._numbers.at(at)
+            if number is not None:
+                if not self._place(number):
+                    self._left += self._items[at : number.after]
+                at = number.after
+            else:
+                self._take(self._items[at], at + 1)
+                at += 1
+        self._name(None, None)
+        left = tuple([item for item in self._left if not self._names_given(item)])
+        return PlacedValues(self._given, self._si, left, self._beyond)
+
+    def _take(self, item: Item, after: int) -> None:
+        """Take in some words that are no number."""
+        parameter = self._parameter(item)
+        if item.text == "=":
+            return
+        if self._choose(item):
+            self._named = self._waits = None
+        elif parameter is not None and parameter.name in self._given:
+            return  # the second joint
+        elif parameter is not None and self._is_followed(after):
+            self._name(parameter, None if self._says_skill(item) else item)
+        elif not self._is_ignored(item, after):
+            self._left.append(item)
+
+    def _name(self, parameter: CompiledParameter | None, waits: Item | None) -> None:
+        """Note which parameter the next value is of; of the one before nothing was said."""
+        if self._waits is not None:
+            self._left.append(self._waits)
+        self._named, self._waits = parameter, waits
+
+    def _is_followed(self, at: int) -> bool:
+        """Whether a value follows a parameter's name, words that say nothing between."""
+        items = self._items
+        while at < len(items) and items[at].means(SenseKind.NOTHING):
+            at += 1
+        if at >= len(items):
+            return False
+        return self._numbers.at(at) is not None or bool(self._choices(items[at]))
+
+    def _parameter(self, item: Item) -> CompiledParameter | None:
+        by_name = self._skill.by_name
+        own, common = item.values(SenseKind.OWN_PARAMETER), item.values(SenseKind.PARAMETER)
+        for name in (*own, *common):
+            if name in by_name:
+                return by_name[name]
+        return None
+
+    def _says_skill(self, item: Item) -> bool:
+        skill = self._skill.skill.id
+        common = {skill, skill.replace("_", " "), skill.replace("_", "")}
+        return skill in item.values(SenseKind.OWN_SKILL) or not common.isdisjoint(
+            item.values(SenseKind.SKILL)
+        )
+
+    def _names_given(self, item: Item) -> bool:
+        """Whether some words only name a parameter that has a choice: ``into the home pose``."""
+        parameter = self._parameter(item)
+        return parameter is not None and not parameter.is_number and parameter.name in self._given
+
+    def _is_ignored(self, item: Item, after: int) -> bool:
+        if self._says_skill(item) or any(sense.kind in _IGNORED for sense in item.senses):
+            return True
+        outermost = after == 1 or after == len(self._items)
+        return outermost and not _POLITE.isdisjoint(item.values(SenseKind.MANNER))
+
+    # ---- choices ----
+
+    def _choices(self, item: Item) -> list[tuple[CompiledParameter, str]]:
+        """Return what some words may choose: the parameter, and its choice."""
+        said = (
+            *item.values(SenseKind.OWN_CHOICE),
+            *item.values(SenseKind.CHOICE),
+            *item.values(SenseKind.SKILL),
+            *((item.text, item.callee.name) if item.callee is not None else ()),
+        )
+        return [
+            (parameter, parameter.words[word])
+            for parameter in self._skill.choices
+            for word in said
+            if parameter.words is not None and word in parameter.words
+        ]
+
+    def _choose(self, item: Item) -> bool:
+        """Take in a choice; whether the words are one. Said twice alike, it is said once."""
+        for parameter, choice in self._choices(item):
+            if self._named is not None and parameter.name != self._named.name:
+                continue
+            if self._given.setdefault(parameter.name, choice) == choice:
+                return True
+        return False
+
+    # ---- numbers ----
+
+    def _place(self, number: SpokenNumber) -> bool:
+        """Give a number its place; whether it has one."""
+        unit = self._units.find(number.unit) if number.unit else None
+        if number.unit and unit is None:
+            return False
+        alike = [
+            p
+            for p in ((self._named,) if self._named is not None else self._skill.numbers)
+            if p.is_number
+            and p.name not in self._given
+            and (unit is None or p.unit.dimension == unit.dimension)
+        ]
+        self._named = self._waits = None
+        if not alike:
+            return False
+        parameter = alike[0]
+        shown = unit or parameter.unit
+        si = shown.to_si(number.value)
+        self._beyond = self._beyond or not parameter.low_edge <= si <= parameter.high_edge
+        self._given[parameter.name] = f"{number.value:.10g} {shown.symbol}".rstrip()
+        self._si[parameter.name] = si
+        return True
+
+
+# ---- as a line of the grammar ----
+
+
+def canonical(name: str, skill: CompiledSkill, values: PlacedValues) -> str:
+    """Return the line of the grammar that says this of a robot or a group."""
+    said = []
+    for parameter in skill.parameters:
+        value = values.given.get(parameter.name)
+        if value is not None:
+            alone = _goes_alone(skill, parameter, value)
+            said.append(value.replace("_", " ") if alone else f"{parameter.name}={value}")
+    return " ".join((name, skill.spoken, *said))
+
+
+def _goes_alone(skill: CompiledSkill, parameter: CompiledParameter, value: str) -> bool:
+    """Whether a value goes to its parameter without the name of that."""
+    if parameter.words is not None:
+        others = (other.words or {} for other in skill.choices if other is not parameter)
+        return not any(value in words for words in others)
+    dimension = parameter.unit.dimension
+    alike = [p for p in skill.numbers if p.unit.dimension == dimension]
+    return bool(dimension) and " " in value and len(alike) == 1
