@@ -220,7 +220,13 @@ async def test_words_of_people_who_talk_to_each_other_plan_nothing_and_are_not_a
     async with lab().open() as here:
         await here.say("use omni")
         group = {"kind": ChatKind.GROUP, "chat": "-5"}
-        for line in ("in 10 min I am there", "every day the same", "in any case 5 of us come"):
+        for line in (
+            "in 10 min I am there",
+            "every day the same",
+            "in any case 5 of us come",
+            "in the end omni was slow",
+            "every day omni moves",
+        ):
             assert await here.say(line, **group) == ""
         assert "I read no time" in await here.say("/in a while I am there", **group)
         assert "no" in await here.say("in 10 min omni dances", **group)

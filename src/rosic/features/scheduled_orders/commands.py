@@ -153,7 +153,7 @@ class ScheduledOrderCommands:
         try:
             plan = await self._reader.read(verb, asked)
         except (NotUnderstood, OutOfBounds):
-            if not self._reader.meant(asked):
+            if not self._reader.meant(verb, asked):
                 return Reply("")
             raise
         who = asked.caller.principal

@@ -73,12 +73,21 @@ class OrderPlanReader:
         self._languages = languages
         self._reader = LanguageReader(rooms.vocabularies)
 
-    def meant(self, asked: CommandContext) -> bool:
-        """Whether words that say no plan were meant for ROSIC, and not for others in a group."""
+    def meant(self, verb: str, asked: CommandContext) -> bool:
+        """Whether words that say no plan were meant for ROSIC, and not for others in a group.
+
+        People talk about robots there: only a time with a robot's name right behind it is meant.
+        """
         if is_said_to_us(asked.inbound):
             return True
-        callees = self._rooms.vocabulary.callees
-        return any(word.casefold() in callees for word in asked.rest.split())
+        typed = _typed(verb, asked.rest)
+        callees, organiser = self._rooms.vocabulary.callees, self._rooms.organiser
+        zone = organiser.calendar.zone(asked.caller.principal)
+        try:
+            times = list(_times(typed, organiser.wall_ns(), zone))
+        except OutOfBounds:
+            return False
+        return any(word.casefold() in callees for t in times for word in typed[t.used : t.used + 1])
 
     async def read(self, verb: str, asked: CommandContext) -> OrderPlan:
         """Return what somebody plans.
@@ -89,7 +98,7 @@ class OrderPlanReader:
             NotPermitted: They may not do that at all, or it wants a person each time.
         """
         check_length(asked.rest, LONGEST_LINE)
-        typed = [*BEFORE_TIMES.get(verb, ()), *clean(asked.rest).replace("\n", " ").split()]
+        typed = _typed(verb, asked.rest)
         organiser, who = self._rooms.organiser, asked.caller.principal
         now_ns, zone = organiser.wall_ns(), organiser.calendar.zone(who)
         selected = self._rooms.container.selected(who, asked.inbound.chat)
@@ -162,6 +171,11 @@ class OrderPlanReader:
             if doubt is not None:
                 raise NotUnderstood(doubt.sentence, offers=doubt.offers)
         return line
+
+
+def _typed(verb: str, rest: str) -> list[str]:
+    """Return the words of a plan, with those that its verb stands for."""
+    return [*BEFORE_TIMES.get(verb, ()), *clean(rest).replace("\n", " ").split()]
 
 
 def steps_of(typed: Sequence[str]) -> list[str]:
