@@ -96,7 +96,7 @@ SECONDS = {
     "tests/real/ros2/test_programs.py": 25,
     "tests/stores/test_facts.py": 25,
     "tests/cli/test_running_access.py": 25,
-    "tests/cli/test_mcp.py": 35,
+    "tests/cli/test_mcp.py": 60,
     "tests/cli/test_plays.py": 25,
     "tests/journeys/test_stepping.py": 25,
     "tests/journeys/test_card.py": 25,

@@ -4,26 +4,39 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
 import sys
 import time
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING
 
 import anyio
+import msgspec
 import pytest
-from mcp import ClientSession, StdioServerParameters, stdio_client
+from mcp import Client, ClientSession, stdio_client
 from mcp.client.streamable_http import streamable_http_client
 from mcp.shared._httpx_utils import create_mcp_http_client
+from mcp_types import CallToolResult
 
+from tests.cli.programs import (
+    Progress,
+    at_rest,
+    client,
+    free,
+    key_of,
+    number_of,
+    resumed,
+    said,
+    served_by,
+    state,
+)
 from tests.cli.running import CONFIG, environment, gateway, rosic, write_config
 from tests.messengers.test_add_a_messenger import free_port
 from tests.pace import pace
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
+    from collections.abc import Iterator
     from pathlib import Path
-
-    from mcp_types import CallToolResult
 
     from tests.cli.running import Gateway
 
@@ -62,88 +75,6 @@ def config(tmp_path_factory: pytest.TempPathFactory, port: int) -> Path:
 def running(config: Path) -> Iterator[Gateway]:
     with gateway(config) as opened:
         yield opened
-
-
-def key_of(name: str, config: Path, *more: str, role: str = "operator") -> str:
-    """Make a program known, and return its secret."""
-    made = rosic("key", "create", name, "--role", role, *more, "-c", config)
-    assert (made.status, made.err) == (0, "")
-    first, secret = made.out.splitlines()
-    assert first.startswith(f"{name} is known now, a program: {role}")
-    return secret
-
-
-@asynccontextmanager
-async def client(key: str, config: Path) -> AsyncIterator[ClientSession]:
-    """Run `rosic mcp` under the official client."""
-    process = StdioServerParameters(
-        command=sys.executable,
-        args=["-m", "rosic", "mcp", "-c", str(config)],
-        env=environment({"ROSIC_KEY": key}),
-    )
-    async with stdio_client(process) as (read, write), ClientSession(read, write) as session:
-        await session.initialize()
-        yield session
-
-
-class Progress:
-    """What a client is told while it waits."""
-
-    def __init__(self) -> None:
-        self.steps: list[float] = []
-        self.texts: list[str] = []
-        self._told = anyio.Event()
-
-    async def __call__(
-        self,
-        progress: float,
-        total: float | None,  # noqa: ARG002 - nobody knows how much there is
-        message: str | None,
-    ) -> None:
-        self.steps.append(progress)
-        self.texts.append(message or "")
-        self._told.set()
-
-    async def hears(self, text: str) -> None:
-        with anyio.fail_after(60 * pace()):
-            while not any(text in said for said in self.texts):
-                self._told = anyio.Event()
-                await self._told.wait()
-
-
-def said(result: CallToolResult) -> str:
-    return "\n".join(part.text for part in result.content if part.type == "text")
-
-
-def state(robot: str, config: Path) -> dict[str, object]:
-    [found] = json.loads(rosic("status", robot, "--json", "-c", config).out)
-    assert isinstance(found, dict)
-    return found
-
-
-def at_rest(robot: str, config: Path) -> dict[str, object]:
-    """Return how a robot is once it rests."""
-    end_s = time.monotonic() + 60 * pace()
-    while True:
-        found = state(robot, config)
-        if found["at_rest"] and not found["doing"]:
-            return found
-        assert time.monotonic() < end_s, found
-
-
-def resumed(running: Gateway, robot: str, config: Path) -> None:
-    """Have the person at the terminal resume a robot."""
-    running.say(f"resume {robot}")
-    end_s = time.monotonic() + 60 * pace()
-    while state(robot, config)["stopped"]:
-        assert time.monotonic() < end_s, running.out()
-
-
-def free(robot: str, config: Path) -> None:
-    """Wait until nobody has a robot."""
-    end_s = time.monotonic() + 60 * pace()
-    while state(robot, config)["holder"]:
-        assert time.monotonic() < end_s
 
 
 @pytest.mark.usefixtures("running")
@@ -275,11 +206,6 @@ def asked(running: Gateway, before: int) -> None:
         time.sleep(0.02)
 
 
-def number_of(button: str, shown: str) -> str:
-    """Return what is typed at a terminal to tap a button."""
-    return str(re.findall(rf"\[(\d+)\] {button}", shown)[-1])
-
-
 async def test_cancelling_a_call_cancels_its_order(config: Path, running: Gateway) -> None:
     free("omni", config)
     async with client(key_of("Fickle", config), config) as session:
@@ -346,22 +272,24 @@ async def test_stop_is_a_tool_and_a_person_resumes(config: Path, running: Gatewa
     rosic("resume", "kuka1", "-c", config)
 
 
+BEGIN = {
+    "jsonrpc": "2.0",
+    "id": 1,
+    "method": "initialize",
+    "params": {
+        "protocolVersion": "2025-06-18",
+        "capabilities": {},
+        "clientInfo": {"name": "t", "version": "1"},
+    },
+}
+
+
 async def over_http(port: int, key: str | None, **headers: str) -> int:
     """Return the status of a first request, however it is made."""
     shown = {} if key is None else {"Authorization": f"Bearer {key}"}
     accept = {"Accept": "application/json, text/event-stream"}
-    begin = {
-        "jsonrpc": "2.0",
-        "id": 1,
-        "method": "initialize",
-        "params": {
-            "protocolVersion": "2025-06-18",
-            "capabilities": {},
-            "clientInfo": {"name": "t", "version": "1"},
-        },
-    }
     async with create_mcp_http_client(headers={**shown, **accept, **headers}) as http:
-        answer = await http.post(f"http://127.0.0.1:{port}/mcp", json=begin)
+        answer = await http.post(f"http://127.0.0.1:{port}/mcp", json=BEGIN)
         return int(answer.status_code)
 
 
@@ -463,3 +391,68 @@ def test_without_a_messenger_for_programs_it_says_what_to_add(tmp_path: Path) ->
     off = rosic("mcp", "-c", config, env={"ROSIC_KEY": key})
     assert off.err.startswith("rosic: No gateway is running on")
     assert rosic("key", "create", "Offline", "--role", "operator", "-c", config).status == 0
+
+
+@pytest.mark.usefixtures("running")
+@pytest.mark.parametrize("by", ["stdio", "http"])
+@pytest.mark.parametrize("mode", ["legacy", "auto"])
+async def test_both_eras_of_the_protocol_are_spoken(
+    config: Path, port: int, by: str, mode: str
+) -> None:
+    """A handshake, or none; over HTTP without one, whoever closes the stream has cancelled."""
+    key = key_of(f"Era {by} {mode}", config)
+    async with AsyncExitStack() as stack:
+        if by == "stdio":
+            transport = stdio_client(served_by(key, config))
+        else:
+            headers = {"Authorization": f"Bearer {key}"}
+            http = await stack.enter_async_context(create_mcp_http_client(headers=headers))
+            transport = streamable_http_client(f"http://127.0.0.1:{port}/mcp", http_client=http)
+        speaking = await stack.enter_async_context(Client(transport, mode=mode))
+        modern = str(speaking.session.protocol_version) >= "2026"
+        assert modern is (mode == "auto")
+        assert "stop" in {tool.name for tool in (await speaking.list_tools()).tools}
+        free("omni", config)
+        told = Progress()
+        result = await speaking.call_tool("omni-move", {"distance": 0.1}, progress_callback=told)
+        assert isinstance(result, CallToolResult)
+        assert "done" in said(result)
+        assert told.texts
+        long, told = {"distance": 5, "speed": 0.05}, Progress()
+        async with anyio.create_task_group() as group:
+
+            async def move() -> None:
+                await speaking.call_tool("omni-move", long, progress_callback=told)
+
+            group.start_soon(move)
+            await told.hears("received by the robot")
+            group.cancel_scope.cancel()
+        rested = await anyio.to_thread.run_sync(at_rest, "omni", config)  # it is said meanwhile
+        assert not rested["stopped"]
+
+
+def test_what_is_no_message_hurts_nobody_and_the_gateway_ends_in_time(tmp_path: Path) -> None:
+    config = write_config(tmp_path, CONFIG + SERVED, port=str(free_port()))
+    with gateway(config) as running:
+        with subprocess.Popen(  # noqa: S603 - our own command
+            [sys.executable, "-m", "rosic", "mcp", "-c", str(config)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            env=environment({"ROSIC_KEY": key_of("Raw", config)}),
+        ) as raw:
+            assert raw.stdin is not None
+            assert raw.stdout is not None
+            begin = msgspec.json.encode(BEGIN)
+            raw.stdin.write(
+                b'hello\n\n{"jsonrpc": 1}\n\xff\xfe\n[' + b"[" * 5000 + b"\n" + begin + b"\n"
+            )
+            raw.stdin.flush()
+            while (line := json.loads(raw.stdout.readline())).get("id") != 1:
+                assert "error" in line
+            assert line["result"]["serverInfo"]["name"] == "rosic"
+            assert running.end(within_s=10) == 0
+            assert raw.wait(30 * pace()) == 1
+            assert raw.stderr is not None
+            assert raw.stderr.read() == b"rosic: The gateway has ended.\n"
+        assert "Traceback" not in running.err()

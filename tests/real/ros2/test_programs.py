@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import anyio
 import pytest
 
+from tests.cli.programs import Progress, at_rest, client, free, key_of, number_of, resumed, said
 from tests.cli.running import gateway, write_config
-from tests.cli.test_mcp import Progress, at_rest, client, free, key_of, number_of, resumed, said
 from tests.pace import pace
 from tests.real.ros2.simulated import simulated
 
