@@ -277,6 +277,7 @@ FEW = 4
 """So many of them in one literal are a list of commands."""
 NOT_OF_CHATS = {
     "rosic.app.setup.profile_draft",  # the keys of a profile
+    "rosic.bench.command",  # benches of the program
     "rosic.cli.main",  # subcommands of the program
     "rosic.core.language.command",  # declares those of the grammar
     "rosic.core.language.line_parser",  # reads those of the grammar

@@ -172,6 +172,8 @@ async def test_what_was_saved_is_forgotten_by_its_author_alone() -> None:
         ("/mission new", "A mission is called by one word"),
         ("/mission new two words", "A mission is called by one word"),
         ("/mission new save", "A mission is called by one word"),
+        ("/mission new start", "A mission is called by one word"),
+        ("/mission new resume", "A mission is called by one word"),
         ("/mission new loud", "There is a mission called loud already."),
         ("/mission add omni wave", "You put no mission together now."),
         ("/mission save", "You put no mission together now."),

@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from rosic.core.fleet.mission import TASKS_AT_MOST
 from rosic.core.language import Do, LanguageReader, Misunderstood, bind
+from rosic.core.language.vocabulary import means_else
 from rosic.core.policy.scope import FLEET
 from rosic.core.records import Decided
 from rosic.core.time_units import MINUTE_NS
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
 
 EDITS: Final = frozenset({"new", "add", "undo", "save", "share", "leave", "forget"})
 """What is done to a mission that is put together; no mission is called so."""
-ACTED: Final = frozenset({"start", "pause", "cancel", "go", "resume", "off"})
 STEPS_AT_MOST: Final = 30
 OF_ONE_AT_MOST: Final = 20
 LEFT_AFTER_NS: Final = 30 * MINUTE_NS
@@ -95,7 +95,9 @@ class MissionBuilder:
 
     async def _new(self, asked: CommandContext, name: str) -> Reply:
         who = asked.caller.principal
-        if not _NAME.match(name) or name in EDITS | ACTED:
+        declared = self._rooms.vocabulary.commands.find("mission")
+        acts = () if declared is None else declared.verbs.values()
+        if not _NAME.match(name) or name in EDITS or name in acts or means_else(name):
             raise NotUnderstood(words.NAME_OF_ONE_WORD)
         if name in self.book.of(who):
             raise NotUnderstood(words.name_taken(name), offers=(f"/mission {name}",))
