@@ -282,6 +282,7 @@ NOT_OF_CHATS = {
     "rosic.core.language.command",  # declares those of the grammar
     "rosic.core.language.line_parser",  # reads those of the grammar
     "rosic.core.policy.scope",  # rights about the place
+    "rosic.features.fleet.mission_builder",  # what follows /mission
 }
 NAMES = frozenset(c.name for c in TABLE) | frozenset(c.name for c in GRAMMAR)
 

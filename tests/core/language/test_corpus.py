@@ -44,6 +44,7 @@ VOCABULARY = Vocabulary.build(
     known_phrases(),
 )
 LABELS = frozenset({"act", "propose", "ask", "answer", "stop", "end", "still"})
+SCHEDULED = re.compile(r"/schedule .*?(?=omni|kuka1|yumi|cf\d)")
 CHOSEN = re.compile(r"\[(\w+)\]")
 WANTED = 0.9
 """So much of it is to be understood as it is labelled; what is not stays in these files."""
@@ -114,6 +115,8 @@ def is_proposed(phrase: Phrase) -> bool:
     first = offers(phrase.text, phrase.selected)[:2]
     if first and first[0].startswith("/task "):
         first = first[1:]
+    if first and first[0].startswith("/schedule "):
+        return phrase.meaning in first[0] or begins(SCHEDULED.sub("", first[0]), phrase.meaning)
     return bool(first) and (first[0].startswith(phrase.meaning) or begins(first[0], phrase.meaning))
 
 

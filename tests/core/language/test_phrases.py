@@ -248,7 +248,7 @@ def _able(skill: Skill) -> list[str]:
 
 def test_an_order_stands_in_the_words_that_were_said() -> None:
     texts = generated(seed=14, count=2_000)
-    assert sum(check_evidence(text, "omni") for text in texts) > 10
+    assert sum(check_evidence(text, "omni") for text in texts) > 5
 
 
 @pytest.mark.campaign

@@ -136,6 +136,8 @@ class SenseKind(Enum):
     THEN = "then"
     BLOCKED = "blocked"
     """Whoever writes it gives no order: a denial, a condition, a report, an alternative."""
+    TIME = "time"
+    """When something is to be done."""
     VAGUE = "vague"
     QUESTION = "question"
     MANNER = "manner"
@@ -216,6 +218,7 @@ class Lexicon(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         kinds: One robot, by the skill that robots of that kind have; ``all``.
         plurals: As ``kinds``, for all of them.
         blocked: By what makes an order no order: negation, condition, report, alternative.
+        times: By the word that the grammar has for a time or a part of one.
         questions: By what is answered.
     """
 
@@ -232,6 +235,7 @@ class Lexicon(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     plurals: _Table = {}
     words: FunctionWords = FunctionWords()
     blocked: _Table = {}
+    times: _Table = {}
     vague: _Table = {}
     questions: _Table = {}
     manners: _Table = {}
@@ -404,6 +408,7 @@ def _meanings(lexicon: Lexicon) -> Iterator[tuple[str, tuple[Sense, ...]]]:
         (SenseKind.KIND, lexicon.kinds),
         (SenseKind.KINDS, lexicon.plurals),
         (SenseKind.BLOCKED, lexicon.blocked),
+        (SenseKind.TIME, lexicon.times),
         (SenseKind.VAGUE, lexicon.vague),
         (SenseKind.QUESTION, lexicon.questions),
         (SenseKind.MANNER, lexicon.manners),

@@ -30,7 +30,7 @@ from rosic.core.language.keywords import FILLERS
 from rosic.core.language.lexicon import NO_PHRASES, SenseKind, phrase_key
 from rosic.core.language.line_parser import LineReader
 from rosic.core.language.line_words import words_of
-from rosic.core.language.phrase_reader import LONGEST_PHRASE, PhraseReader
+from rosic.core.language.phrase_reader import LONGEST_PHRASE, WHICH_ROBOT, PhraseReader
 from rosic.core.language.sanitise import REORDERING, clean, is_plain
 from rosic.core.language.stop_detection import hears_stop
 
@@ -149,13 +149,18 @@ def _loosely(
     found = _phrase(line, read, reader, vocabulary, context)
     if context.overheard and not (isinstance(found, Do) and found.named):
         found = None
-    if found is not None and not (isinstance(found, Proposed) and found.doubtful):
+    if found is not None and not (isinstance(found, Proposed) and _is_asked_better(found, read)):
         return found
     if isinstance(read, Misunderstood):
         raw, low, slash = words_of(line)
         read = LineReader(line, (raw, low), vocabulary, context, mends=True).read(slash=slash)
     helps = isinstance(read, Misunderstood) and all(o.startswith("help") for o in read.offers)
     return found if found is not None and helps else read
+
+
+def _is_asked_better(found: Proposed, read: Line) -> bool:
+    """Whether the grammar may say more about a line than what is proposed: the word, the robots."""
+    return found.doubtful or (isinstance(read, Misunderstood) and found.sentence == WHICH_ROBOT)
 
 
 def _is_sure(line: Line, vocabulary: Vocabulary) -> bool:

@@ -29,6 +29,7 @@ from rosic.core.language.phrase_meaning import (
     Reading,
     without_callee,
 )
+from rosic.core.language.phrase_times import without_time
 from rosic.core.language.phrase_values import (
     SKILLS_LOOKED_AT,
     SkillValueReader,
@@ -65,9 +66,6 @@ GOES_ON: Final = said(
     "That goes on from something, and nothing was asked of a robot here before. Nothing was done."
 )
 WHICH_ROBOT: Final = said("Which robot is that for? Nothing was done yet.")
-
-COMMANDS: Final = frozenset({"history", "picture", "map", "slots"})
-"""What is asked that the command of that name answers."""
 
 
 class PhraseReader:
@@ -328,7 +326,7 @@ class PhraseReader:
             return Robots()
         if asked == "rules":
             return Misunderstood(NO_ORDER, ("help",))
-        if asked in COMMANDS:
+        if asked in self._vocabulary.commands.words:
             return CommandLine(asked, name)
         return Answered(asked)
 
@@ -362,12 +360,23 @@ class PhraseReader:
                 word=quote(unknown.text),
             )
         sure = self._whole or bool(vague.keys() - {"place"})
-        doubtful = callee is None or bool(best[0].unknown) or not sure
+        doubtful = bool(best[0].unknown) or not sure
         offers = tuple(read[:MOST_PROPOSED])
         return Proposed(sentence, offers, follows=tuple(vague), doubtful=doubtful)
 
     def _lines(self, reading: Reading, callee: NameTarget) -> Iterator[str]:
-        """Yield what a reading may ask of somebody, clause by clause."""
+        """Yield what a reading may ask of somebody, clause by clause, at its time if it has one."""
+        when, items = without_time(reading.items)
+        lines = self._untimed(reading._replace(items=items), callee)
+        if not when:
+            yield from lines
+            return
+        for line in lines:
+            self._whole = True  # a plan is shown whole before it stands
+            yield f"/schedule {when} {line.removeprefix('/task ')}"
+
+    def _untimed(self, reading: Reading, callee: NameTarget) -> Iterator[str]:
+        """Yield the lines that a reading may be, whenever they are to be done."""
         clauses = _clauses(reading.items)
         meanings = []
         for clause in clauses:
