@@ -54,8 +54,15 @@ def _fleet(quick: bool) -> BenchReport:
     return measure(quick=quick)
 
 
+def _language(quick: bool) -> BenchReport:
+    from rosic.bench.language import measure  # noqa: PLC0415 - only the bench that runs is loaded
+
+    return measure(quick=quick)
+
+
 BENCHES: dict[str, Callable[[bool], BenchReport]] = {
     "fleet": _fleet,
+    "language": _language,
     "pipeline": _pipeline,
     "schedule": _schedule,
     "start": _start,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from msgspec.structs import replace
 
+from rosic.config.lexicons import known_phrases
 from rosic.config.profile_fields import BOUNDS, FORMS, HIDDEN
 from rosic.contracts.file_rules import Place, Rule, Rules, ValidationFinding, nearest
 from rosic.core.alerts.rule import InvalidAlertRule, compile_rule, read_run, rules_of
@@ -156,7 +157,7 @@ def profile_rules(units: UnitTable, own: Rules) -> Rules:
 def clash(profiles: Sequence[Profile], units: UnitTable) -> str:
     """Say why people could not speak to these robots; empty when they could."""
     try:
-        Vocabulary.build(profiles, units, NO_COMMANDS)
+        Vocabulary.build(profiles, units, NO_COMMANDS, known_phrases())
     except ValueError as fault:
         sentence = str(fault).rstrip(".")
         return f"{sentence[:1].upper()}{sentence[1:]}."

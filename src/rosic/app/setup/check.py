@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from rosic.app.admin.control_socket import socket_path
 from rosic.app.builder import messenger_of, nobodies
 from rosic.app.config import Config, read_config
+from rosic.config.lexicons import known_phrases
 from rosic.config.plugins import check_robot, robot_factory, shared_spaces
 from rosic.config.profiles import known_units
 from rosic.config.secrets import open_to_others
@@ -72,7 +73,7 @@ def _errors(config: Config, clock: Clock) -> list[ConfigurationError]:
     ]
     errors += [open_.error for open_ in open_to_others(config.files) if open_.everybody]
     try:
-        Vocabulary.build(config.robots, known_units(), NO_COMMANDS)
+        Vocabulary.build(config.robots, known_units(), NO_COMMANDS, known_phrases())
     except ValueError as wrong:
         errors.append(ConfigurationError(f"{wrong}.", where=str(config.path)))
     try:

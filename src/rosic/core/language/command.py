@@ -13,6 +13,8 @@ from typing import Final, NamedTuple
 import msgspec
 
 from rosic.core.i18n import said
+from rosic.core.language.ast import CommandLine, Help
+from rosic.core.language.keywords import HELP_PAGES, PAGE_ALIASES
 
 
 class HelpPage(StrEnum):
@@ -296,3 +298,20 @@ class CommandTable:
 
 NO_COMMANDS: Final = CommandTable(())
 """Where robots alone are spoken to, as in a file: nothing but the words of the grammar."""
+
+
+# ---- help about one word ----
+
+
+def help_named(word: str, commands: CommandTable) -> CommandLine | Help | None:
+    """Return what is said about a word in small letters; None where it is no page, no command."""
+    page = PAGE_ALIASES.get(word, word)
+    if page in HELP_PAGES:
+        return Help(page)
+    command = commands.find(word)
+    if command is None:
+        return None
+    if command.explained:
+        return CommandLine(command.name, "")
+    leads = command.page or (command.help.page if command.help is not None else None)
+    return None if leads is None else Help(leads.value)

@@ -19,16 +19,15 @@ from rosic.core.language.ast import (
     Status,
     Use,
 )
+from rosic.core.language.command import help_named
 from rosic.core.language.compiled import CompiledRobot, CompiledSkill, NameTarget, merge
 from rosic.core.language.keywords import (
     ALONG_ELSEWHERE,
     BEFORE_NAMES,
     EVERYTHING,
     EVERYTHING_ELSEWHERE,
-    HELP_PAGES,
     IS_WORDS,
     NOTHING,
-    PAGE_ALIASES,
     POLITE,
     STATUS_WORDS,
 )
@@ -42,28 +41,11 @@ from rosic.core.order import SpokenValue
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rosic.core.language.command import CommandTable
     from rosic.core.language.vocabulary import Vocabulary
     from rosic.core.robot.profile import RobotId
 
 
-# ---- help about one word ----
-
 HELP_WORDS: Final = frozenset({"?", "help", "hilfe"})
-
-
-def help_named(word: str, commands: CommandTable) -> CommandLine | Help | None:
-    """Return what is said about a word in small letters; None where it is no page, no command."""
-    page = PAGE_ALIASES.get(word, word)
-    if page in HELP_PAGES:
-        return Help(page)
-    command = commands.find(word)
-    if command is None:
-        return None
-    if command.explained:
-        return CommandLine(command.name, "")
-    leads = command.page or (command.help.page if command.help is not None else None)
-    return None if leads is None else Help(leads.value)
 
 
 # ---- reading one line ----
@@ -85,6 +67,9 @@ class LineReader:
         context: Whom this person may see, and chose.
         mends: Whether to look for what may have been meant. Not in a line that is only tried
             because it may have been.
+
+    Attributes:
+        unsure: It read a command, and some of its values may not be what that takes.
     """
 
     __slots__ = (
@@ -96,6 +81,7 @@ class LineReader:
         "_selected",
         "_visible",
         "_vocabulary",
+        "unsure",
     )
 
     def __init__(
@@ -114,6 +100,7 @@ class LineReader:
         self._mends = mends
         self._visible = context.visible
         self._selected = context.selected
+        self.unsure = False
 
     def read(self, *, slash: bool = False) -> Line:
         """Return what the line means.
@@ -278,6 +265,7 @@ class LineReader:
             reader = ValueReader(self._raw, self._low, at, skill, self._vocabulary.units)
             try:
                 spoken = reader.read()
+                self.unsure = reader.unsure
             except AmbiguousNumber as doubt:
                 return self._trouble().two_readings(callee, doubt.at, doubt.readings)
         return Do(

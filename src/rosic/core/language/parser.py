@@ -136,8 +136,11 @@ def _line(line: str, vocabulary: Vocabulary, context: LineContext, *, mends: boo
     reader = LineReader(line, (raw, low), vocabulary, context, mends=mends and not phrases)
     read = reader.read(slash=slash)
     if vocabulary.places and isinstance(read, Do):
-        read = with_places(read, vocabulary.places)
-    if not phrases or _is_sure(read, vocabulary):
+        before, read = read, with_places(read, vocabulary.places)
+        phrases = phrases and read is before
+    kind = type(read)
+    sure = kind is not Misunderstood and kind is not CommandLine and not reader.unsure
+    if sure or not phrases:
         return read
     return _loosely(line, read, reader, vocabulary, context)
 
@@ -161,24 +164,6 @@ def _loosely(
 def _is_asked_better(found: Proposed, read: Line) -> bool:
     """Whether the grammar may say more about a line than what is proposed: the word, the robots."""
     return found.doubtful or (isinstance(read, Misunderstood) and found.sentence == WHICH_ROBOT)
-
-
-def _is_sure(line: Line, vocabulary: Vocabulary) -> bool:
-    """Whether the grammar read a line to its end. Hardly a call, as every order passes here."""
-    if type(line) is not Do:
-        return type(line) is not Misunderstood and type(line) is not CommandLine
-    exact = vocabulary.units.exact
-    skill = vocabulary.robots[line.robots[0]].skills[line.skills[0].id]
-    for number, word in [(value.number, value.word) for value in line.spoken]:
-        if number is None:
-            sure = word in skill.words or skill.text is not None
-        elif not word:
-            sure = number >= 0
-        else:
-            sure = number >= 0 and word in exact and exact[word].dimension in skill.dimensions
-        if not sure:
-            return False
-    return True
 
 
 def _phrase(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from rosic.core.language.keywords import FILLERS, NOT_FINITE, NUMBERS, SOFT_FILLERS
@@ -34,9 +35,12 @@ class ValueReader:
     """Reads values from words, each word once.
 
     Nothing is refused here: a word that means nothing stays a word, and binding says so.
+
+    Attributes:
+        unsure: A word, a unit or a number below zero may not be what the skill takes.
     """
 
-    __slots__ = ("_at", "_low", "_raw", "_skill", "_units")
+    __slots__ = ("_at", "_low", "_raw", "_skill", "_units", "unsure")
 
     def __init__(
         self, raw: list[str], low: list[str], at: int, skill: CompiledSkill, units: UnitTable
@@ -46,6 +50,7 @@ class ValueReader:
         self._at = at
         self._skill = skill
         self._units = units
+        self.unsure = False
 
     def read(self) -> tuple[SpokenValue, ...]:
         """Return the values from here to the end of the line.
@@ -117,6 +122,7 @@ class ValueReader:
         if numeral is not None:
             if numeral.readings:
                 raise AmbiguousNumber(at, tuple(r + numeral.rest for r in numeral.readings))
+            self.unsure = self.unsure or numeral.value < 0 or bool(numeral.rest)
             return SpokenValue(name, numeral.value, numeral.rest or self._unit())
         return self._word(name, word)
 
@@ -129,6 +135,7 @@ class ValueReader:
         if word in self._skill.words:
             return SpokenValue(name, None, word)
         number = 1.0 if word in {"a", "an"} else NUMBERS.get(word, NOT_FINITE.get(word))
+        self.unsure = self.unsure or number is None or not isfinite(number)
         if number is None:
             return SpokenValue(name, None, word)
         while self._at < len(self._low) and self._low[self._at] in {"a", "an", "of"}:
@@ -150,6 +157,8 @@ class ValueReader:
             if low in skill.longest_word or read_numeral(raw) is not None or low == "=":
                 return ""
         self._at = at + 1
+        unit = self._units.exact.get(raw)
+        self.unsure = self.unsure or unit is None or unit.dimension not in skill.dimensions
         return self._per(raw)
 
     def _per(self, raw: str) -> str:

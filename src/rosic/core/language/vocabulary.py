@@ -28,6 +28,7 @@ from rosic.core.language.lexicon import (
 )
 from rosic.core.language.numbers import UnitTable, read_numeral
 from rosic.core.language.phrase_words import RobotWords, robot_words
+from rosic.core.language.profile_phrases import check_phrases
 from rosic.core.language.sanitise import clean_name, quote
 from rosic.core.language.stop_detection import is_stop_word
 from rosic.core.robot.profile import Profile, RobotId
@@ -109,6 +110,9 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
         _add_loose_names(robots, callees, frozenset(having))
         skills = [c for robot in robots.values() for c in robot.skills.values()]
         said = [*(c.words for c in skills), *(c.by_name for c in skills)]
+        if phrases.tables:
+            for robot in robots.values():
+                check_phrases(robot, phrases)
         spoken_names = {phrase_key(name): callee for name, callee in callees.items()}
         return cls(
             units=units,
