@@ -19,9 +19,8 @@ class LineContext(msgspec.Struct, frozen=True):
         selected: The robot or group that this person chose in this chat; empty for none.
         visible: The robots this person may see. Any other robot is as unknown as one that does
             not exist.
-        overheard: People talk to each other where it was written, and nobody addressed ROSIC: of
-            what is no line of the grammar, only a whole order that names its robot counts, and that
-            only if it stands alone.
+        overheard: People talk to each other where it was written, and nobody addressed ROSIC: what
+            is no line of the grammar is talk.
     """
 
     selected: str

@@ -27,11 +27,13 @@ if TYPE_CHECKING:
 THEN: Final = ";"
 """What a full stop or a semicolon between two clauses becomes."""
 
-_LOOSE: Final = "¿¡\"'\u201c\u201d\u201e\u201a\u2018\u2019«»「」『』()[]{}<>*…"
+_LOOSE: Final = '¿¡"\u201c\u201d\u201e\u201a\u2018\u2019«»「」『』…'
 _TRAILING: Final = ",.;:!?،。、"
-# Pictures, and what joins and colours them: they say nothing.
+# Pictures that only say how somebody feels, and what joins and colours them. Any other may say
+# something of the line: an arrow, a cross, a thinking face.
 _PICTURE: Final = re.compile(
-    "[\u2190-\u21ff\u2300-\u23ff\u2500-\u27bf\u2b00-\u2bff\ufe0f\u200d\U0001f000-\U0001faff]"
+    "[\u2600\u2615\u263a\u2728\u2764\ufe0f\u200d\U0001f308\U0001f31e\U0001f44b\U0001f44d\U0001f493-\U0001f49f"
+    "\U0001f389\U0001f3fb-\U0001f3ff\U0001f600-\U0001f60e\U0001f642\U0001f64f\U0001f916\U0001f970]"
 )
 _QUESTIONS: Final = frozenset("?\uff1f\u061f")
 _QUOTES: Final = frozenset('"“”„«»「」『』')
@@ -40,6 +42,7 @@ _HAN: Final = "\u2e80-\u2fdf\u3005\u3007\u3040-\u30ff\u3400-\u9fff\uf900-\ufaff"
 _WORDS: Final = re.compile(rf"[{_HAN}]|[=;]|[^\s=;{_HAN}]+")
 _ELIDED: Final = re.compile(r"(?<![\w'])(jusqu|qu|[cdjlmnst])'(?=\w)", re.IGNORECASE)
 _ELISION: Final = re.compile(r"(jusqu|qu|[cdjlmnst])'", re.IGNORECASE)
+_OPENING: Final = re.compile(r"\s*[^\W\d_]+\s*[,!.]\s")
 _HYPHEN: Final = re.compile(r"(?<=[^\W\d_])-(?=[^\W\d_])")
 _APOSTROPHES: Final = str.maketrans(
     {"\u2019": "'", "\u2018": "'", "`": "'", "\u00b4": "'", "\u2212": "-"}
@@ -55,7 +58,8 @@ class SpokenLine(NamedTuple):
         raw: The same as typed: of a unit the case may matter.
         asks: It ends with a question mark.
         answers: Words follow a question in it: ``1 m? no``.
-        quotes: It repeats what somebody said.
+        quotes: It repeats what somebody said, or holds a sign that numbers do not have in words.
+        opens: Its first word stands by itself before a comma: ``right, move 1 m``.
     """
 
     words: tuple[str, ...]
@@ -63,13 +67,20 @@ class SpokenLine(NamedTuple):
     asks: bool
     answers: bool
     quotes: bool
+    opens: bool
 
 
 def spoken_line(text: str) -> SpokenLine:
     """Return the words of a line. Takes time linear in it."""
     asked = max(map(text.rfind, _QUESTIONS))
     answers = any(letter.isalnum() for letter in text[asked + 1 :]) if asked >= 0 else False
-    quotes = not _QUOTES.isdisjoint(text)
+    quotes = not _QUOTES.isdisjoint(text) or any(
+        sign.isnumeric()
+        and not sign.isdecimal()
+        and unicodedata.category(sign) == "No"
+        and unicodedata.numeric(sign) >= 1
+        for sign in text
+    )
     text = normalised(text).translate(_APOSTROPHES).replace("_", " ")
     text = _HYPHEN.sub(" ", _ELIDED.sub(r"\1' ", text))
     if not text.isascii():
@@ -85,7 +96,8 @@ def spoken_line(text: str) -> SpokenLine:
     while words and words[-1] == THEN:
         words.pop()
     low = tuple([word.casefold() for word in words])
-    return SpokenLine(low, tuple(words), asked >= 0, answers, quotes)
+    opens = bool(_OPENING.match(text))
+    return SpokenLine(low, tuple(words), asked >= 0, answers, quotes, opens)
 
 
 def phrase_key(text: str) -> str:

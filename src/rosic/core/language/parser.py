@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 
 LONGEST_TEXT = 4096
 MOST_LINES = 20
+MOST_PHRASES = 4
+"""So many lines of a message are read as people write them; the others are of the grammar."""
 
 
 def understand(
@@ -74,9 +76,11 @@ def understand(
                 )
             ),
         )
-    if len(lines) > 1 and context.overheard:
-        vocabulary = replace(vocabulary, phrases=NO_PHRASES)
-    read = [_cleaned(line, vocabulary, context, mends=mends) for line in lines]
+    strict = replace(vocabulary, phrases=NO_PHRASES)
+    read = [
+        _cleaned(line, vocabulary if at < MOST_PHRASES else strict, context, mends=mends)
+        for at, line in enumerate(lines)
+    ]
     return tuple(read) or (_EMPTY,)
 
 
@@ -101,8 +105,8 @@ def _with_words(text: str) -> list[str]:
 
 
 _EMPTY = Misunderstood(said("There was nothing to read. Say help for what can be said."), ("help",))
-WHOAMI = "me"
-"""The command whose names begin many a sentence: ``ich hätte gern``; nothing follows it."""
+WHOAMI, SCHEDULE = "me", "schedule"
+"""Commands whose names begin many a sentence: ``ich hätte gern``, ``um pouco``."""
 
 _REORDERED = Misunderstood(
     said(
@@ -132,7 +136,7 @@ def _line(line: str, vocabulary: Vocabulary, context: LineContext, *, mends: boo
     raw, low, slash = words_of(line)
     if slash and low[0] in FILLERS and low[0] in vocabulary.commands.aliases:
         return CommandLine(vocabulary.commands.aliases[low[0]], line.partition(" ")[2].strip())
-    phrases = mends and not slash and bool(vocabulary.phrases.tables)
+    phrases = mends and not (slash or context.overheard) and bool(vocabulary.phrases.tables)
     reader = LineReader(line, (raw, low), vocabulary, context, mends=mends and not phrases)
     read = reader.read(slash=slash)
     if vocabulary.places and isinstance(read, Do):
@@ -150,8 +154,6 @@ def _loosely(
 ) -> Line:
     """Return what a line means that the grammar does not read to its end."""
     found = _phrase(line, read, reader, vocabulary, context)
-    if context.overheard and not (isinstance(found, Do) and found.named):
-        found = None
     if found is not None and not (isinstance(found, Proposed) and _is_asked_better(found, read)):
         return found
     if isinstance(read, Misunderstood):
@@ -173,9 +175,7 @@ def _phrase(
     about_stop = isinstance(read, Misunderstood) and read.about_stop
     if about_stop or len(line) > LONGEST_PHRASE:
         return None
-    if type(read) is CommandLine and not (
-        (read.verb == WHOAMI and read.rest) or _is_phrase(line, vocabulary)
-    ):
+    if type(read) is CommandLine and not (_begins_sentence(read) or _is_phrase(line, vocabulary)):
         return read
     phrases = _phrase_reader(line, reader, vocabulary, context)
     found = phrases.read()
@@ -187,6 +187,13 @@ def _phrase_reader(
 ) -> PhraseReader:
     strictly = partial(_strictly, vocabulary=vocabulary, context=context)
     return PhraseReader(line, vocabulary, context, reader.chosen(), reader.seen, strictly)
+
+
+def _begins_sentence(read: CommandLine) -> bool:
+    """Whether a command may be the beginning of a sentence: nothing that it takes follows it."""
+    if read.verb == SCHEDULE:
+        return not any(letter.isnumeric() for letter in read.rest)
+    return read.verb == WHOAMI and bool(read.rest)
 
 
 def _is_phrase(line: str, vocabulary: Vocabulary) -> bool:

@@ -127,10 +127,10 @@ class MeaningReader:
         if best is None:
             return None
         # A skill that only a verb of any motion names is sure where it takes a number of the line.
-        surely = evidence.surely or bool(best.values.numbers)
+        surely = evidence.surely or (bool(best.values.numbers) and _verb_first(items))
         # Of two that lack something the profile's first is asked about; of two whole ones, neither.
         doubt = alike > 1 and not rank[1]
-        return best._replace(whole=surely and not rank[0] and not doubt)
+        return best._replace(whole=surely and not (rank[0] or doubt or best.values.bare))
 
     def _meant(
         self,
@@ -151,6 +151,16 @@ def _is_number(items: Sequence[Item]) -> bool:
     )
 
 
+def _verb_first(items: Sequence[Item]) -> bool:
+    """Whether the verb stands before the number: ``1 m to go`` is no order."""
+    for item in items:
+        if item.means(SenseKind.VERB):
+            return True
+        if item.numeral is not None or item.means(SenseKind.NUMBER):
+            return False
+    return False
+
+
 def without_callee(items: Sequence[Item], callee: NameTarget) -> list[Item]:
     """Return the words without those that name whom all of it is for."""
     kept: list[Item] = []
@@ -159,6 +169,6 @@ def without_callee(items: Sequence[Item], callee: NameTarget) -> list[Item]:
         named = item.callee is not None and item.callee.name == callee.name
         if named and not subject:
             subject = True
-        elif kept or not item.means(SenseKind.THEN):  # and now, forward
+        elif kept or subject or not item.means(SenseKind.THEN):  # and now, forward
             kept.append(item)
     return kept

@@ -29,7 +29,7 @@ from rosic.core.language.phrase_meaning import (
     Reading,
     without_callee,
 )
-from rosic.core.language.phrase_times import without_time
+from rosic.core.language.phrase_times import UNSURE, without_time
 from rosic.core.language.phrase_values import (
     SKILLS_LOOKED_AT,
     SkillValueReader,
@@ -57,7 +57,11 @@ if TYPE_CHECKING:
     from rosic.core.language.vocabulary import Vocabulary
 
 LONGEST_PHRASE: Final = 240
-MOST_PHRASE_WORDS: Final = 48
+MOST_PHRASE_WORDS: Final = 20
+LANGUAGES_PROPOSED: Final = 2
+"""Of so many languages a line is taken for, for what it proposes: those with most of its words."""
+MOST_UNKNOWN: Final = 3
+"""With more words that nobody knows, a line is not looked at for typing errors."""
 NAMES_LOOKED_AT: Final = 128
 
 NO_ORDER: Final = said("I read no order in that. Nothing was done.")
@@ -113,11 +117,11 @@ class PhraseReader:
         full = [reading for reading in readings if not reading.unknown]
         fewest = min(reading.unknown for reading in readings)
         best = [reading for reading in readings if reading.unknown == fewest]
-        said_else = self._line.quotes or self._line.answers
+        said_else = self._line.quotes or self._line.answers or self._named.owns
         blocked = said_else or any(r.is_blocked for r in full or best)
         asks = self._line.asks and not any(r.has(SenseKind.REQUEST) for r in best)
         self._names = subject is not None
-        if full and not blocked and not asks:
+        if full and not blocked and not asks and self._is_begun_well(full):
             acts = self._act(full, subject)
             if acts:
                 return self._reads(acts)
@@ -208,11 +212,20 @@ class PhraseReader:
         lines = []
         for reading in full:
             meaning = self._meanings.read(reading, callee)
-            if meaning is None or not meaning.whole:
+            if meaning is None or not meaning.whole or not _is_in_order(reading.items, callee):
                 return ""
+            if self._line.asks and not meaning.values.numbers:
+                return ""  # can you grab?
             lines.append(meaning.line)
         agreed = len(set(lines)) == 1
         return lines[0] if agreed and not isinstance(self._reads(lines[0]), Misunderstood) else ""
+
+    def _is_begun_well(self, full: Sequence[Reading]) -> bool:
+        """Whether the line does not begin with a word by itself that could be of the order."""
+        first = [reading.items[0] for reading in full if reading.items]
+        return not self._line.opens or not any(
+            item.means(kind) for item in first for kind in _DOES if item.callee is None
+        )
 
     def _is_one_callee(self, callee: NameTarget) -> bool:
         """Whether nobody else is named, but as a value."""
@@ -244,7 +257,7 @@ class PhraseReader:
 
     def _renamed(self, best: Sequence[Reading]) -> Line | None:
         """Return what the line would be if a word that means nothing were a misspelt name."""
-        if self._named.named:
+        if self._named.named or best[0].unknown > MOST_UNKNOWN:
             return None
         names = [
             name
@@ -253,7 +266,7 @@ class PhraseReader:
             for name in self._vocabulary.robots[robot].names
         ]
         for item in islice((item for item in best[0].items if not item.is_known), 2):
-            for name in did_you_mean(item.text, names):
+            for name in did_you_mean(item.text, names)[:1]:
                 words = (*self._line.words[: item.at], name, *self._line.words[item.end :])
                 line = PhraseReader(
                     " ".join(words),
@@ -334,8 +347,10 @@ class PhraseReader:
 
     def _proposed(self, best: Sequence[Reading], callee: NameTarget | None) -> Line | None:
         """Return up to three lines that may be meant."""
-        tables = [reading.table for reading in best]
-        mended = self._readings(callee, tables, mends=True)
+        likely = sorted(best, key=_own_words)[:LANGUAGES_PROPOSED]
+        tables = [reading.table for reading in likely]
+        few = 0 < best[0].unknown <= MOST_UNKNOWN
+        mended = self._readings(callee, tables, mends=True) if few else likely
         fewest = min(reading.unknown for reading in mended)
         callee = callee or self._chosen
         lines: dict[str, None] = {}
@@ -370,6 +385,7 @@ class PhraseReader:
         lines = self._untimed(reading._replace(items=items), callee)
         if not when:
             yield from lines
+        if not when or when == UNSURE:
             return
         for line in lines:
             self._whole = True  # a plan is shown whole before it stands
@@ -422,6 +438,31 @@ class PhraseReader:
                 yield callee
 
 
+def _own_words(reading: Reading) -> int:
+    """Return how many words are of the profile or numbers alone, and not of the language."""
+    return sum(all(sense.kind in _OF_PROFILE for sense in item.senses) for item in reading.items)
+
+
+def _is_in_order(items: Sequence[Item], callee: NameTarget) -> bool:
+    """Whether of two that are named the first is asked, and the second follows what it is to do.
+
+    ``cf2 follow cf1`` says who follows whom, ``follow cf1 with cf2`` the other way round.
+    """
+    named = {at: item.callee.name for at, item in enumerate(items) if item.callee is not None}
+    if len(set(named.values())) < 2:  # noqa: PLR2004
+        return True
+    does = [
+        at
+        for at, item in enumerate(items)
+        if item.means(SenseKind.SKILL) or item.means(SenseKind.OWN_SKILL)
+    ]
+    moved = any(item.means(SenseKind.VERB) for item in items)
+    if len(named) != 2 or len(does) != 1 or moved:  # noqa: PLR2004
+        return False
+    first, second = named
+    return named[first] == callee.name and first < does[0] < second
+
+
 def _only_asks(reading: Reading) -> bool:
     """Whether a line is a question, with a name in it at most."""
     return all(
@@ -430,6 +471,7 @@ def _only_asks(reading: Reading) -> bool:
     )
 
 
+_OF_PROFILE: Final = frozenset({SenseKind.OWN_SKILL, SenseKind.OWN_CHOICE, SenseKind.OWN_PARAMETER})
 _DOES: Final = (SenseKind.SKILL, SenseKind.VERB, SenseKind.OWN_SKILL, SenseKind.CHOICE)
 
 

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
     from rosic.core.language.phrase_words import Item
 
+UNSURE: Final = "?"
+"""A line speaks of a time that is not read."""
 _CLOCK: Final = re.compile(r"(\d{1,2})[:.h](\d\d)")
 _LENGTHS: Final = frozenset({"min", "h"})
 _BEFORE_NUMBER: Final = frozenset({"at", "in"})
@@ -46,7 +48,16 @@ def without_time(items: Sequence[Item]) -> TimedLine:
             end = at + 1
         words += said
         at = end
+    hours = sum(":" in word for word in words)
+    unsure = hours > 1 or words[-1:] == ["every"] or any(word in _LENGTHS for word in left(others))
+    if words and unsure:
+        return TimedLine(UNSURE, others)
     return TimedLine(" ".join(words), others) if words else TimedLine("", list(items))
+
+
+def left(items: Sequence[Item]) -> list[str]:
+    """Return the words of a time that have no place in it."""
+    return [word for item in items for word in item.values(SenseKind.TIME)]
 
 
 def _time_at(items: Sequence[Item], at: int, before: Sequence[str]) -> tuple[list[str], int]:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from rosic.core.language.phrase_words import Item, RobotWords
 
 SKILLS_LOOKED_AT: Final = 32
+_DIRECTIONS: Final = frozenset({"forward", "back", "backward", "left", "right", "up", "down"})
+"""Choices that say what is to be done although no skill is named."""
 
 _IGNORED: Final = frozenset(
     {
@@ -23,7 +25,6 @@ _IGNORED: Final = frozenset(
         *(SenseKind.VERB, SenseKind.COUNTER),
     }
 )
-_POLITE: Final = frozenset({"hello", "thanks"})
 
 
 # ---- which skills may be meant ----
@@ -64,17 +65,25 @@ def skill_evidence(items: Sequence[Item], robot: CompiledRobot, words: RobotWord
         chosen.update(dict.fromkeys(_choosing(item, words)))
         parameters += item.values(SenseKind.OWN_PARAMETER)[:1]
     both = [name for name in (named or [{}])[0] if all(name in other for other in named)]
+    directed = any(_DIRECTIONS.intersection(_said_choices(item, words)) for item in items)
     if named:
         return SkillEvidence(tuple([robot.skills[name] for name in both]), True)
     taking = _taking(parameters, robot) if not (chosen or phrases) else ()
-    surely = tuple(chosen) or tuple(phrases) or taking
-    return SkillEvidence(tuple([robot.skills[n] for n in surely or tuple(verbs)]), bool(surely))
+    likely = tuple(chosen) or tuple(phrases) or taking
+    surely = directed if chosen else bool(likely)
+    return SkillEvidence(tuple([robot.skills[n] for n in likely or tuple(verbs)]), surely)
 
 
 def _choosing(item: Item, words: RobotWords) -> list[str]:
-    """Return the skills that a choice names by itself."""
+    """Return the skills that have a choice."""
     said = (*item.values(SenseKind.CHOICE), *item.values(SenseKind.OWN_CHOICE))
     return [skill for choice in said for skill in words.chosen.get(choice, ())]
+
+
+def _said_choices(item: Item, words: RobotWords) -> set[str]:
+    """Return the choices of this robot that some words say, as its profile calls them."""
+    said = (*item.values(SenseKind.CHOICE), *item.values(SenseKind.OWN_CHOICE))
+    return {words.choices[choice] for choice in said if choice in words.choices}
 
 
 def _taking(parameters: Sequence[str], robot: CompiledRobot) -> tuple[str, ...]:
@@ -110,6 +119,7 @@ class PlacedValues(NamedTuple):
         given: Parameter to how its value is said: ``0.5 m``, ``left``.
         numbers: Parameter to its number, SI, of those that are numbers.
         left: Words that say nothing of this skill.
+        bare: A number has neither a unit nor the name of its parameter beside it.
         beyond: A number is outside its bounds.
     """
 
@@ -117,6 +127,7 @@ class PlacedValues(NamedTuple):
     numbers: dict[str, float]
     left: tuple[Item, ...]
     beyond: bool
+    bare: bool = False
 
     def missing(self, skill: CompiledSkill) -> tuple[CompiledParameter, ...]:
         """Return the parameters that have no value and no default."""
@@ -136,7 +147,7 @@ class SkillValueReader:
     """
 
     __slots__ = (
-        *("_beyond", "_given", "_items", "_left", "_named", "_numbers", "_si", "_skill"),
+        *("_bare", "_beyond", "_given", "_items", "_left", "_named", "_numbers", "_si", "_skill"),
         *("_units", "_waits"),
     )
 
@@ -150,7 +161,7 @@ class SkillValueReader:
         self._given: dict[str, str] = {}
         self._si: dict[str, float] = {}
         self._left: list[Item] = []
-        self._beyond = False
+        self._beyond = self._bare = False
         self._named: CompiledParameter | None = None
         self._waits: Item | None = None
 
@@ -160,6 +171,8 @@ class SkillValueReader:
         while at < len(self._items):
             number = self._numbers.at(at)
             if number is not None:
+                named = self._named is not None or self._names_next(number.after)
+                self._bare = self._bare or not (number.unit or named)
                 if not self._place(number):
                     self._left += self._items[at : number.after]
                 at = number.after
@@ -168,7 +181,7 @@ class SkillValueReader:
                 at += 1
         self._name(None, None)
         left = tuple([item for item in self._left if not self._names_given(item)])
-        return PlacedValues(self._given, self._si, left, self._beyond)
+        return PlacedValues(self._given, self._si, left, self._beyond, self._bare)
 
     def _take(self, item: Item, after: int) -> None:
         """Take in some words that are no number."""
@@ -177,6 +190,8 @@ class SkillValueReader:
             return
         if self._choose(item):
             self._named = self._waits = None
+        elif self._named is None and self._choices(item):
+            self._left.append(item)  # left and right
         elif parameter is not None and parameter.name in self._given:
             return  # the second joint
         elif parameter is not None and self._is_followed(after):
@@ -198,6 +213,22 @@ class SkillValueReader:
         if at >= len(items):
             return False
         return self._numbers.at(at) is not None or bool(self._choices(items[at]))
+
+    def _names_next(self, at: int) -> bool:
+        """Whether the name of a parameter follows a number: ``the second joint``.
+
+        Not if another number follows that may be its own: ``2 x 1 m``.
+        """
+        items = self._items
+        parameter = self._parameter(items[at]) if at < len(items) else None
+        if parameter is None:
+            return False
+        at += 1
+        while at < len(items) and items[at].means(SenseKind.NOTHING):
+            at += 1
+        number = self._numbers.at(at) if at < len(items) else None
+        unit = self._units.find(number.unit) if number is not None and number.unit else None
+        return number is None or (unit is not None and unit.dimension != parameter.unit.dimension)
 
     def _parameter(self, item: Item) -> CompiledParameter | None:
         by_name = self._skill.by_name
@@ -222,8 +253,10 @@ class SkillValueReader:
     def _is_ignored(self, item: Item, after: int) -> bool:
         if self._says_skill(item) or any(sense.kind in _IGNORED for sense in item.senses):
             return True
-        outermost = after == 1 or after == len(self._items)
-        return outermost and not _POLITE.isdisjoint(item.values(SenseKind.MANNER))
+        manners = item.values(SenseKind.MANNER)
+        return (after == 1 and "hello" in manners) or (
+            after == len(self._items) and "thanks" in manners
+        )
 
     # ---- choices ----
 

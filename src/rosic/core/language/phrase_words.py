@@ -36,16 +36,18 @@ class RobotWords(NamedTuple):
         senses: In every language.
         spoken: By language, what the profile lets be said in it alone.
         longest: First word to the number of words in the longest phrase, in any language.
-        chosen: What people say for a choice, to the skills that it names by itself: ``left``.
+        chosen: What people say for a choice, to the skills that have it: ``left``.
+        choices: What people say for a choice, to the choice.
     """
 
     senses: dict[str, tuple[Sense, ...]]
     spoken: dict[str, dict[str, tuple[Sense, ...]]]
     longest: dict[str, int]
     chosen: dict[str, tuple[str, ...]]
+    choices: dict[str, str]
 
 
-NO_WORDS: Final = RobotWords({}, {}, {}, {})
+NO_WORDS: Final = RobotWords({}, {}, {}, {}, {})
 
 
 def robot_words(robot: CompiledRobot) -> RobotWords:
@@ -68,6 +70,7 @@ def robot_words(robot: CompiledRobot) -> RobotWords:
         {language: _frozen(table) for language, table in spoken.items()},
         longest_by_first_word(key for table in (senses, *spoken.values()) for key in table),
         {word: tuple(skills) for word, skills in chosen.items()},
+        {word: choice for skill in robot.skills.values() for word, choice in _choices(skill)},
     )
 
 
@@ -134,7 +137,10 @@ class Item(NamedTuple):
 
     def means(self, kind: SenseKind) -> bool:
         """Whether they may mean something of a sort."""
-        return any(sense.kind is kind for sense in self.senses)
+        for sense in self.senses:  # noqa: SIM110 - asked a thousand times a line
+            if sense.kind is kind:
+                return True
+        return False
 
     def values(self, kind: SenseKind) -> tuple[str, ...]:
         """Return what of a sort they may mean."""
@@ -142,9 +148,15 @@ class Item(NamedTuple):
 
 
 class Places(NamedTuple):
-    """Where robots and groups are named in a line: place of the first word, to what and its end."""
+    """Where robots and groups are named in a line.
+
+    Attributes:
+        named: Place of the first word, to who is named and where the name ends.
+        owns: Something of theirs is spoken of: ``omni's``.
+    """
 
     named: dict[int, tuple[NameTarget, int]]
+    owns: bool = False
 
     @property
     def callees(self) -> tuple[NameTarget, ...]:
@@ -231,7 +243,8 @@ class WordReader:
                     sense.kind is SenseKind.VERB for sense in table.senses.get(word, ())
                 )
                 raw = " ".join(self._raw[at : at + count])
-                if counted and (unit := self._units.exact.get(raw)) is not None:
+                unit = self._units.exact.get(raw) if counted and raw != "in" else None
+                if unit is not None:
                     senses = (Sense(SenseKind.UNIT, unit.symbol), *senses)
                 return Item(key, at, at + count, senses, follows_verb=verb, raw=raw)
         return None
@@ -302,10 +315,18 @@ FARTHEST: Final = 8
 """So many words may stand in a gap."""
 
 
+_COUNTS: Final = frozenset(
+    {SenseKind.NUMBER, SenseKind.ONE, SenseKind.COUNTER, SenseKind.HALF_MORE}
+)
+
+
 def _is_counted(item: Item) -> bool:
-    return (
-        item.numeral is not None or item.means(SenseKind.NUMBER) or item.means(SenseKind.ONE)
-    ) or (item.means(SenseKind.COUNTER) or item.means(SenseKind.HALF_MORE))
+    if item.numeral is not None:
+        return True
+    for sense in item.senses:  # noqa: SIM110 - asked of every word in every language
+        if sense.kind in _COUNTS:
+            return True
+    return False
 
 
 def find_callees(
@@ -316,7 +337,7 @@ def find_callees(
 ) -> Places:
     """Return where somebody whom this person may see is named in a line."""
     found: dict[int, tuple[NameTarget, int]] = {}
-    at, words = 0, tuple([_owner(word, longest) for word in line.words])
+    at, words = 0, tuple([_owner(word, names) for word in line.words])
     while at < len(words):
         end = at + 1
         for count in range(min(longest.get(words[at], 0), len(words) - at), 0, -1):
@@ -327,12 +348,12 @@ def find_callees(
                 end = at + count
                 break
         at = end
-    return Places(found)
+    return Places(found, owns=words != line.words)
 
 
-def _owner(word: str, longest: Mapping[str, int]) -> str:
+def _owner(word: str, names: Mapping[str, NameTarget]) -> str:
     """Return the name in ``omni's`` and ``omnis``; any other word as it is."""
-    if word in longest or not word.endswith("s"):
+    if word in names or not word.endswith("s"):
         return word
     bare = word[:-1].rstrip("'")
-    return bare if bare in longest else word
+    return bare if bare in names else word

@@ -9,13 +9,14 @@ from rosic.core.language.lexicon import CONTENT, Sense, SenseKind, phrase_key
 from rosic.core.language.numbers import read_numeral
 from rosic.core.language.sanitise import quote
 from rosic.core.language.stop_detection import is_stop_word
+from rosic.core.language.wait_detection import hears_wait
 from rosic.core.robot.skill import LANGUAGE_CODE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from rosic.core.language.compiled import CompiledParameter, CompiledRobot, CompiledSkill
-    from rosic.core.language.lexicon import Phrasebook
+    from rosic.core.language.lexicon import LexiconTable, Phrasebook
 
 _NO_ORDER: Final = frozenset(
     {
@@ -66,9 +67,18 @@ def _check(robot: CompiledRobot, said: ProfilePhrase, book: Phrasebook) -> None:
     key = phrase_key(said.phrase)
     if not LANGUAGE_CODE.fullmatch(said.language):
         raise ValueError(f"{where} is said in {quote(said.language)}, which is no language's code")
-    if not key or is_stop_word(key.split(" ")[0]) or is_cancel_word(key) or read_numeral(key):
+    waits = hears_wait(said.phrase)
+    if (
+        not key
+        or waits
+        or is_stop_word(key.split(" ")[0])
+        or is_cancel_word(key)
+        or read_numeral(key)
+    ):
         raise ValueError(f"{where} cannot be said: it means something else everywhere")
     for table in book.tables:
+        if table.language == said.language and _denies(key, table):
+            raise ValueError(f"{where} cannot be said: it orders nothing in {said.language}")
         for sense in table.senses.get(key, ()):
             if sense.kind in _NO_ORDER and table.language == said.language:
                 raise ValueError(f"{where} cannot be said: it orders nothing in {said.language}")
@@ -76,6 +86,19 @@ def _check(robot: CompiledRobot, said: ProfilePhrase, book: Phrasebook) -> None:
                 raise ValueError(
                     f"{where} means {sense.kind.value} {sense.value} in {table.language}"
                 )
+
+
+def _denies(key: str, table: LexiconTable) -> bool:
+    """Whether a phrase holds words that make any line no order."""
+    words = key.split(" ")
+    parts = (
+        " ".join(words[begin:end])
+        for begin in range(len(words))
+        for end in range(begin + 1, len(words) + 1)
+    )
+    return any(
+        sense.kind is SenseKind.BLOCKED for part in parts for sense in table.senses.get(part, ())
+    )
 
 
 def _phrases_of(skill: CompiledSkill) -> Iterator[ProfilePhrase]:

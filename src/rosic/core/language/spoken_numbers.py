@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from rosic.core.language.phrase_words import Item
 
 _TENS: Final = range(20, 100, 10)
+_SCORES: Final = (60.0, 80.0)
+"""French counts on from them: ``soixante quinze``."""
 _HUNDRED, _TEN = 100.0, 10.0
 _NO_UNIT: Final = frozenset(
     {
@@ -112,9 +114,14 @@ class SpokenNumbers:
         if first is None:
             return None
         whole, part, at = 0.0, first, at + 1
+        if first >= _HUNDRED:
+            whole, part = first, 0.0
         while True:
-            after = at + (self._means(at, SenseKind.JOINER) and not self._counts(at))
+            joined = self._means(at, SenseKind.JOINER) and not self._counts(at)
+            after = at + joined
             number = self._numeral(after)
+            if number is None and joined and self._means(after, SenseKind.ONE):
+                number = 1.0
             added = None if number is None else self._added(whole, part, number)
             if added is None:
                 break
@@ -130,7 +137,11 @@ class SpokenNumbers:
             return whole, part * number
         if number < _TEN and (part in _TENS or (self._positional and part == _TEN)):
             return whole, part + number
-        return (whole, number) if whole and not part and number < _HUNDRED else None
+        if part in _SCORES and _TEN < number < 2 * _TEN:
+            return whole, part + number
+        # 一百二 is 120, and not 102.
+        short = self._positional and number < _TEN
+        return (whole, number) if whole and not part and number < _HUNDRED and not short else None
 
     def _decimals(self, value: float, at: int) -> tuple[float, int]:
         digits, after = "", at + 1
@@ -161,6 +172,8 @@ class SpokenNumbers:
         found = self._in_words(at) if at < len(self._items) else None
         if found is None or self._unit(found[1]) or not 0 < found[0] < _HUNDRED:
             return number
+        if found[0] < _TEN and not self._positional:
+            return number  # un mètre cinq
         part = found[0] / (_HUNDRED if found[0] >= _TEN else _TEN)
         return SpokenNumber(number.value + part, number.unit, found[1])
 

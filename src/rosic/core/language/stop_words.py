@@ -86,7 +86,7 @@ _EVERYTHING = """
 # What stands right before a stop and makes another word of it, or its opposite.
 _UNSAID = """
     bus train tram truck full pit non last next first whistle door not never t dont doesnt didnt
-    cant cannot wont nicht nie niemals pas ne n jamais nunca não mai niet không đừng не 不
+    cant cannot wont nicht nie niemals pas ne jamais nunca não mai niet không đừng не 不
     不要 别 別
 """
 
