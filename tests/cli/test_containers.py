@@ -52,7 +52,7 @@ def test_containers_are_listed_and_shown(config: Path) -> None:
     lines = good("container list", config=config).splitlines()
     assert [line.split()[0] for line in lines] == ["robot"] * 2 + ["person"] * 2 + ["chat"]
     assert lines[0].split()[1:] == ["kuka1", "KUKA", "iiwa"]
-    assert lines[-1].endswith("  terminal private terminal")
+    assert lines[-1].endswith(f"  terminal private {os.getuid()}")
     shown = good("container show", "Ada", config=config).splitlines()
     assert shown[0].startswith("person Ada (p")
     assert shown[-1] == "  shared data: 1 of 64 names, 7 bytes of 64 KiB"

@@ -115,7 +115,7 @@ def test_bad_lines_are_answered_and_hold_nothing_up() -> None:
         "omni mvoe 1 m",
         "omni move 40 m",
         "omni move nan m",
-        "omni move -1 m",
+        "kuka1 grasp force=-1 N",
         "omni move 1e400 m",
         "omni move 1 parsec",
         "omni move colour=red",

@@ -139,7 +139,7 @@ def test_a_shell_completes_commands_and_their_options(tmp_path: Path) -> None:
     firsts = {name.split()[0] for name in COMMANDS}
     assert set(bash(script, "rosic", "")) == firsts
     assert bash(script, "rosic", "peo") == ["people"]
-    assert bash(script, "rosic", "key", "") == ["list", "rotate", "revoke"]
+    assert bash(script, "rosic", "key", "") == ["list", "create", "rotate", "revoke"]
     assert bash(script, "rosic", "people", "--j") == ["--json"]
     assert bash(script, "rosic", "key", "list", "Ada", "--j") == ["--json"]
     assert bash(script, "rosic", "robot", "check", "") == [], "names of files are the shell's own"
