@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 LONGEST_TEXT = 4096
 MOST_LINES = 20
-MOST_PHRASES = 4
+MOST_PHRASES = 3
 """So many lines of a message are read as people write them; the others are of the grammar."""
 
 
@@ -76,7 +76,8 @@ def understand(
                 )
             ),
         )
-    strict = replace(vocabulary, phrases=NO_PHRASES)
+    many = len(lines) > MOST_PHRASES
+    strict = replace(vocabulary, phrases=NO_PHRASES) if many else vocabulary
     read = [
         _cleaned(line, vocabulary if at < MOST_PHRASES else strict, context, mends=mends)
         for at, line in enumerate(lines)
