@@ -56,13 +56,18 @@ class Reading(NamedTuple):
         return any(item.means(kind) for item in self.items)
 
 
+def best_of(readings: Sequence[Reading]) -> list[Reading]:
+    """Return the readings in which the fewest words mean nothing."""
+    fewest = min((reading.unknown for reading in readings), default=0)
+    return [reading for reading in readings if reading.unknown == fewest]
+
+
 class Meaning(NamedTuple):
     """What a line asks of a robot, as far as it says so.
 
     Attributes:
         line: The line of the grammar.
         whole: Every word of it was used, and nothing else can be meant.
-        beyond: A number lies outside its bounds.
     """
 
     line: str

@@ -27,6 +27,7 @@ from rosic.core.language.phrase_meaning import (
     ROBOTS_LOOKED_AT,
     MeaningReader,
     Reading,
+    best_of,
     without_callee,
 )
 from rosic.core.language.phrase_times import UNSURE, without_time
@@ -93,7 +94,6 @@ class PhraseReader:
         seen: Callable[[NameTarget], NameTarget | None],
         reads: Callable[[str], Line],
     ) -> None:
-        self._text = text
         self._vocabulary = vocabulary
         self._context = context
         self._chosen = chosen
@@ -115,8 +115,7 @@ class PhraseReader:
         if not readings:
             return None
         full = [reading for reading in readings if not reading.unknown]
-        fewest = min(reading.unknown for reading in readings)
-        best = [reading for reading in readings if reading.unknown == fewest]
+        best = best_of(readings)
         said_else = self._line.quotes or self._line.answers or self._named.owns
         blocked = said_else or any(r.is_blocked for r in full or best)
         asks = self._line.asks and not any(r.has(SenseKind.REQUEST) for r in best)
@@ -143,18 +142,14 @@ class PhraseReader:
         if compiled is None or callee is None:
             return ()
         lines: dict[str, None] = {}
-        readings = self._readings(callee, self._vocabulary.phrases.tables)
-        fewest = min((reading.unknown for reading in readings), default=0)
-        for reading in readings:
-            if reading.unknown == fewest:
-                items = without_callee(reading.items, callee)
-                positional = reading.table.positional
-                units = self._vocabulary.units
-                values = SkillValueReader(items, compiled, units, positional=positional).read()
-                vague = {value for item in items for value in item.values(SenseKind.VAGUE)}
-                given = said_before(compiled, last, units)
-                said_now = following_lines(callee, compiled, given, values, vague)
-                lines.update(dict.fromkeys(said_now))
+        units = self._vocabulary.units
+        given = said_before(compiled, last, units)
+        for reading in best_of(self._readings(callee, self._vocabulary.phrases.tables)):
+            items = without_callee(reading.items, callee)
+            positional = reading.table.positional
+            values = SkillValueReader(items, compiled, units, positional=positional).read()
+            vague = {value for item in items for value in item.values(SenseKind.VAGUE)}
+            lines.update(dict.fromkeys(following_lines(callee, compiled, given, values, vague)))
         read = [line for line in lines if not isinstance(self._reads(line), Misunderstood)]
         return tuple(read[:MOST_PROPOSED])
 
@@ -171,13 +166,7 @@ class PhraseReader:
         subject = self._subject()
         readings = self._readings(subject, tables)
         if subject is None:
-            fewest = min((reading.unknown for reading in readings), default=0)
-            named = (
-                item.callee
-                for reading in readings
-                if reading.unknown == fewest
-                for item in reading.items
-            )
+            named = (item.callee for reading in best_of(readings) for item in reading.items)
             subject = next((callee for callee in named if callee is not None), None)
             if subject is not None:
                 readings = self._readings(subject, tables)
@@ -283,11 +272,10 @@ class PhraseReader:
     def meant(self) -> tuple[str, ...]:
         """Return the lines of the grammar that this one may be; none where it is no order."""
         subject, readings = self._read_all()
-        fewest = min(reading.unknown for reading in readings)
-        best = [reading for reading in readings if reading.unknown == fewest]
+        best = best_of(readings)
         if self._line.quotes or self._line.answers or any(r.is_blocked for r in best):
             return ()
-        acts = self._act(best, subject) if not fewest else ""
+        acts = "" if best[0].unknown else self._act(best, subject)
         proposed = None if acts else self._proposed(best, subject)
         return (acts,) if acts else proposed.offers if isinstance(proposed, Proposed) else ()
 
@@ -351,13 +339,10 @@ class PhraseReader:
         tables = [reading.table for reading in likely]
         few = 0 < best[0].unknown <= MOST_UNKNOWN
         mended = self._readings(callee, tables, mends=True) if few else likely
-        fewest = min(reading.unknown for reading in mended)
         callee = callee or self._chosen
         lines: dict[str, None] = {}
         vague: dict[str, None] = {}
-        for reading in mended:
-            if reading.unknown > fewest:
-                continue
+        for reading in best_of(mended):
             for item in reading.items:
                 vague.update(dict.fromkeys(item.values(SenseKind.VAGUE)))
             for target in (callee,) if callee is not None else self._candidates(reading):
@@ -424,18 +409,15 @@ class PhraseReader:
         spoken = {word for item in reading.items for word in item.values(SenseKind.CHOICE)}
         for robot in sorted(islice(self._context.visible, SKILLS_LOOKED_AT)) if spoken else ():
             words = self._vocabulary.words.get(robot, NO_WORDS)
-            callee = self._vocabulary.spoken_names.get(phrase_key(robot))
-            if callee is not None and not spoken.isdisjoint(words.chosen):
-                yield callee
+            if not spoken.isdisjoint(words.chosen):
+                yield self._vocabulary.callees[robot]
 
     def _having(self, name: str) -> Iterator[NameTarget]:
         """Yield some of the visible robots that have a skill."""
         vocabulary = self._vocabulary
         having = vocabulary.having.get(name, frozenset()) & self._context.visible
         for robot in sorted(islice(having, ROBOTS_LOOKED_AT)):
-            callee = vocabulary.spoken_names.get(phrase_key(robot))
-            if callee is not None:
-                yield callee
+            yield vocabulary.callees[robot]
 
 
 def _own_words(reading: Reading) -> int:

@@ -19,7 +19,12 @@ from rosic.core.language.numbers import FIRST, Numeral, read_numeral
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from rosic.core.language.compiled import CompiledRobot, CompiledSkill, NameTarget
+    from rosic.core.language.compiled import (
+        CompiledParameter,
+        CompiledRobot,
+        CompiledSkill,
+        NameTarget,
+    )
     from rosic.core.language.numbers import UnitTable
 
 
@@ -80,17 +85,37 @@ def _choices(skill: CompiledSkill) -> Iterator[tuple[str, str]]:
         yield from (parameter.words or {}).items()
 
 
-def _add_said(skill: CompiledSkill, spoken: dict[str, dict[str, dict[Sense, None]]]) -> None:
+class ProfilePhrase(NamedTuple):
+    """What a profile lets be said for a skill, or for a choice of it.
+
+    Attributes:
+        parameter: Of the choice; None: it is said for the skill.
+        choice: Empty: it is said for the skill.
+    """
+
+    language: str
+    phrase: str
+    skill: CompiledSkill
+    parameter: CompiledParameter | None = None
+    choice: str = ""
+
+
+def phrases_of(skill: CompiledSkill) -> Iterator[ProfilePhrase]:
+    """Yield what a profile lets be said of a skill in one language or another."""
     for language, phrases in skill.skill.say.items():
-        for phrase in phrases:
-            sense = Sense(SenseKind.OWN_SKILL, skill.skill.id)
-            _add(spoken.setdefault(language, {}), phrase, sense)
-    for parameter in skill.skill.parameters.values():
-        for choice, languages in parameter.say.items():
+        yield from (ProfilePhrase(language, phrase, skill) for phrase in phrases)
+    for parameter in skill.choices:
+        for choice, languages in skill.skill.parameters[parameter.name].say.items():
             for language, phrases in languages.items():
                 for phrase in phrases:
-                    sense = Sense(SenseKind.OWN_CHOICE, choice)
-                    _add(spoken.setdefault(language, {}), phrase, sense)
+                    yield ProfilePhrase(language, phrase, skill, parameter, choice)
+
+
+def _add_said(skill: CompiledSkill, spoken: dict[str, dict[str, dict[Sense, None]]]) -> None:
+    for said in phrases_of(skill):
+        own = Sense(SenseKind.OWN_SKILL, skill.skill.id)
+        sense = Sense(SenseKind.OWN_CHOICE, said.choice) if said.choice else own
+        _add(spoken.setdefault(said.language, {}), said.phrase, sense)
 
 
 def _add(table: dict[str, dict[Sense, None]], phrase: str, sense: Sense) -> None:
@@ -116,7 +141,6 @@ class Item(NamedTuple):
         senses: Empty: they mean nothing in this language.
         callee: The robot or group that they name.
         numeral: The number that they begin with.
-        mended: A typing error was mended in them.
         follows_verb: They begin with a verb of any motion: ``go to``.
     """
 
@@ -126,7 +150,6 @@ class Item(NamedTuple):
     senses: tuple[Sense, ...] = ()
     callee: NameTarget | None = None
     numeral: Numeral | None = None
-    mended: bool = False
     follows_verb: bool = False
     raw: str = ""
 
@@ -217,11 +240,9 @@ class WordReader:
                 key = " ".join(line[at:end])
                 found.append(Item(key, at, end, self._own.get(key, ()), callee))
             else:
-                after = found[-1] if found else None
-                counted = after is not None and _is_counted(after)
-                found.append(
-                    self._phrase(at, counted=counted) or self._word(at, after, mends=mends)
-                )
+                counted = bool(found) and _is_counted(found[-1])
+                item = self._phrase(at, counted=counted)
+                found.append(item or self._word(at, counted=counted, mends=mends))
             at = found[-1].end
         return found
 
@@ -249,7 +270,7 @@ class WordReader:
                 return Item(key, at, at + count, senses, follows_verb=verb, raw=raw)
         return None
 
-    def _word(self, at: int, before: Item | None, *, mends: bool) -> Item:
+    def _word(self, at: int, *, counted: bool, mends: bool) -> Item:
         word = self._line[at]
         if word[0] in FIRST or word[0].isnumeric():
             numeral = read_numeral(self._raw[at])
@@ -259,7 +280,7 @@ class WordReader:
             return Item(word, at, at + 1, _THEN)
         if word == "=":
             return Item(word, at, at + 1, _EQUALS)
-        unit = self._unit(at) if before is not None and _is_counted(before) else None
+        unit = self._unit(at) if counted else None
         if unit is not None:
             return unit
         if mends:
@@ -267,7 +288,7 @@ class WordReader:
             if close:
                 senses = dict.fromkeys(s for one in close for s in self._table.senses[one])
                 orders = tuple([sense for sense in senses if sense.kind in CONTENT])
-                return Item(close[0], at, at + 1, orders, mended=True)
+                return Item(close[0], at, at + 1, orders)
         return Item(word, at, at + 1)
 
     def _unit(self, at: int) -> Item | None:

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.language.cancel_detection import is_cancel_word
 from rosic.core.language.lexicon import CONTENT, Sense, SenseKind, phrase_key
 from rosic.core.language.numbers import read_numeral
+from rosic.core.language.phrase_words import phrases_of
 from rosic.core.language.sanitise import quote
 from rosic.core.language.stop_detection import is_stop_word
 from rosic.core.language.wait_detection import hears_wait
 from rosic.core.robot.skill import LANGUAGE_CODE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from rosic.core.language.compiled import CompiledParameter, CompiledRobot, CompiledSkill
+    from rosic.core.language.compiled import CompiledRobot, CompiledSkill
     from rosic.core.language.lexicon import LexiconTable, Phrasebook
+    from rosic.core.language.phrase_words import ProfilePhrase
 
 _NO_ORDER: Final = frozenset(
     {
@@ -26,28 +26,14 @@ _NO_ORDER: Final = frozenset(
 )
 
 
-class ProfilePhrase(NamedTuple):
-    """What a profile lets be said for a skill, or for a choice of it.
-
-    Attributes:
-        parameter: Of the choice; None: it is said for the skill.
-        choice: Empty: it is said for the skill.
-    """
-
-    language: str
-    phrase: str
-    skill: CompiledSkill
-    parameter: CompiledParameter | None = None
-    choice: str = ""
-
-    def is_meant_by(self, sense: Sense, robot: CompiledRobot) -> bool:
-        """Whether a sense of a lexicon is what the profile means, or nothing of this robot."""
-        if sense.kind is SenseKind.SKILL:
-            other = robot.phrases.get(sense.value)
-            return other is None or (other is self.skill and self.parameter is None)
-        if sense.kind is SenseKind.CHOICE and self.parameter is not None:
-            return (self.parameter.words or {}).get(sense.value, self.choice) == self.choice
-        return False
+def _is_meant_by(said: ProfilePhrase, sense: Sense, robot: CompiledRobot) -> bool:
+    """Whether a sense of a lexicon is what the profile means, or nothing of this robot."""
+    if sense.kind is SenseKind.SKILL:
+        other = robot.phrases.get(sense.value)
+        return other is None or (other is said.skill and said.parameter is None)
+    if sense.kind is SenseKind.CHOICE and said.parameter is not None:
+        return (said.parameter.words or {}).get(sense.value, said.choice) == said.choice
+    return False
 
 
 def check_phrases(robot: CompiledRobot, book: Phrasebook) -> None:
@@ -58,7 +44,7 @@ def check_phrases(robot: CompiledRobot, book: Phrasebook) -> None:
     """
     for skill in robot.skills.values():
         _check_reverse(robot, skill)
-        for said in _phrases_of(skill):
+        for said in phrases_of(skill):
             _check(robot, said, book)
 
 
@@ -82,7 +68,7 @@ def _check(robot: CompiledRobot, said: ProfilePhrase, book: Phrasebook) -> None:
         for sense in table.senses.get(key, ()):
             if sense.kind in _NO_ORDER and table.language == said.language:
                 raise ValueError(f"{where} cannot be said: it orders nothing in {said.language}")
-            if sense.kind in CONTENT and not said.is_meant_by(sense, robot):
+            if sense.kind in CONTENT and not _is_meant_by(said, sense, robot):
                 raise ValueError(
                     f"{where} means {sense.kind.value} {sense.value} in {table.language}"
                 )
@@ -99,16 +85,6 @@ def _denies(key: str, table: LexiconTable) -> bool:
     return any(
         sense.kind is SenseKind.BLOCKED for part in parts for sense in table.senses.get(part, ())
     )
-
-
-def _phrases_of(skill: CompiledSkill) -> Iterator[ProfilePhrase]:
-    for language, phrases in skill.skill.say.items():
-        yield from (ProfilePhrase(language, phrase, skill) for phrase in phrases)
-    for parameter in skill.choices:
-        for choice, languages in skill.skill.parameters[parameter.name].say.items():
-            for language, phrases in languages.items():
-                for phrase in phrases:
-                    yield ProfilePhrase(language, phrase, skill, parameter, choice)
 
 
 def _check_reverse(robot: CompiledRobot, skill: CompiledSkill) -> None:
