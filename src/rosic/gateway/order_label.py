@@ -26,7 +26,8 @@ def label_of(offer: str, vocabulary: Vocabulary) -> str:
     if offer.startswith(TASK):
         task = offered(TASK.strip(), partial(_named, vocabulary), vocabulary.commands)
         return joined(" ", (task, label_of(offer[len(TASK) :], vocabulary)))
-    lines = understand(offer, vocabulary, LineContext("", frozenset(vocabulary.profiles)))
+    everybody = LineContext("", frozenset(vocabulary.profiles))
+    lines = understand(offer, vocabulary, everybody, mends=False)
     if offer.startswith("/") or len(lines) != 1 or not isinstance(lines[0], Do):
         return offered(offer, partial(_named, vocabulary), vocabulary.commands)
     label = joined(" ", _words(lines[0], vocabulary))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rosic.features.fleet.task_commands import TaskCommands
     from rosic.gateway.components import Components
 
-STEPS_READ_AT_MOST: Final = {"task": 128, "mission": 24}
+STEPS_READ_AT_MOST: Final = {"task": 96, "mission": 24}
 """So many are worked out for a button: all of a large task would hold the loop (I15).
 
 Up to five buttons that begin missions are shown together.
