@@ -14,6 +14,8 @@ LONGEST_NAME = 64
 LONGEST_QUOTE = 32
 # Of a longer name no more is looked at: most of it is cut off in the end.
 NAME_LOOKED_AT = 4 * LONGEST_NAME
+LONGEST_KEPT, WORDS_KEPT = 32, 4_096
+"""Words up to so long, and so many of them, are folded once: each is looked up for many things."""
 
 # Explicit embeddings, overrides and isolates: with them a person can be shown another order of
 # words than the one that is read here.
@@ -149,7 +151,14 @@ def fold_word(word: str) -> str:
     """
     if word.isascii():
         return word
+    return _fold_again(word) if len(word) <= LONGEST_KEPT else _fold(word)
+
+
+def _fold(word: str) -> str:
     if any(character.isnumeric() and not character.isdecimal() for character in word):
         return word
     word = normalised(word.translate(_SIGNS)).translate(_SIGNS)
     return "".join([str(unicodedata.decimal(c)) if c.isdecimal() else c for c in word])
+
+
+_fold_again = lru_cache(maxsize=WORDS_KEPT)(_fold)

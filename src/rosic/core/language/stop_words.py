@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from functools import lru_cache
 from itertools import product
 from string import ascii_lowercase, digits
 
-from rosic.core.language.sanitise import normalised
+from rosic.core.language.sanitise import LONGEST_KEPT, WORDS_KEPT, normalised
 
 # As the first word of a line, any of these stops, whatever follows.
 _STRONG = """
@@ -138,8 +139,18 @@ _RUN = re.compile(r"(.)\1+", re.DOTALL)
 
 def fold_stop(text: str) -> str:
     """Return a text as stop words are compared: small letters, no accents, no variants of signs."""
+    if text.isascii():
+        return text.lower()
+    return _fold_again(text) if len(text) <= LONGEST_KEPT else _fold(text)
+
+
+def _fold(text: str) -> str:
     decomposed = unicodedata.normalize("NFKD", normalised(text).casefold())
     return _UNSEEN.sub("", "".join([c for c in decomposed if not unicodedata.combining(c)]))
+
+
+_fold_again = lru_cache(maxsize=WORDS_KEPT)(_fold)
+"""The same word is folded for each thing that is looked for, and stands in many lines."""
 
 
 def shorten(word: str) -> str:
