@@ -263,6 +263,10 @@ async def test_stop_is_a_tool_and_a_person_resumes(config: Path, running: Gatewa
             stopped = await session.call_tool("stop", {})
         assert not stopped.is_error
         assert re.search(r"STOP: omni at rest \(\d\.\d\d s\)", said(stopped))
+        for named in ([{"id": "omni"}], [["omni"]], ["omni", {"name": "kuka1"}], ["omni"] * 99):
+            again = await session.call_tool("stop", {"robots": named})
+            assert not again.is_error, (named, said(again))
+            assert "STOP: omni" in said(again)
         assert ended[0].is_error
         assert "stopped before it ended" in said(ended[0])
         refused = await session.call_tool("omni-move", {"distance": 0.1})
@@ -306,6 +310,13 @@ async def test_streamable_http_is_for_this_machine_and_for_good_keys(
     listening = [line.split()[1] for line in open_ports() if line.split()[3] == "0A"]
     mine = [place for place in listening if place.endswith(f":{port:04X}")]
     assert mine == [f"0100007F:{port:04X}"], "loopback alone"
+
+
+@pytest.mark.usefixtures("running")
+async def test_no_program_opens_all_the_sessions(config: Path, port: int) -> None:
+    key = key_of("Opener", config)
+    assert [await over_http(port, key) for _ in range(9)] == [200] * 8 + [429]
+    assert await over_http(port, key_of("Other", config)) == 200
 
 
 def open_ports() -> list[str]:

@@ -78,6 +78,13 @@ WRONG = (
     ('[skils]\ngrasp = ["x"]\n', "unknown field `skils`"),
     ('[skills]\ngrasp = "x"\n', "Expected `array`"),
     ("[skills\n", "cannot be read"),
+    ('[numbers]\n"abc" = ["xx"]\n', '"abc" is no number'),
+    ('[amounts]\n"90deg" = ["xx"]\n', '"90deg" is no number'),
+    ('[amounts]\n"90" = ["xx"]\n', "has no unit"),
+    ('[numerals]\ncompound = "{due}"\n', "compound is made of {one} and {ten}"),
+    ('[times]\nat2 = ["xx"]\n', '[times] has no "at2"; it has am, at, day'),
+    ('[questions]\nstatsu = ["xx"]\n', '[questions] has no "statsu"'),
+    ('[blocked]\nnegatoin = ["xx"]\n', '[blocked] has no "negatoin"'),
 )
 
 
@@ -87,6 +94,13 @@ def test_a_mistake_is_one_sentence(
 ) -> None:
     assert main([str(added(locale, "it", text))]) == 1
     assert sentence in capsys.readouterr().out
+
+
+def test_a_folder_without_a_lexicon_is_none(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(tmp_path)]) == 1
+    assert capsys.readouterr().out == f"{tmp_path}: There is no <language>/lexicon.toml here.\n"
 
 
 def test_what_cannot_be_read_names_its_file(tmp_path: Path) -> None:

@@ -91,6 +91,29 @@ async def test_what_is_vague_goes_on_from_the_last_order(text: str, label: str) 
         assert acts(place) == {"omni": 2}
 
 
+@pytest.mark.parametrize("text", ["undo", "/undo", "go back", "not that"])
+async def test_an_undo_proposes_the_reverse_of_the_last_order(text: str) -> None:
+    async with Place(fleet=fleet()).open() as place:
+        await place.say("use omni")
+        await place.say("move 1 m")
+        await place.say(text)
+        assert labels(place)[0] == "omni move back 1 m"
+        assert acts(place) == {"omni": 1}
+        await place.say("use cf1")
+        await place.say("undo")
+        assert "omni move back 1 m" not in labels(place), "what is taken back then is the choice"
+        assert acts(place) == {"omni": 1}
+
+
+async def test_a_change_of_words_voids_nothing_that_is_proposed() -> None:
+    async with Place(fleet=fleet()).open() as place:
+        await place.say("omni ein bisschen vor")
+        button = place.button("omni move forward 0.5 m")
+        await place.say("/settings language en")
+        assert "done" in await place.tap(*button)
+        assert acts(place) == {"omni": 1}
+
+
 async def test_somebody_elses_order_is_not_gone_on_from() -> None:
     async with Place(fleet=fleet()).open() as place:
         await place.say("omni move 2 m", account=BO)

@@ -27,12 +27,19 @@ OF_SCHEDULING = (
     Fault(
         name="a plan goes on after a stop that was resumed",
         file=RUNS,
-        guard="            if stopped.generation != agreed.get(robot, -1):\n",
-        without="            if False:\n",
+        guard="if stopped is not None and stopped.generation != agreed.get(robot, -1):\n",
+        without="if False:\n",
         caught_by=(
             AT_ITS_TIME + "test_what_was_planned_before_a_stop_is_not_done_though_it_is_resumed",
             AT_ITS_TIME + "test_a_stop_between_two_steps_is_meant_for_those_that_follow",
         ),
+    ),
+    Fault(
+        name="a plan begins without the robot of its next step, which was stopped",
+        file=RUNS,
+        guard="        for robot in dict.fromkeys((*line.robots, *agreed)):\n",
+        without="        for robot in line.robots:\n",
+        caught_by=(AT_ITS_TIME + "test_a_plan_is_not_begun_once_any_of_its_robots_was_stopped",),
     ),
     Fault(
         name="a planned order is as fresh as if it were said at its time",

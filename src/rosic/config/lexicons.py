@@ -10,7 +10,8 @@ from typing import Final
 
 import msgspec
 
-from rosic.core.language.lexicon import Lexicon, Phrasebook, compile_lexicons
+from rosic.core.language.lexicon import Lexicon, Phrasebook
+from rosic.core.language.lexicon_compiler import compile_lexicons
 from rosic.errors import ConfigurationError
 
 SHIPPED: Final = Path(__file__).parents[1] / "locale"
@@ -36,6 +37,8 @@ def read_lexicons(folder: Path) -> Phrasebook:
         ConfigurationError: One cannot be read, or two of them mean different things by a phrase.
     """
     lexicons = {path.parent.name: read_lexicon(path) for path in sorted(folder.glob(f"*/{FILE}"))}
+    if not lexicons:
+        raise ConfigurationError(f"There is no <language>/{FILE} here.", where=str(folder))
     try:
         return compile_lexicons(lexicons)
     except ValueError as why:
@@ -54,7 +57,7 @@ def main(arguments: list[str]) -> int:
     try:
         book = read_lexicons(folder)
     except ConfigurationError as wrong:
-        sys.stdout.write(f"{wrong.where}: {wrong}\n")
+        sys.stdout.write(f"{wrong}\n")
         return 1
     for table in book.tables:
         sys.stdout.write(f"{table.language}: {len(table.senses)} phrases\n")

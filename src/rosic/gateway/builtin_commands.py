@@ -140,6 +140,7 @@ POLITE: Final = {
         "I am ROSIC, a program: I pass on to robots what people may ask of them, and tell what the "
         "robots answer."
     ),
+    "bye": said("Goodbye."),
     "never_mind": said("All right. Nothing was done."),
 }
 

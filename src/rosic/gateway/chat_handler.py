@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from rosic.gateway.resume import ResumeHandler
     from rosic.gateway.urgent_lane import UrgentLane
 
-FOLLOWED_KEPT = 10_000
+FOLLOWED_KEPT, UNDO = 10_000, "undo"
 FAULT = said("Something went wrong here. It is not known what was done; please look.")
 NOTHING_DONE = said("Nothing was done.")
 DONE_ALREADY = said("This was done already.")
@@ -329,24 +329,26 @@ class ChatHandler:
             if not repeated:
                 self._replies.hand_over(messenger, inbound, message.caller, wanted)
             return
+        line = self._goes_on(message, line)
         if isinstance(line, Misunderstood):
-            line = self._goes_on(message, line)
             raise NotUnderstood(line.sentence, offers=line.offers)
         if not repeated:
             await self._do(message, line, cid)
 
-    def _goes_on(self, message: MessageContext, line: Misunderstood) -> Misunderstood:
+    def _goes_on(self, message: MessageContext, line: Line) -> Line:
         """Return a line with what it means after the last order of its author in this chat."""
-        if not isinstance(line, Proposed) or not line.follows:
+        undo = isinstance(line, CommandLine) and line.verb == UNDO and not line.rest.strip()
+        offers = line.offers if isinstance(line, Proposed) and line.follows else ()
+        if not undo and not offers:
             return line
-        visible = self._rooms.organiser.visible(message.caller.principal)
-        last = self._parts.builder.last(message.caller, message.inbound.chat, visible)
-        found = () if last is None else self._reader.following(message.text, last, visible)
-        if not found:
-            return line
-        others = tuple(offer for offer in line.offers if offer != "help")
-        offers = tuple(dict.fromkeys((*found, *others)))[:MOST_PROPOSED]
-        return Proposed(MEANT, offers)
+        caller, chat, rooms = message.caller, message.inbound.chat, self._rooms
+        visible = rooms.organiser.visible(caller.principal)
+        last = self._parts.builder.last(caller, chat, visible)
+        if last is None or (undo and rooms.container.selected(caller.principal, chat) != last.name):
+            return line  # a choice of a robot is taken back
+        found = self._reader.following(UNDO if undo else message.text, last, visible)
+        others = [offer for offer in offers if offer not in {"help", *found}]
+        return Proposed(MEANT, (*found, *others)[:MOST_PROPOSED]) if found else line
 
     def _wait(self, message: MessageContext, line: Line) -> Reply | None:
         """Return what ends the motion that somebody watches who writes wait or no; else None.

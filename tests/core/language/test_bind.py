@@ -281,7 +281,11 @@ def test_out_of_bounds_is_refused_with_the_bound(
             ),
             (),
         ),
-        ("kuka1 grasp hard", 'KUKA iiwa: grasp does not know "hard". Nothing was done.', ()),
+        (
+            "kuka1 grasp hard",
+            'KUKA iiwa: grasp does not know "hard". Nothing was done.',
+            ("kuka1 grasp",),
+        ),
         (
             "omni move rihgt 2 m",
             'omni: move does not know "rihgt". Did you mean right?',

@@ -229,6 +229,16 @@ async def test_a_stop_between_two_steps_is_meant_for_those_that_follow() -> None
         assert here.acted() == 0
 
 
+async def test_a_plan_is_not_begun_once_any_of_its_robots_was_stopped() -> None:
+    async with lab().open() as here:
+        await plan(here, "/at 15:00 cf1 wave; omni move 1 m")
+        await here.say("stop omni")
+        await here.say("resume omni")
+        told = await later(here, 4 * HOUR_S)
+        assert "was not done: omni was stopped after you planned it." in told
+        assert (here.acted(), here.acted("cf1")) == (0, 0)
+
+
 async def test_nothing_begins_before_what_was_sent_meanwhile_has_come() -> None:
     async with lab().open() as here:
         await plan(here, "/at 15:00 omni move 1 m")

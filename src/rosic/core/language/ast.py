@@ -173,7 +173,7 @@ class Answered(msgspec.Struct, frozen=True):
     """What people say to each other, and to a bot.
 
     Attributes:
-        what: ``hello``, ``thanks``, ``never_mind`` or ``self``: who it is.
+        what: ``hello``, ``bye``, ``thanks``, ``never_mind`` or ``self``: who it is.
     """
 
     what: str

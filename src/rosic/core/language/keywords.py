@@ -94,6 +94,9 @@ IS_WORDS = frozenset({"are", "is"} | {"ist", "sind"})
 # Words that carry no meaning here. A phrase may contain them ("go to"), a name may not be one.
 FILLERS = frozenset({"a", "an", "and", "at", "by", "for", "of", "please", "the", "to", "with", "&"})
 
+# A line that begins with one may be no order: ``the launch``.
+ARTICLES = frozenset({"a", "an", "the"})
+
 # Likewise in other languages, among the values of a command. They are not reserved: where a choice
 # is called so, that is meant.
 SOFT_FILLERS = frozenset({"bitte", "mit", "nach", "um", "und"})

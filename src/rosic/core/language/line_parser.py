@@ -23,6 +23,7 @@ from rosic.core.language.command import help_named
 from rosic.core.language.compiled import CompiledRobot, CompiledSkill, NameTarget, merge
 from rosic.core.language.keywords import (
     ALONG_ELSEWHERE,
+    ARTICLES,
     BEFORE_NAMES,
     EVERYTHING,
     EVERYTHING_ELSEWHERE,
@@ -178,7 +179,8 @@ class LineReader:
         """Return the visible robot or group named here, and where its name ends."""
         low = self._low
         if at < len(low):
-            for count in range(self._vocabulary.longest_callee.get(low[at], 0), 0, -1):
+            longest = self._vocabulary.longest_callee.get(low[at], 0)
+            for count in range(min(longest, len(low) - at), 0, -1):
                 name = low[at] if count == 1 else " ".join(low[at : at + count])
                 callee = self._vocabulary.callees.get(name)
                 if callee is not None and (seen := self.seen(callee)) is not None:
@@ -265,7 +267,7 @@ class LineReader:
             reader = ValueReader(self._raw, self._low, at, skill, self._vocabulary.units)
             try:
                 spoken = reader.read()
-                self.unsure = reader.unsure
+                self.unsure = reader.unsure or self._low[0] in ARTICLES
             except AmbiguousNumber as doubt:
                 return self._trouble().two_readings(callee, doubt.at, doubt.readings)
         return Do(
@@ -332,7 +334,11 @@ class LineReader:
         if not able:
             return None
         skills = tuple([robot.phrases[phrase] for robot in able])
-        return self._do(callee, able, skills, end, named=True)
+        line = self._do(callee, able, skills, end, named=True)
+        # follow cf1 with cf2: who follows whom?
+        names = self._vocabulary.callees
+        self.unsure = self.unsure or any(word in names for word in self._low[end:])
+        return line
 
     def _to_chosen(self, chosen: NameTarget, at: int, *, slash: bool) -> Line | None:
         found = self._skill(chosen, at)

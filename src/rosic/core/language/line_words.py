@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
+import unicodedata
 from typing import Final, NamedTuple
 
 from rosic.core.language.keywords import EXCEPTING, FILLERS
-from rosic.core.language.sanitise import clean, fold_word
+from rosic.core.language.sanitise import clean, fold_word, normalised
 
 FOLDED_AT_MOST: Final = 1024
 
@@ -79,3 +81,104 @@ def _folded(raw: list[str]) -> list[str]:
             break
         folded.append(fold_word(word))
     return folded + raw[len(folded) :]
+
+
+# ---- the words of a line, as a lexicon has them ----
+
+THEN: Final = ";"
+"""What a full stop or a semicolon between two clauses becomes."""
+
+_LOOSE: Final = '¿¡"\u201c\u201d\u201e\u201a\u2018\u2019«»「」『』…'
+_TRAILING: Final = ",.;:!?،。、"
+# Pictures that only say how somebody feels, and what joins and colours them. Any other may say
+# something of the line: an arrow, a cross, a thinking face.
+_PICTURE: Final = re.compile(
+    "[\u2600\u2615\u263a\u2728\u2764\ufe0f\u200d\U0001f308\U0001f31e\U0001f44b\U0001f44d\U0001f493-\U0001f49f"
+    "\U0001f389\U0001f3fb-\U0001f3ff\U0001f600-\U0001f60e\U0001f642\U0001f44f\U0001f4aa\U0001f64f\U0001f916\U0001f970]"
+)
+_QUESTIONS: Final = frozenset("?\uff1f\u061f")
+_QUOTES: Final = frozenset('"“”„«»「」『』')
+# A script without blanks between its words: each of its signs is a word.
+_HAN: Final = "\u2e80-\u2fdf\u3005\u3007\u3040-\u30ff\u3400-\u9fff\uf900-\ufaff"
+_WORDS: Final = re.compile(rf"[{_HAN}]|[=;]|[^\s=;{_HAN}]+")
+_ELIDED: Final = re.compile(r"(?<![\w'])(jusqu|qu|[cdjlmnst])'(?=\w)", re.IGNORECASE)
+_ELISION: Final = re.compile(r"(jusqu|qu|[cdjlmnst])'", re.IGNORECASE)
+_OPENING: Final = re.compile(r"\s*[^\W\d_]+\s*[,!.]\s")
+# ``x=3,y=0`` and ``x0 y2``, as people type them.
+_COMMA: Final = re.compile(r"(?<=\d),(?=[^\W\d_])")
+_AXIS: Final = re.compile(r"(?<![^\W_])([xyz])(?=-?\d)", re.IGNORECASE)
+_HYPHEN: Final = re.compile(r"(?<=[^\W\d_])-(?=[^\W\d_])")
+_APOSTROPHES: Final = str.maketrans(
+    {"\u2019": "'", "\u2018": "'", "`": "'", "\u00b4": "'", "\u2212": "-"}
+)
+
+
+class SpokenLine(NamedTuple):
+    """The words of a line, as a lexicon has them.
+
+    Attributes:
+        words: In small letters, without what parts sentences; each sign of a script that has no
+            blanks is one.
+        raw: The same as typed: of a unit the case may matter.
+        asks: It ends with a question mark.
+        answers: Words follow a question in it: ``1 m? no``.
+        quotes: It repeats what somebody said, or holds a sign that numbers do not have in words.
+        opens: Its first word stands by itself before a comma: ``right, move 1 m``.
+        breaks: Places of the words that a comma stands before: ``right, now``.
+    """
+
+    words: tuple[str, ...]
+    raw: tuple[str, ...]
+    asks: bool
+    answers: bool
+    quotes: bool
+    opens: bool
+    breaks: frozenset[int] = frozenset()
+
+
+def spoken_line(text: str) -> SpokenLine:
+    """Return the words of a line. Takes time linear in it."""
+    asked = max(map(text.rfind, _QUESTIONS))
+    answers = any(letter.isalnum() for letter in text[asked + 1 :]) if asked >= 0 else False
+    quotes = not _QUOTES.isdisjoint(text) or any(
+        sign.isnumeric()
+        and not sign.isdecimal()
+        and unicodedata.category(sign) == "No"
+        and unicodedata.numeric(sign) >= 1
+        for sign in text
+    )
+    text = normalised(text).translate(_APOSTROPHES).replace("_", " ")
+    text = _AXIS.sub(r"\1 ", _COMMA.sub(" ", _ELIDED.sub(r"\1' ", text)))
+    text = _HYPHEN.sub(" ", text)
+    if not text.isascii():
+        text = _PICTURE.sub(" ", text)
+    words: list[str] = []
+    breaks: set[int] = set()
+    for word in _WORDS.findall(text):
+        whole = word == THEN or _ELISION.fullmatch(word)
+        bare = word if whole else word.lstrip(_LOOSE).rstrip(_LOOSE + _TRAILING)
+        if bare:
+            words.append(bare)
+        if word[-1] == ",":
+            breaks.add(len(words))
+        if word[-1] in ".。" and words and words[-1] != THEN:
+            words.append(THEN)
+    while words and words[-1] == THEN:
+        words.pop()
+    low = tuple([word.casefold() for word in words])
+    opens = bool(_OPENING.match(text))
+    asks = asked >= 0
+    return SpokenLine(low, tuple(words), asks, answers, quotes, opens, frozenset(breaks))
+
+
+def phrase_key(text: str) -> str:
+    """Return a phrase as it is looked up: its words, with single blanks."""
+    return " ".join(spoken_line(text).words)
+
+
+def without_accents(text: str) -> str:
+    """Return a phrase as people type it who leave accents out."""
+    if text.isascii():
+        return text
+    parts = unicodedata.normalize("NFD", text)
+    return unicodedata.normalize("NFC", "".join([c for c in parts if not unicodedata.combining(c)]))

@@ -27,10 +27,10 @@ from rosic.core.language.ast import (
 from rosic.core.language.cancel_detection import hears_cancel
 from rosic.core.language.kept_places import with_places
 from rosic.core.language.keywords import FILLERS
-from rosic.core.language.lexicon import NO_PHRASES, SenseKind, phrase_key
+from rosic.core.language.lexicon import NO_PHRASES, SenseKind
 from rosic.core.language.line_parser import LineReader
-from rosic.core.language.line_words import words_of
-from rosic.core.language.phrase_reader import LONGEST_PHRASE, WHICH_ROBOT, PhraseReader
+from rosic.core.language.line_words import phrase_key, words_of
+from rosic.core.language.phrase_reader import LONGEST_PHRASE, MEANT, WHICH_ROBOT, PhraseReader
 from rosic.core.language.sanitise import REORDERING, clean, is_plain
 from rosic.core.language.stop_detection import hears_stop
 
@@ -106,7 +106,7 @@ def _with_words(text: str) -> list[str]:
 
 
 _EMPTY = Misunderstood(said("There was nothing to read. Say help for what can be said."), ("help",))
-WHOAMI, SCHEDULE = "me", "schedule"
+WHOAMI, SCHEDULE, AGAIN = "me", "schedule", "again"
 """Commands whose names begin many a sentence: ``ich hätte gern``, ``um pouco``."""
 
 _REORDERED = Misunderstood(
@@ -142,12 +142,16 @@ def _line(line: str, vocabulary: Vocabulary, context: LineContext, *, mends: boo
     read = reader.read(slash=slash)
     if vocabulary.places and isinstance(read, Do):
         before, read = read, with_places(read, vocabulary.places)
-        phrases = phrases and read is before
+        phrases = phrases and (read is before or reader.unsure)
     kind = type(read)
-    sure = kind is not Misunderstood and kind is not CommandLine and not reader.unsure
+    asked = kind is Do and line[-1] in "?\uff1f"
+    sure = kind is not Misunderstood and kind is not CommandLine and not (reader.unsure or asked)
     if sure or not phrases:
         return read
-    return _loosely(line, read, reader, vocabulary, context)
+    found = _loosely(line, read, reader, vocabulary, context)
+    if asked and found is read:  # an order is no question
+        return Proposed(MEANT, (line.rstrip(" ?\uff1f"),))
+    return found
 
 
 def _loosely(
@@ -192,6 +196,8 @@ def _phrase_reader(
 
 def _begins_sentence(read: CommandLine) -> bool:
     """Whether a command may be the beginning of a sentence: nothing that it takes follows it."""
+    if read.verb == AGAIN:
+        return any(letter.isnumeric() for letter in read.rest)
     if read.verb == SCHEDULE:
         return not any(letter.isnumeric() for letter in read.rest)
     return read.verb == WHOAMI and bool(read.rest)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import islice
+from itertools import islice, pairwise
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from rosic.core.language.lexicon import SenseKind
+from rosic.core.language.lexicon import ARTICLE, OPENING, SenseKind
+from rosic.core.language.phrase_places import place_gone_to
 from rosic.core.language.phrase_values import (
     PlacedValues,
+    SkillEvidence,
     SkillValueReader,
     canonical,
     skill_evidence,
@@ -20,11 +22,11 @@ if TYPE_CHECKING:
 
     from rosic.core.language.compiled import CompiledRobot, CompiledSkill, NameTarget
     from rosic.core.language.lexicon import LexiconTable
-    from rosic.core.language.phrase_values import SkillEvidence
     from rosic.core.language.phrase_words import Item
     from rosic.core.language.vocabulary import Vocabulary
 
 ROBOTS_LOOKED_AT: Final = 8
+_OPENS: Final = (OPENING,)
 
 
 class Reading(NamedTuple):
@@ -47,6 +49,7 @@ class Reading(NamedTuple):
         """
         return any(
             item.means(SenseKind.BLOCKED)
+            and (at == 1 or item.values(SenseKind.BLOCKED) != _OPENS)
             and not (item.means(SenseKind.BEFORE_NUMBER) and _is_number(self.items[at : at + 1]))
             for at, item in enumerate(self.items, 1)
         )
@@ -68,6 +71,7 @@ class Meaning(NamedTuple):
     Attributes:
         line: The line of the grammar.
         whole: Every word of it was used, and nothing else can be meant.
+        goes: It goes to a place that is kept.
     """
 
     line: str
@@ -75,6 +79,7 @@ class Meaning(NamedTuple):
     values: PlacedValues
     evidence: SkillEvidence
     whole: bool
+    goes: bool = False
 
 
 class MeaningReader:
@@ -95,7 +100,24 @@ class MeaningReader:
         words = self._vocabulary.words.get(robot.id, NO_WORDS)
         items = without_callee(reading.items, callee)
         evidence = skill_evidence(items, robot, words)
+        if words.places and len(callee.robots) == 1:
+            going = self._going(reading.table, items, callee)
+            if going is not None:
+                return going
         return self._best(items, evidence, callee, positional=reading.table.positional)
+
+    def _going(
+        self, table: LexiconTable, items: Sequence[Item], callee: NameTarget
+    ) -> Meaning | None:
+        """Return what a line asks that goes to a place of the robot."""
+        robot = callee.robots[0]
+        place, whole = place_gone_to(items, self._vocabulary.places.get(robot.id, {}), table)
+        skill = robot.skills.get(place.skill) if place is not None else None
+        if place is None or skill is None:
+            return None
+        line = f"{callee.name} {skill.spoken} {place.name}"
+        values = PlacedValues({}, {}, (), beyond=False)
+        return Meaning(line, skill, values, SkillEvidence((skill,), surely=True), whole, goes=True)
 
     def _able(self, reading: Reading, callee: NameTarget) -> CompiledRobot:
         """Return the member of a group that has what is asked for, or the robot."""
@@ -176,4 +198,64 @@ def without_callee(items: Sequence[Item], callee: NameTarget) -> list[Item]:
             subject = True
         elif kept or subject or not item.means(SenseKind.THEN):  # and now, forward
             kept.append(item)
+    return kept
+
+
+# ---- the order of the words ----
+
+DOES: Final = (SenseKind.SKILL, SenseKind.VERB, SenseKind.OWN_SKILL, SenseKind.CHOICE)
+
+
+def is_in_order(items: Sequence[Item], callee: NameTarget) -> bool:
+    """Whether of two that are named the first is asked, and the second follows what it is to do.
+
+    ``cf2 follow cf1`` says who follows whom, ``follow cf1 with cf2`` the other way round.
+    """
+    named = {at: item.callee.name for at, item in enumerate(items) if item.callee is not None}
+    if len(set(named.values())) < 2:  # noqa: PLR2004
+        return True
+    does = [
+        at
+        for at, item in enumerate(items)
+        if item.means(SenseKind.SKILL) or item.means(SenseKind.OWN_SKILL)
+    ]
+    moved = any(item.means(SenseKind.VERB) for item in items)
+    if len(named) != 2 or len(does) != 1 or moved:  # noqa: PLR2004
+        return False
+    first, second = named
+    return named[first] == callee.name and first < does[0] < second
+
+
+def is_told(items: Sequence[Item]) -> bool:
+    """Whether a line says of a robot what it can do: ``omni puede avanzar 1 m``."""
+    return any(
+        item.callee is not None and after.means(SenseKind.REQUEST) and " " not in after.text
+        for item, after in pairwise(items)
+    )
+
+
+def speaks_of(items: Sequence[Item]) -> bool:
+    """Whether a line begins with an article before what can be done: ``the launch``."""
+    articles = items[0].values(SenseKind.NOTHING) if len(items) > 1 else ()
+    does = any(items[1].means(kind) for kind in DOES) if articles else False
+    return does and ARTICLE in articles and items[1].callee is None
+
+
+def clauses_of(items: Sequence[Item]) -> list[list[Item]]:
+    """Return the words between those that say that something follows.
+
+    What says nothing that can be done belongs to what is before it.
+    """
+    clauses: list[list[Item]] = [[]]
+    for item in items:
+        if item.means(SenseKind.THEN):
+            clauses.append([])
+        else:
+            clauses[-1].append(item)
+    kept: list[list[Item]] = []
+    for clause in clauses:
+        if kept and not any(item.means(kind) for item in clause for kind in DOES):
+            kept[-1] += clause
+        elif clause:
+            kept.append(clause)
     return kept

@@ -22,20 +22,27 @@ from rosic.core.language.ast import (
     Robots,
     Status,
 )
-from rosic.core.language.lexicon import SenseKind, SpokenLine, phrase_key, spoken_line
+from rosic.core.language.lexicon import SenseKind
+from rosic.core.language.line_words import SpokenLine, phrase_key, spoken_line
 from rosic.core.language.phrase_meaning import (
+    DOES,
     ROBOTS_LOOKED_AT,
     MeaningReader,
     Reading,
     best_of,
+    clauses_of,
+    is_in_order,
+    is_told,
+    speaks_of,
     without_callee,
 )
+from rosic.core.language.phrase_places import kept_name
 from rosic.core.language.phrase_times import UNSURE, without_time
 from rosic.core.language.phrase_values import (
     SKILLS_LOOKED_AT,
     SkillValueReader,
 )
-from rosic.core.language.phrase_words import NO_WORDS, Item, WordReader, find_callees
+from rosic.core.language.phrase_words import NO_WORDS, WordReader, find_callees
 from rosic.core.language.proposals import (
     MOST_PROPOSED,
     STEP_OF_TASK,
@@ -65,10 +72,15 @@ MOST_UNKNOWN: Final = 3
 """With more words that nobody knows, a line is not looked at for typing errors."""
 NAMES_LOOKED_AT: Final = 128
 
+PLACE: Final = "place"
+SCHEDULED: Final = "/schedule "
 NO_ORDER: Final = said("I read no order in that. Nothing was done.")
 MEANT: Final = said("Is that what you mean? Nothing was done yet.")
 GOES_ON: Final = said(
     "That goes on from something, and nothing was asked of a robot here before. Nothing was done."
+)
+NO_PLACE: Final = said(
+    'I know no such place. "This is the dock" keeps the place where a robot is. Nothing was done.'
 )
 WHICH_ROBOT: Final = said("Which robot is that for? Nothing was done yet.")
 
@@ -116,11 +128,13 @@ class PhraseReader:
             return None
         full = [reading for reading in readings if not reading.unknown]
         best = best_of(readings)
-        said_else = self._line.quotes or self._line.answers or self._named.owns
+        said_else = self._line.quotes or self._line.answers
         blocked = said_else or any(r.is_blocked for r in full or best)
         asks = self._line.asks and not any(r.has(SenseKind.REQUEST) for r in best)
         self._names = subject is not None
-        if full and not blocked and not asks and self._is_begun_well(full):
+        denied = not self._vocabulary.phrases.denials.isdisjoint(self._line.words)
+        sure = not (blocked or asks or denied or self._named.owns)
+        if full and sure and self._is_begun_well(full):
             acts = self._act(full, subject)
             if acts:
                 return self._reads(acts)
@@ -201,19 +215,27 @@ class PhraseReader:
         lines = []
         for reading in full:
             meaning = self._meanings.read(reading, callee)
-            if meaning is None or not meaning.whole or not _is_in_order(reading.items, callee):
+            if meaning is None or not meaning.whole or not is_in_order(reading.items, callee):
                 return ""
             if self._line.asks and not meaning.values.numbers:
                 return ""  # can you grab?
+            vague = not meaning.goes and reading.has(SenseKind.VAGUE)
+            if vague and meaning.values.missing(meaning.skill):
+                return ""  # go back: after an order, what undoes it
             lines.append(meaning.line)
         agreed = len(set(lines)) == 1
         return lines[0] if agreed and not isinstance(self._reads(lines[0]), Misunderstood) else ""
 
     def _is_begun_well(self, full: Sequence[Reading]) -> bool:
-        """Whether the line does not begin with a word by itself that could be of the order."""
+        """Whether the line does not begin with a word by itself that could be of the order.
+
+        Nor with an article before what is to be done, for then it speaks of that: ``the launch``.
+        """
+        if any(speaks_of(reading.items) or is_told(reading.items) for reading in full):
+            return False
         first = [reading.items[0] for reading in full if reading.items]
         return not self._line.opens or not any(
-            item.means(kind) for item in first for kind in _DOES if item.callee is None
+            item.means(kind) for item in first for kind in DOES if item.callee is None
         )
 
     def _is_one_callee(self, callee: NameTarget) -> bool:
@@ -242,7 +264,16 @@ class PhraseReader:
             return manner
         if blocked and not instead:
             return Misunderstood(NO_ORDER, ("help",))
-        return self._renamed(best) or self._proposed(best, callee)
+        return self._kept(best, callee) or self._renamed(best) or self._proposed(best, callee)
+
+    def _kept(self, best: Sequence[Reading], callee: NameTarget | None) -> Line | None:
+        """Return what keeps the place where a robot is: this is the dock."""
+        callee = callee or self._chosen
+        if callee is None or callee.group or PLACE not in self._vocabulary.commands.words:
+            return None
+        names = [kept_name(without_callee(reading.items, callee)) for reading in best]
+        name = next(filter(None, names), "")
+        return Proposed(MEANT, (f"/{PLACE} {callee.name} {name}",)) if name else None
 
     def _renamed(self, best: Sequence[Reading]) -> Line | None:
         """Return what the line would be if a word that means nothing were a misspelt name."""
@@ -290,16 +321,16 @@ class PhraseReader:
                 for item in reading.items
             )
             if manners and alone and not reading.unknown:
-                return Answered(manners[0])
+                return Answered(_THANKS.get(manners[0], manners[0]))
         return None
 
     def _at_least_manner(self, best: Sequence[Reading]) -> Line | None:
         """Return the answer to a greeting with words beside it that nobody knows."""
         for reading in best:
             manners = [v for item in reading.items for v in item.values(SenseKind.MANNER)]
-            speaks = any(item.means(kind) for item in reading.items for kind in _DOES)
+            speaks = any(item.means(kind) for item in reading.items for kind in DOES)
             if manners and not speaks and not self._named.named:
-                return Answered(manners[0])
+                return Answered(_THANKS.get(manners[0], manners[0]))
         return None
 
     def _question(self, best: Sequence[Reading], callee: NameTarget | None) -> Line | None:
@@ -345,11 +376,15 @@ class PhraseReader:
         for reading in best_of(mended):
             for item in reading.items:
                 vague.update(dict.fromkeys(item.values(SenseKind.VAGUE)))
-            for target in (callee,) if callee is not None else self._candidates(reading):
+            for target in (callee,) if callee is not None else self._some_candidates(reading):
                 lines.update(dict.fromkeys(self._lines(reading, target)))
+        timed = [line for line in lines if line.startswith(SCHEDULED)]
+        lines = dict.fromkeys(timed) if timed else lines  # none that would be done now
         if not lines and callee is not None and vague:
             lines = dict.fromkeys(first_lines(callee, vague))
         read = [line for line in lines if not isinstance(self._reads(line), Misunderstood)]
+        if not read and set(vague) == {"place"} and PLACE in self._vocabulary.commands.words:
+            return Misunderstood(NO_PLACE, ("/places",))
         if not read:
             return Proposed(GOES_ON, ("help",), follows=tuple(vague)) if vague else None
         sentence = MEANT if callee is not None else WHICH_ROBOT
@@ -374,25 +409,35 @@ class PhraseReader:
             return
         for line in lines:
             self._whole = True  # a plan is shown whole before it stands
-            yield f"/schedule {when} {line.removeprefix('/task ')}"
+            yield f"{SCHEDULED}{when} {line.removeprefix('/task ')}"
 
     def _untimed(self, reading: Reading, callee: NameTarget) -> Iterator[str]:
         """Yield the lines that a reading may be, whenever they are to be done."""
-        clauses = _clauses(reading.items)
         meanings = []
-        for clause in clauses:
+        for clause in clauses_of(reading.items):
             meaning = self._meanings.read(reading._replace(items=clause), callee)
             if meaning is not None:
                 meanings.append(meaning)
         self._whole = self._whole or (bool(meanings) and all(m.whole for m in meanings))
+        once = list({meaning.line: meaning for meaning in meanings}.values())
+        meanings = once if len(once) == 1 else meanings  # come down and land
         if len(meanings) > 1 and all(m.whole for m in meanings):
             steps = [meaning.line.split(" ", 1)[1] for meaning in meanings]
             yield f"/task {callee.name} {STEP_OF_TASK.join(steps)}"
         for meaning in meanings:
-            if meaning.evidence.surely or meaning.values.given:
+            if not meaning.goes and (meaning.evidence.surely or meaning.values.given):
                 yield from vague_lines(callee.name, meaning.skill, meaning.values, reading.items)
             else:
                 yield meaning.line
+
+    def _some_candidates(self, reading: Reading) -> tuple[NameTarget, ...]:
+        """Return the first few that may be meant, each once however often a word is said."""
+        found: dict[str, NameTarget] = {}
+        for target in self._candidates(reading):
+            found.setdefault(target.name, target)
+            if len(found) == ROBOTS_LOOKED_AT:
+                break
+        return tuple(found.values())
 
     def _candidates(self, reading: Reading) -> Iterator[NameTarget]:
         """Yield who may be meant where nobody is named: those that have the skill."""
@@ -425,26 +470,6 @@ def _own_words(reading: Reading) -> int:
     return sum(all(sense.kind in _OF_PROFILE for sense in item.senses) for item in reading.items)
 
 
-def _is_in_order(items: Sequence[Item], callee: NameTarget) -> bool:
-    """Whether of two that are named the first is asked, and the second follows what it is to do.
-
-    ``cf2 follow cf1`` says who follows whom, ``follow cf1 with cf2`` the other way round.
-    """
-    named = {at: item.callee.name for at, item in enumerate(items) if item.callee is not None}
-    if len(set(named.values())) < 2:  # noqa: PLR2004
-        return True
-    does = [
-        at
-        for at, item in enumerate(items)
-        if item.means(SenseKind.SKILL) or item.means(SenseKind.OWN_SKILL)
-    ]
-    moved = any(item.means(SenseKind.VERB) for item in items)
-    if len(named) != 2 or len(does) != 1 or moved:  # noqa: PLR2004
-        return False
-    first, second = named
-    return named[first] == callee.name and first < does[0] < second
-
-
 def _only_asks(reading: Reading) -> bool:
     """Whether a line is a question, with a name in it at most."""
     return all(
@@ -453,25 +478,5 @@ def _only_asks(reading: Reading) -> bool:
     )
 
 
+_THANKS: Final = {"praise": "thanks"}
 _OF_PROFILE: Final = frozenset({SenseKind.OWN_SKILL, SenseKind.OWN_CHOICE, SenseKind.OWN_PARAMETER})
-_DOES: Final = (SenseKind.SKILL, SenseKind.VERB, SenseKind.OWN_SKILL, SenseKind.CHOICE)
-
-
-def _clauses(items: Sequence[Item]) -> list[list[Item]]:
-    """Return the words between those that say that something follows.
-
-    What says nothing that can be done belongs to what is before it.
-    """
-    clauses: list[list[Item]] = [[]]
-    for item in items:
-        if item.means(SenseKind.THEN):
-            clauses.append([])
-        else:
-            clauses[-1].append(item)
-    kept: list[list[Item]] = []
-    for clause in clauses:
-        if kept and not any(item.means(kind) for item in clause for kind in _DOES):
-            kept[-1] += clause
-        elif clause:
-            kept.append(clause)
-    return kept

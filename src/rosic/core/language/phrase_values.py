@@ -251,12 +251,13 @@ class SkillValueReader:
         return parameter is not None and not parameter.is_number and parameter.name in self._given
 
     def _is_ignored(self, item: Item, after: int) -> bool:
+        if item.means(SenseKind.COMBINED):
+            return False  # descends: of a robot that cannot go down
         if self._says_skill(item) or any(sense.kind in _IGNORED for sense in item.senses):
             return True
         manners = item.values(SenseKind.MANNER)
-        return (after == 1 and "hello" in manners) or (
-            after == len(self._items) and "thanks" in manners
-        )
+        greets = "hello" in manners and not item.means(SenseKind.TIME)  # morgen
+        return (after == 1 and greets) or (after == len(self._items) and "thanks" in manners)
 
     # ---- choices ----
 

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.language.lexicon import (
     CONTENT,
-    THEN,
     LexiconTable,
     Sense,
     SenseKind,
-    SpokenLine,
     longest_by_first_word,
-    phrase_key,
 )
+from rosic.core.language.line_words import THEN, SpokenLine, phrase_key
 from rosic.core.language.numbers import FIRST, Numeral, read_numeral
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from rosic.core.language.compiled import (
         CompiledParameter,
@@ -43,6 +42,7 @@ class RobotWords(NamedTuple):
         longest: First word to the number of words in the longest phrase, in any language.
         chosen: What people say for a choice, to the skills that have it: ``left``.
         choices: What people say for a choice, to the choice.
+        places: The names of the places that are kept for it.
     """
 
     senses: dict[str, tuple[Sense, ...]]
@@ -50,6 +50,7 @@ class RobotWords(NamedTuple):
     longest: dict[str, int]
     chosen: dict[str, tuple[str, ...]]
     choices: dict[str, str]
+    places: frozenset[str] = frozenset()
 
 
 NO_WORDS: Final = RobotWords({}, {}, {}, {}, {})
@@ -77,6 +78,22 @@ def robot_words(robot: CompiledRobot) -> RobotWords:
         {word: tuple(skills) for word, skills in chosen.items()},
         {word: choice for skill in robot.skills.values() for word, choice in _choices(skill)},
     )
+
+
+def words_with_places(words: RobotWords, names: Iterable[str]) -> RobotWords:
+    """Return a robot's words with the names of the places that are kept for it now."""
+    places = {phrase_key(name): name for name in names}
+    senses = {key: _without_places(found) for key, found in words.senses.items()}
+    for key, name in places.items():
+        senses[key] = (*senses.get(key, ()), Sense(SenseKind.OWN_PLACE, name))
+    kept = {key: found for key, found in senses.items() if found}
+    keys = (key for table in (kept, *words.spoken.values()) for key in table)
+    longest = longest_by_first_word(keys)
+    return words._replace(senses=kept, longest=longest, places=frozenset(places))
+
+
+def _without_places(senses: tuple[Sense, ...]) -> tuple[Sense, ...]:
+    return tuple([sense for sense in senses if sense.kind is not SenseKind.OWN_PLACE])
 
 
 def _choices(skill: CompiledSkill) -> Iterator[tuple[str, str]]:
@@ -187,6 +204,8 @@ class Places(NamedTuple):
         return tuple([callee for callee, _ in self.named.values()])
 
 
+CLOCK: Final = re.compile(r"(\d{1,2})[:h](\d\d)")
+_CLOCK: Final = (Sense(SenseKind.TIME, "clock"),)
 _THEN: Final = (Sense(SenseKind.THEN, ""),)
 _EQUALS: Final = (Sense(SenseKind.NOTHING, ""),)
 
@@ -202,7 +221,17 @@ class WordReader:
         units: Those that are known in every language.
     """
 
-    __slots__ = ("_line", "_own", "_places", "_raw", "_said", "_table", "_units", "_words")
+    __slots__ = (
+        "_breaks",
+        "_line",
+        "_own",
+        "_places",
+        "_raw",
+        "_said",
+        "_table",
+        "_units",
+        "_words",
+    )
 
     def __init__(
         self,
@@ -213,6 +242,7 @@ class WordReader:
         units: UnitTable,
     ) -> None:
         self._line = line.words
+        self._breaks = line.breaks
         self._raw = line.raw
         self._table = table
         self._words = words
@@ -257,9 +287,13 @@ class WordReader:
         word = line[at]
         longest = max(table.longest.get(word, 0), self._words.longest.get(word, 0))
         for count in range(min(longest, len(line) - at), 0, -1):
+            if self._breaks and not self._breaks.isdisjoint(range(at + 1, at + count)):
+                continue
             key = word if count == 1 else " ".join(line[at : at + count])
             senses = (*own.get(key, ()), *said.get(key, ()), *table.senses.get(key, ()))
             if senses:
+                if count > 1 and (last := line[at + count - 1]) in self._words.places:
+                    senses = (*senses, Sense(SenseKind.OWN_PLACE, last))  # to the dock
                 verb = count > 1 and any(
                     sense.kind is SenseKind.VERB for sense in table.senses.get(word, ())
                 )
@@ -276,10 +310,8 @@ class WordReader:
             numeral = read_numeral(self._raw[at])
             if numeral is not None:
                 return Item(word, at, at + 1, numeral=numeral)
-        if word == THEN:
-            return Item(word, at, at + 1, _THEN)
-        if word == "=":
-            return Item(word, at, at + 1, _EQUALS)
+        if fixed := _fixed(word):
+            return Item(word, at, at + 1, fixed)
         unit = self._unit(at) if counted else None
         if unit is not None:
             return unit
@@ -330,6 +362,15 @@ class WordReader:
             places.append(at)
             at += len(part)
         return places
+
+
+def _fixed(word: str) -> tuple[Sense, ...]:
+    """Return what a sign or a clock means in every language; nothing for any other word."""
+    if word == THEN:
+        return _THEN
+    if word == "=":
+        return _EQUALS
+    return _CLOCK if CLOCK.fullmatch(word) else ()
 
 
 FARTHEST: Final = 8

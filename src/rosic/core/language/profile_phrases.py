@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.language.cancel_detection import is_cancel_word
-from rosic.core.language.lexicon import CONTENT, Sense, SenseKind, phrase_key
+from rosic.core.language.lexicon import CONTENT, Sense, SenseKind
+from rosic.core.language.line_words import phrase_key
 from rosic.core.language.numbers import read_numeral
 from rosic.core.language.phrase_words import phrases_of
 from rosic.core.language.sanitise import quote

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 MOST_PROPOSED: Final = 3
 STEP_OF_TASK: Final = " then "
 SKILLS_LOOKED_AT: Final = 16
+_EXTENTS: Final = frozenset({"length", "angle"})
+"""Of a way or a turn below zero is the other way; of a flow or a force it is something else."""
 _LITTLE: Final = frozenset({"little", "more", "much"})
 
 
@@ -36,7 +38,11 @@ def reversed_numbers(skill: CompiledSkill, values: PlacedValues) -> PlacedValues
     reverse = skill.skill.reverse
     if not values.beyond or isinstance(reverse, str):
         return values
-    below = [p for p in skill.numbers if values.numbers.get(p.name, 0.0) < 0.0 <= p.low]
+    below = [
+        p
+        for p in skill.numbers
+        if p.unit.dimension in _EXTENTS and values.numbers.get(p.name, 0.0) < 0.0 <= p.low
+    ]
     turned = [
         (p, choice)
         for p in skill.choices
@@ -88,6 +94,8 @@ def first_lines(callee: NameTarget, vague: Collection[str]) -> Iterator[str]:
     home = robot.phrases.get("home")
     if home is not None and "place" in vague:
         yield f"{callee.name} {home.spoken}"
+    if set(vague) == {"place"}:
+        return
     for skill in islice(robot.skills.values(), SKILLS_LOOKED_AT):
         missing = [p for p in skill.parameters if p.default is None]
         directed = [p for p in skill.choices if p.default is not None]
@@ -159,7 +167,7 @@ def following_lines(
         vague: What it says besides: ``again``, ``faster``.
     """
     said = {**given, **values.given}
-    if not {"undo", "other"}.isdisjoint(vague):
+    if not {"undo", "other"}.isdisjoint(vague) or (vague == {"instead"} and not values.given):
         undone = _reversed(callee, skill, given)
         if undone:
             yield undone

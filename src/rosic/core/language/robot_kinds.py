@@ -26,7 +26,7 @@ class KindReader:
         seen: What the person may see of a robot or group.
     """
 
-    __slots__ = ("_seen", "_visible", "_vocabulary")
+    __slots__ = ("_found", "_seen", "_visible", "_vocabulary")
 
     def __init__(
         self,
@@ -37,6 +37,7 @@ class KindReader:
         self._vocabulary = vocabulary
         self._visible = visible
         self._seen = seen
+        self._found: dict[str, NameTarget | None] = {}
 
     def named(self, items: list[Item]) -> list[Item]:
         """Return the words with those made one that say ``drone 1``, ``drones`` or ``all drones``.
@@ -79,6 +80,11 @@ class KindReader:
 
     def all_of(self, kind: str) -> NameTarget | None:
         """Return the group whose visible members are all that have a skill."""
+        if kind not in self._found:
+            self._found[kind] = self._all_of(kind)
+        return self._found[kind]
+
+    def _all_of(self, kind: str) -> NameTarget | None:
         able = self._vocabulary.having.get(kind, frozenset()) & self._visible
         for callee in self._vocabulary.groups:
             seen = self._seen(callee)

@@ -66,7 +66,11 @@ class SpokenNumbers:
             value, _, unit = amount.partition(" ")
             return SpokenNumber(float(value), unit, at + 1)
         number = self._one(at) or self._counted(at)
-        return None if number is None else self._centimetres(self._halved(number))
+        if number is None:
+            return None
+        number = self._halved(number)
+        in_words = item.numeral is None or self._positional
+        return self._centimetres(number) if in_words else number  # 1 m once
 
     def _one(self, at: int) -> SpokenNumber | None:
         """Return 1 with its unit: ``a metre``."""

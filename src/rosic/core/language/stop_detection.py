@@ -27,7 +27,6 @@ from rosic.core.language.stop_words import (
     NEGATED,
     NOT,
     PHRASES,
-    SHORTENED,
     SHOUTED,
     STOPPING,
     STRONG,
@@ -35,6 +34,7 @@ from rosic.core.language.stop_words import (
     TOLD,
     UNSAID,
     UNSPACED,
+    UNSTRETCHED,
     fold_stop,
     shorten,
 )
@@ -131,6 +131,9 @@ def _heard(line: str, known: Container[str]) -> tuple[str, ...] | None:
     if found is None and (last := _last_clause(line)):  # watch out, STOP
         found = _heard_whole(last, *_read(last, known), known)
         found = found if found is not None and _all_known(found, known) else None
+    if found is None and (first := _first_clause(line)):  # para, atrás
+        found = _heard_whole(first, *_read(first, known), known)
+        found = found if found is not None and _all_known(found, known) else None
     if found is None and not STOPPING.isdisjoint(folded):
         return _heard_shouted(line, words, folded, known)
     return found
@@ -140,6 +143,12 @@ def _last_clause(line: str) -> str:
     """Return what is said after the last sign that parts sentences; empty: there is none."""
     parted = max(map(line.rstrip(ENDS).rfind, ENDS))
     return line[parted + 1 :] if parted >= 0 and len(line) - parted <= LONGEST_LINE else ""
+
+
+def _first_clause(line: str) -> str:
+    """Return what is said before the first comma of a short line; empty: there is none."""
+    first, comma, rest = line.partition(",")
+    return first if comma and rest.strip() and len(line) <= LONGEST_LINE else ""
 
 
 def _read(line: str, known: Container[str]) -> tuple[list[str], list[str]]:
@@ -266,8 +275,7 @@ def _parted(word: str, known: Container[str]) -> tuple[str, ...]:
 
 
 def _unstretched(word: str) -> str:
-    short = shorten(word)
-    return "stop" if short in SHORTENED else word
+    return UNSTRETCHED.get(shorten(word), word)
 
 
 def _is_shout(line: str, folded: list[str], known: Container[str]) -> bool:

@@ -55,7 +55,9 @@ _STRONG = """
 _PHRASES = """
     not aus, not halt, not stopp, emergency off
     hör auf, hoer auf, hört auf, hoert auf, hören sie auf,
-    bleib stehen, bleibt stehen, stehen bleiben, halte an, haltet an, halten sie an,
+    bleib stehen, bleibt stehen, stehen bleiben, bleib stehn, bleibt stehn, stehn bleiben,
+    halte an, haltet an, halten sie an,
+    para de, pare de, parem de, deixa de, deje de, deja de,
     parada de emergencia, paro de emergencia, paragem de emergencia
     arresto di emergenza, arresto d emergenza, hou op, houd op, hold op
     nouzové zastavení, аварийная остановка, аварійна зупинка, acil duruş, बंद करो
@@ -64,7 +66,7 @@ _PHRASES = """
 # Ordinary words besides: they stop alone, or together with names and with what goes along.
 _WEAK = """
     alto para pare parar paren parad parem basta alt fermo ferma stai dur
-    quieto quieta quietos quietas
+    quieto quieta quietos quietas frena frene frenen frená freno
 """
 
 # Goes along with a stop without adding to it.
@@ -73,6 +75,7 @@ _ALONG = """
     just kindly la las le les los moving must need no now of oh ok okay on once pls please
     plz quick quickly right robot robots should so that the them there they this to und
     urgent emergency want we will would y ya yes yo you your bitte sofort jetzt por ahora
+    gente por dios pelo amor de deus já ja
     sil vous plait te tout de suite maintenant adesso subito agora lütfen hemen şimdi proszę
     natychmiast somebody someone anybody jemand пожалуйста сейчас немедленно быстро
     请 請 快 立即 马上 今すぐ すぐに ください 지금 제발 당장
@@ -188,7 +191,8 @@ DOUBTFUL = "not"
 STRONG = folded_words(_STRONG) | {"".join(phrase) for phrase in PHRASES}
 WEAK = folded_words(_WEAK)
 STOPPING = STRONG | WEAK
-SHORTENED = frozenset(map(shorten, STRONG))
+UNSTRETCHED = {shorten(word): word for words in (WEAK, STRONG) for word in sorted(words)}
+"""What stops, by how it is written with every letter once: ``paraaa`` is ``para``."""
 ALONG = folded_words(_ALONG)
 EVERYTHING = folded_words(_EVERYTHING)
 UNSAID = folded_words(_UNSAID)
@@ -209,4 +213,6 @@ UNSPACED = tuple(
     )
 )
 """What stops at either end of a word that was written without blanks, the longest first."""
-MISSPELT = frozenset().union(*map(_misspelt, MISSPELT_OF)) - STOPPING
+# Words of orders that no finger makes of a stop: ``halb links``.
+_NO_SLIPS = "halb"
+MISSPELT = frozenset().union(*map(_misspelt, MISSPELT_OF)) - STOPPING - folded_words(_NO_SLIPS)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from rosic.core.i18n import said
 from rosic.core.language.ast import Misunderstood
 from rosic.core.language.command import VERBS
-from rosic.core.language.keywords import HINTS
+from rosic.core.language.keywords import FILLERS, HINTS, SOFT_FILLERS
 from rosic.core.language.sanitise import quote
 from rosic.core.language.stop_detection import resembles_stop, speaks_of_stop
 from rosic.core.language.suggestions import MOST_CANDIDATES, did_you_mean, listed, one_each
@@ -131,6 +131,8 @@ class SyntaxErrorBuilder:
 
     def _commands(self, at: int) -> tuple[str, ...]:
         """Return the command that a word behind a name is, if it is one that asks for a name."""
+        if self._low[at] in FILLERS or self._low[at] in SOFT_FILLERS:
+            return ()  # omni um 30 Grad: no command of that name is meant
         word = self._vocabulary.commands.aliases.get(self._low[at], self._low[at])
         return (word,) if word in self._vocabulary.commands.words else ()
 

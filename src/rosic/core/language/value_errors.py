@@ -10,7 +10,7 @@ from rosic.core.i18n import joined, said, titled
 from rosic.core.language.common_names import known_name
 from rosic.core.language.formatting import show_bound, show_number, shown_bound, usual_values
 from rosic.core.language.sanitise import quote
-from rosic.core.language.skill_values import fits
+from rosic.core.language.skill_values import fits, place_value
 from rosic.core.language.suggestions import AND, did_you_mean, listed, one_each
 from rosic.core.language.values import AmbiguousNumber, ValueReader
 from rosic.core.order import SpokenValue
@@ -86,7 +86,7 @@ LEAST_SAID, MOST_SAID = 0.1, 10_000.0
 class ValueErrorBuilder:
     """Finds out what is wrong with values that could not be bound."""
 
-    __slots__ = ("_addressee", "_compiled", "_robot", "_skill", "_spoken", "_units")
+    __slots__ = ("_addressee", "_compiled", "_phrases", "_robot", "_skill", "_spoken", "_units")
 
     def __init__(
         self,
@@ -97,6 +97,7 @@ class ValueErrorBuilder:
         addressee: str,
     ) -> None:
         self._units = vocabulary.units
+        self._phrases = vocabulary.phrases
         self._robot = vocabulary.robots[robot].shown
         self._compiled = compiled
         self._skill = titled(compiled.spoken, compiled.skill.titles)
@@ -235,7 +236,34 @@ class ValueErrorBuilder:
         if (meant := self._meant(sentence, at, others)) is not None:
             return meant
         known = [said("It takes {listed}.", listed=listed(_few(takes)))] if takes else []
-        return self._refuse(joined(" ", (sentence, *known, _NOTHING_DONE)))
+        return self._refuse(joined(" ", (sentence, *known, _NOTHING_DONE)), self._without_words())
+
+    def _without_words(self) -> list[str]:
+        """Return the commands that are left without the words that the skill does not know.
+
+        None where such a word says that it is not to be done, or may be a choice that nobody knows,
+        or where more than one value is missing then.
+        """
+        known = [v for v in self._spoken if v.number is not None or v.word in self._compiled.words]
+        others = {value.word for value in self._spoken if value not in known}
+        given: dict[str, Argument] = {}
+        for value in known:
+            placed = place_value(self._compiled, given, value, self._units)
+            if placed is None:
+                return []
+            given[placed[0].name] = placed[1]
+        if any(p.name not in given for p in self._compiled.choices):
+            return []
+        missing = [
+            p for p in self._compiled.parameters if p.default is None and p.name not in given
+        ]
+        if len(missing) > 1 or any(self._phrases.blocks(word) for word in others):
+            return []
+        said_so = " ".join(map(_typed, known))
+        ends = self._usual(missing[0]) if missing and missing[0].is_number else [""]
+        lines = [" ".join(filter(None, (said_so, end))) for end in ends]
+        named = (self._addressee, self._compiled.spoken)
+        return [" ".join(filter(None, (*named, line))) for line in lines if not missing or line]
 
     def _meant(self, sentence: str, at: int, others: Mapping[str, SpokenValue]) -> Refusal | None:
         """Return the refusal that proposes something else at a place; None if nothing would do.

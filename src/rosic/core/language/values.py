@@ -68,9 +68,13 @@ class ValueReader:
                 self._at += 1
                 spoken.append(SpokenValue("", None, word))
             elif word.replace(".", "", 1).isdecimal():
-                spoken.append(self._value(""))
+                value = self._value("")
+                self.unsure = self.unsure or (low[self._at - 2] in {"at", "um"} and not value.word)
+                spoken.append(value)
             elif (word in FILLERS and not self._is_one(word)) or self._is_soft(word):
                 self._at += 1
+                after = low[self._at] if self._at < end else ""
+                self.unsure = self.unsure or (word in {"and", "und"} and after in words)
             else:
                 spoken.append(self._named_or_value(word))
         return tuple(spoken)
@@ -140,7 +144,11 @@ class ValueReader:
             return SpokenValue(name, None, word)
         while self._at < len(self._low) and self._low[self._at] in {"a", "an", "of"}:
             self._at += 1
-        return SpokenValue(name, number, self._unit())
+        unit = self._unit()
+        if number % 1 > 0 and not unit:  # half to the left
+            self.unsure = True
+            return SpokenValue(name, None, word)
+        return SpokenValue(name, number, unit)
 
     def _unit(self) -> str:
         """Read the unit of the number before, if one follows; else return an empty text."""
@@ -158,7 +166,10 @@ class ValueReader:
                 return ""
         self._at = at + 1
         unit = self._units.exact.get(raw)
-        self.unsure = self.unsure or unit is None or unit.dimension not in skill.dimensions
+        after = self._low[at + 1] if at + 1 < len(self._low) else ""
+        ends = not after or (after in skill.words and after not in skill.by_name)
+        doubtful = unit is None or unit.dimension not in skill.dimensions
+        self.unsure = self.unsure or doubtful or (raw == "in" and not ends)
         return self._per(raw)
 
     def _per(self, raw: str) -> str:

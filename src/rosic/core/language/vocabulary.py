@@ -24,10 +24,10 @@ from rosic.core.language.lexicon import (
     NO_PHRASES,
     Phrasebook,
     longest_by_first_word,
-    phrase_key,
 )
+from rosic.core.language.line_words import phrase_key
 from rosic.core.language.numbers import UnitTable, read_numeral
-from rosic.core.language.phrase_words import RobotWords, robot_words
+from rosic.core.language.phrase_words import RobotWords, robot_words, words_with_places
 from rosic.core.language.profile_phrases import check_phrases
 from rosic.core.language.sanitise import clean_name, quote
 from rosic.core.language.stop_detection import is_stop_word
@@ -214,7 +214,13 @@ class VocabularyHolder:
         Between two turns of the event loop: whoever reads a line reads it with one of them. The
         places that are kept go on.
         """
-        self.current = msgspec.structs.replace(newer, places=self.current.places)
+        places = self.current.places
+        words = {
+            robot: words_with_places(newer.words[robot], kept)
+            for robot, kept in places.items()
+            if robot in newer.words
+        }
+        self.current = msgspec.structs.replace(newer, places=places, words={**newer.words, **words})
         self.replaced.emit()
 
     def keep_places(self, robot: RobotId, places: dict[str, KeptPlace]) -> None:
@@ -222,7 +228,10 @@ class VocabularyHolder:
         everybody = {**self.current.places, robot: places}
         if not places:
             del everybody[robot]
-        self.current = msgspec.structs.replace(self.current, places=everybody)
+        words = self.current.words
+        if robot in words:
+            words = {**words, robot: words_with_places(words[robot], places)}
+        self.current = msgspec.structs.replace(self.current, places=everybody, words=words)
         self.replaced.emit()
 
 

@@ -53,10 +53,15 @@ class PersonalDataFeature(Feature):
         kernel.changes.keep(PREFERENCE, self._changed)
 
     def _changed(self, fact: Fact) -> None:
-        """Let what people set for themselves count: a cap on their speed, words, units."""
+        """Let what people set for themselves count: a cap on their speed, words, units.
+
+        Only a cap is of the rules: what somebody agreed to outlives a change of words.
+        """
+        before = self._preferences.limits(fact.key)
         self._preferences.apply(fact)
         self._speak_to(fact.key)
-        self._policy.renew(fact.key)
+        if self._preferences.limits(fact.key) != before:
+            self._policy.renew(fact.key)
 
     def _speak_to(self, principal: PrincipalId) -> None:
         kept = self._preferences.of(principal)

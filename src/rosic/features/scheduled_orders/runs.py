@@ -234,17 +234,17 @@ class ScheduledRuns:
         return line
 
     def _check_stops(self, run: ScheduledRun, line: Do) -> None:
-        """See that nobody has stopped one of its robots since it was agreed to (I5).
+        """See that nobody has stopped any of its robots since it was agreed to (I5).
 
         Raises:
-            RobotStopped: Somebody has, and it was resumed meanwhile.
+            RobotStopped: Somebody has, and it was resumed meanwhile, or is not asked by this step.
         """
         agreed = run.due.order.generations
-        for robot in line.robots:
-            stopped = self._rooms.stops[robot]
-            if stopped.generation != agreed.get(robot, -1):
+        for robot in dict.fromkeys((*line.robots, *agreed)):
+            stopped = self._rooms.stops.get(robot)
+            if stopped is not None and stopped.generation != agreed.get(robot, -1):
                 run.rest()
-                if stopped.latched:
+                if stopped.latched and robot in line.robots:
                     continue  # who has stopped it is said by whoever decides
                 raise RobotStopped(words.stopped_since(self._rooms.profiles[robot].shown))
 

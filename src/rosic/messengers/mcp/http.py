@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import logging
 import socket
+import time
+from collections import deque
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from starlette.responses import Response
     from starlette.types import Receive, Scope, Send
 
+    from rosic.core.identity import Address
     from rosic.messengers.mcp.server import Context
 
 HOST: Final = "127.0.0.1"
@@ -32,8 +35,14 @@ PATH: Final = "/mcp"
 CALLER: Final = "rosic.caller"
 BODY_BYTES: Final = 262_144
 SESSIONS_AT_MOST: Final = 64
+SESSION_IDLE_S: Final = 120
+OPENED_AT_MOST: Final = 8
+"""So many sessions one program opens within the time in which idle ones end: others need some."""
+MANY_OPENED: Final = "This program opens too many sessions. Go on in one, or try again later."
 CONNECTIONS_AT_MOST: Final = 512
 CLOSE_WITHIN_S: Final = 1
+_SESSIONS: Final = frozenset({"mcp-session-id", "mcp-protocol-version"})
+"""What requests carry that open no session: it is open, or this version has none."""
 NO_KEY: Final = "Show the key of a program: Authorization: Bearer rosic_..."
 
 log = logging.getLogger("rosic.mcp")
@@ -58,7 +67,9 @@ class HttpEndpoint:
             security_settings=security,
             max_request_body_size=BODY_BYTES,
             max_sessions=SESSIONS_AT_MOST,
+            session_idle_timeout=SESSION_IDLE_S,
         )
+        self._opened: dict[Address, deque[float]] = {}
 
     async def serve(self) -> None:
         """Listen until cancelled.
@@ -111,10 +122,30 @@ class HttpEndpoint:
             else:
                 token = AccessToken(token="-", client_id=str(caller.address), scopes=[])  # noqa: S106
                 scope["user"] = AuthenticatedUser(token)  # a session is its program's alone
+                if self._opens_too_many(request, caller.address):
+                    refusal = PlainTextResponse(MANY_OPENED, status_code=429)
         if refusal is not None:
             await refusal(scope, receive, send)
         else:
             await self._sessions.handle_request(scope, receive, send)
+
+    def _opens_too_many(self, request: Request, program: Address) -> bool:
+        """Count the sessions that a program opens; those of whoever needs none are none."""
+        if not _SESSIONS.isdisjoint(request.headers):
+            return False
+        now_s = time.monotonic()
+        self._opened = {
+            other: opened
+            for other, opened in self._opened.items()
+            if opened and now_s - opened[-1] < SESSION_IDLE_S
+        }
+        opened = self._opened.setdefault(program, deque())
+        while opened and now_s - opened[0] >= SESSION_IDLE_S:
+            opened.popleft()
+        if len(opened) >= OPENED_AT_MOST:
+            return True
+        opened.append(now_s)
+        return False
 
     def _caller(self, request: Request) -> ProgramCaller:
         kind, _, text = request.headers.get("Authorization", "").partition(" ")

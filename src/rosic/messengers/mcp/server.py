@@ -21,6 +21,7 @@ from mcp_types import (
 )
 
 from rosic import __version__
+from rosic.core.language.stop_detection import LONGEST_SHOUT
 from rosic.errors import NotUnderstood, RosicError
 from rosic.messengers.mcp.calls import Answer
 from rosic.messengers.mcp.tools import (
@@ -152,13 +153,16 @@ class ToolDispatch:
         if robot is None:
             return ()
         known = self._speaker.programs.robots(address)
-        if robot not in known:
+        if not isinstance(robot, str) or robot not in known:
             names = ", ".join(known) or "none"
             raise NotUnderstood(f"There is no robot {str(robot)[:64]!r} here. There are: {names}.")
-        return (str(robot),)
+        return (robot,)
 
     async def _stop(self, values: Mapping[str, object]) -> Answer:
-        """Stop what is named, and everything if anything of that is not known: as in a chat."""
+        """Stop what is named, and everything if anything of that is not known: as in a chat.
+
+        So it does if more are named than a line that stops is read for.
+        """
         address = self._caller.address
         named = values.get("robots")
         names = [named] if isinstance(named, str) else named if isinstance(named, list) else []
@@ -166,9 +170,10 @@ class ToolDispatch:
             known = self._speaker.programs.robots(address)
         except RosicError:
             known = {}
-        robots = tuple(dict.fromkeys(name for name in names if name in known))
-        all_known = named is None or len(robots) == len(set(map(str, names)))
-        return await self._speaker.stop(address, robots if all_known else (), self._told)
+        robots = tuple(dict.fromkeys(name for name in names if isinstance(name, str)))
+        read = len(" ".join((STOP, *robots))) <= LONGEST_SHOUT and len(robots) <= len(names)
+        all_known = all(isinstance(name, str) and name in known for name in names)
+        return await self._speaker.stop(address, robots if read and all_known else (), self._told)
 
 
 # ---- one connection, a message a line ----
