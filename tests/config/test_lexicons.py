@@ -83,7 +83,7 @@ WRONG = (
     ('[amounts]\n"90" = ["xx"]\n', "has no unit"),
     ('[numerals]\ncompound = "{due}"\n', "compound is made of {one} and {ten}"),
     ('[times]\nat2 = ["xx"]\n', '[times] has no "at2"; it has am, at, day'),
-    ('[questions]\nstatsu = ["xx"]\n', '[questions] has no "statsu"'),
+    ('[questions]\nstatsu = ["xx"]\n', '[questions] has "statsu", which no other language has'),
     ('[blocked]\nnegatoin = ["xx"]\n', '[blocked] has no "negatoin"'),
 )
 

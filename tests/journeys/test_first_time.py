@@ -226,3 +226,37 @@ def test_a_picture_that_says_something_else_is_noticed(monkeypatch: pytest.Monke
     with pytest.raises(AssertionError, match="should say"):
         check_counts("drive", shown)
     assert row("join", shown) in PAGE.read_text()
+
+
+@pytest.mark.parametrize("said", [ENGLISH, GERMAN], ids=["en", "de"])
+async def test_first_words_of_ones_own(
+    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str], said: Tongue
+) -> None:
+    async with one_robot(tmp_path, launcher) as place:
+        ada = await said.newcomer(place, place.ada)
+
+        await ada.type(
+            said("hello", "hallo"), said("Hello. What should omni do?", "Hallo. Was soll omni tun?")
+        )
+        await ada.type(
+            said("can you move omni half a meter forward?", "omni fahr mal 50 cm vor"),
+            said("moved 0.50 m forward", "0,50 m vorwärts gefahren"),
+        )
+        proposed = said("Is that what you mean?", "Ist das gemeint?")
+        await ada.type(said("a bit more", "noch ein bisschen"), proposed)
+        await ada.tap(
+            said("omni move forward 0.25 m", "omni fahre vorwärts 0,25 m"),
+            said("moved 0.25 m forward", "0,25 m vorwärts gefahren"),
+        )
+        await ada.type(said("where is omni?", "wo ist omni?"), said("at rest", "steht"))
+        await ada.type(
+            said("omni should never move 1 m", "omni soll nie 1 m fahren"),
+            said("I read no order in that", "keinen Befehl"),
+        )
+        await ada.type(said("undo", "rückgängig"), proposed)
+        await ada.tap(
+            said("omni move back 0.25 m", "omni fahre zurück 0,25 m"),
+            said("moved 0.25 m back", "0,25 m zurück gefahren"),
+        )
+
+        await finished(said.picture("words"), ada, capsys)

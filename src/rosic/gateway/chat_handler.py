@@ -56,8 +56,7 @@ if TYPE_CHECKING:
 
 FOLLOWED_KEPT, UNDO = 10_000, "undo"
 FAULT = said("Something went wrong here. It is not known what was done; please look.")
-NOTHING_DONE = said("Nothing was done.")
-DONE_ALREADY = said("This was done already.")
+NOTHING_DONE, DONE_ALREADY = said("Nothing was done."), said("This was done already.")
 FOR_OTHERS = said("This may be meant for somebody else here. Nothing was done.")
 
 log = logging.getLogger("rosic.pipeline")
@@ -341,10 +340,11 @@ class ChatHandler:
         offers = line.offers if isinstance(line, Proposed) and line.follows else ()
         if not undo and not offers:
             return line
-        caller, chat, rooms = message.caller, message.inbound.chat, self._rooms
-        visible = rooms.organiser.visible(caller.principal)
+        caller, chat = message.caller, message.inbound.chat
+        visible = self._rooms.organiser.visible(caller.principal)
         last = self._parts.builder.last(caller, chat, visible)
-        if last is None or (undo and rooms.container.selected(caller.principal, chat) != last.name):
+        chosen = self._rooms.container.selected(caller.principal, chat)
+        if last is None or (undo and chosen not in {"", last.name}):
             return line  # a choice of a robot is taken back
         found = self._reader.following(UNDO if undo else message.text, last, visible)
         others = [offer for offer in offers if offer not in {"help", *found}]

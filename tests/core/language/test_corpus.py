@@ -199,3 +199,10 @@ def test_the_corpus_is_large_enough_to_tell() -> None:
     assert len(every) >= 1_500
     assert sum(phrase.label == "still" for phrase in every) >= 350
     assert len({(phrase.text, phrase.selected) for phrase in every}) > len(every) - 30
+
+
+def test_the_page_says_how_large_it_is() -> None:
+    every = [phrase for language in LANGUAGES for phrase in phrases(language)]
+    still = sum(phrase.label == "still" for phrase in every)
+    page = Path(__file__).parents[3].joinpath("docs/language.md").read_text(encoding="utf-8")
+    assert f"{len(every):,} phrases as people write them, {still} of them" in page

@@ -45,6 +45,7 @@ def compile_lexicons(lexicons: Mapping[str, Lexicon]) -> Phrasebook:
     """
     for language, lexicon in lexicons.items():
         _check_keys(language, lexicon)
+        _check_questions(language, lexicons)
     tables = tuple([_table(language, lexicon) for language, lexicon in lexicons.items()])
     _check_against_each_other(tables)
     kinds: dict[str, dict[str, None]] = {}
@@ -191,20 +192,6 @@ _KEYS: Final = {
     "vague": frozenset(
         ["little", "much", "faster", "slower", "more", "again", "other", "undo", "instead", "place"]
     ),
-    "questions": frozenset(
-        [
-            "status",
-            "help",
-            "skills",
-            "robots",
-            "slots",
-            "history",
-            "picture",
-            "map",
-            "self",
-            "rules",
-        ]
-    ),
     "times": frozenset(
         [
             *[
@@ -251,6 +238,18 @@ def _check_keys(language: str, lexicon: Lexicon) -> None:
         raise ValueError(
             f"{language}: compound is made of {{one}} and {{ten}}, not {wrong}"
         ) from None
+
+
+def _check_questions(language: str, lexicons: Mapping[str, Lexicon]) -> None:
+    """See that what is asked is something that is asked in another language as well, if there are.
+
+    Most of it are commands, which are declared elsewhere.
+    """
+    others = {
+        asked for other in lexicons if other != language for asked in lexicons[other].questions
+    }
+    for asked in lexicons[language].questions.keys() - others if others else ():
+        raise ValueError(f"{language}: [questions] has {quote(asked)}, which no other language has")
 
 
 def _check_phrase(language: str, phrase: str, key: str, sense: Sense) -> None:

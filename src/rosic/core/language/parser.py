@@ -30,7 +30,13 @@ from rosic.core.language.keywords import FILLERS
 from rosic.core.language.lexicon import NO_PHRASES, SenseKind
 from rosic.core.language.line_parser import LineReader
 from rosic.core.language.line_words import phrase_key, words_of
-from rosic.core.language.phrase_reader import LONGEST_PHRASE, MEANT, WHICH_ROBOT, PhraseReader
+from rosic.core.language.phrase_reader import (
+    LONGEST_PHRASE,
+    MEANT,
+    NO_ORDER,
+    WHICH_ROBOT,
+    PhraseReader,
+)
 from rosic.core.language.sanitise import REORDERING, clean, is_plain
 from rosic.core.language.stop_detection import hears_stop
 
@@ -184,6 +190,8 @@ def _phrase(
         return read
     phrases = _phrase_reader(line, reader, vocabulary, context)
     found = phrases.read()
+    if found is None and type(read) is CommandLine and read.verb == WHOAMI:
+        return Misunderstood(NO_ORDER, ("help",))  # ich hätt gern ...
     return replace(found, text=line, named=phrases.named) if isinstance(found, Do) else found
 
 

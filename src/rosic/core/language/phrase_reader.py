@@ -79,8 +79,8 @@ MEANT: Final = said("Is that what you mean? Nothing was done yet.")
 GOES_ON: Final = said(
     "That goes on from something, and nothing was asked of a robot here before. Nothing was done."
 )
-NO_PLACE: Final = said(
-    'I know no such place. "This is the dock" keeps the place where a robot is. Nothing was done.'
+WHERE: Final = said(
+    "I do not know where that is. Is one of these what you mean? Nothing was done yet."
 )
 WHICH_ROBOT: Final = said("Which robot is that for? Nothing was done yet.")
 
@@ -380,14 +380,14 @@ class PhraseReader:
                 lines.update(dict.fromkeys(self._lines(reading, target)))
         timed = [line for line in lines if line.startswith(SCHEDULED)]
         lines = dict.fromkeys(timed) if timed else lines  # none that would be done now
-        if not lines and callee is not None and vague:
+        first = not lines and callee is not None and bool(vague)
+        if first and callee is not None:
             lines = dict.fromkeys(first_lines(callee, vague))
         read = [line for line in lines if not isinstance(self._reads(line), Misunderstood)]
-        if not read and set(vague) == {"place"} and PLACE in self._vocabulary.commands.words:
-            return Misunderstood(NO_PLACE, ("/places",))
         if not read:
             return Proposed(GOES_ON, ("help",), follows=tuple(vague)) if vague else None
-        sentence = MEANT if callee is not None else WHICH_ROBOT
+        nowhere = first and set(vague) == {"place"}
+        sentence = WHICH_ROBOT if callee is None else WHERE if nowhere else MEANT
         unknown = next((item for item in best[0].items if not item.is_known), None)
         if unknown is not None:
             sentence = said(

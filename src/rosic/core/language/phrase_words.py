@@ -261,7 +261,8 @@ class WordReader:
         gaps = self._gaps() if not self._table.gapped.keys().isdisjoint(line) else {}
         at = 0
         while at < len(line):
-            if at in gaps:
+            whole = self._phrase(at, counted=False) if at in gaps else None
+            if at in gaps and (whole is None or whole.end - at <= gaps[at][1]):
                 senses, length = gaps[at]
                 text = " ".join(line[at : at + length])
                 found.append(Item(text, at, at + length, senses))

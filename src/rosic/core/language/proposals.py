@@ -94,8 +94,6 @@ def first_lines(callee: NameTarget, vague: Collection[str]) -> Iterator[str]:
     home = robot.phrases.get("home")
     if home is not None and "place" in vague:
         yield f"{callee.name} {home.spoken}"
-    if set(vague) == {"place"}:
-        return
     for skill in islice(robot.skills.values(), SKILLS_LOOKED_AT):
         missing = [p for p in skill.parameters if p.default is None]
         directed = [p for p in skill.choices if p.default is not None]
