@@ -96,7 +96,7 @@ FAULT: Final = said("Something went wrong here. Please look.")
 HOW_TO: Final = said(
     "Say which mission, and what: /mission start restock, pause, go, cancel; /missions lists them."
 )
-NONE: Final = said("There is no mission here. The operator can write some down.")
+NONE: Final = said("There is no mission here. /mission new dance begins one, step by step.")
 
 
 def no_mission(name: str) -> str:
