@@ -398,3 +398,9 @@ def test_no_word_in_any_language_changes_an_order_in_another() -> None:
     let_in = [check_beside_each_other(seed) for seed in range(300)]
     assert True in let_in
     assert False in let_in
+
+
+def test_a_word_that_may_be_a_choice_leaves_none_to_a_default() -> None:
+    line = read("omni 1 m weit bewegen xyzzy", "")
+    assert isinstance(line, Proposed)
+    assert line.offers == ("omni move forward 1 m", "omni move back 1 m", "omni move left 1 m")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from rosic.core.language.compiled import CompiledRobot, CompiledSkill, NameTarget
     from rosic.core.language.lexicon import LexiconTable
-    from rosic.core.language.phrase_words import Item
+    from rosic.core.language.phrase_words import Item, RobotWords
     from rosic.core.language.vocabulary import Vocabulary
 
 ROBOTS_LOOKED_AT: Final = 8
@@ -123,8 +123,12 @@ class MeaningReader:
         """Return the member of a group that has what is asked for, or the robot."""
         if len(callee.robots) == 1:
             return callee.robots[0]
+        before: RobotWords | None = None
         for robot in islice(callee.robots, ROBOTS_LOOKED_AT):
             words = self._vocabulary.words.get(robot.id, NO_WORDS)
+            if words is before:
+                continue  # robots of one kind share their words
+            before = words
             if skill_evidence(reading.items, robot, words).surely:
                 return robot
         return callee.robots[0]

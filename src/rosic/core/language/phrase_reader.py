@@ -48,6 +48,7 @@ from rosic.core.language.proposals import (
     STEP_OF_TASK,
     first_lines,
     following_lines,
+    open_choices,
     said_before,
     vague_lines,
 )
@@ -426,7 +427,9 @@ class PhraseReader:
             yield f"/task {callee.name} {STEP_OF_TASK.join(steps)}"
         for meaning in meanings:
             if not meaning.goes and (meaning.evidence.surely or meaning.values.given):
-                yield from vague_lines(callee.name, meaning.skill, meaning.values, reading.items)
+                shown = open_choices(meaning.skill, meaning.values) if reading.unknown else ()
+                for values in shown or (meaning.values,):
+                    yield from vague_lines(callee.name, meaning.skill, values, reading.items)
             else:
                 yield meaning.line
 

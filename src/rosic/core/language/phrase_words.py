@@ -339,11 +339,12 @@ class WordReader:
         Their first part has the sense, and each other one none.
         """
         line, found = self._line, dict[int, tuple[tuple[Sense, ...], int]]()
+        words = frozenset(line)
         for at, word in enumerate(line):
             if at in found:
                 continue
             for phrase in self._table.gapped.get(word, ()):
-                places = self._parts(phrase.parts, at)
+                places = self._parts(phrase.parts, at) if phrase.parts[-1][0] in words else ()
                 if places:
                     found[at] = (phrase.senses, len(phrase.parts[0]))
                     rest = zip(places[1:], phrase.parts[1:], strict=True)

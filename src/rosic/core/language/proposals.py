@@ -61,6 +61,20 @@ def reversed_numbers(skill: CompiledSkill, values: PlacedValues) -> PlacedValues
     )
 
 
+def open_choices(skill: CompiledSkill, values: PlacedValues) -> tuple[PlacedValues, ...]:
+    """Return values with each choice that a word nobody knows may be: none is left to a default.
+
+    Only of the first choice that is left open; the default is the first of them.
+    """
+    left = [p for p in skill.choices if p.default is not None and p.name not in values.given]
+    if not left:
+        return ()
+    choices = dict.fromkeys((str(left[0].default), *(left[0].words or {}).values()))
+    return tuple(
+        [values._replace(given={**values.given, left[0].name: choice}) for choice in choices]
+    )
+
+
 def vague_lines(
     name: str, skill: CompiledSkill, values: PlacedValues, items: Sequence[Item]
 ) -> Iterator[str]:
