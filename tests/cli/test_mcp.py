@@ -316,6 +316,8 @@ async def test_streamable_http_is_for_this_machine_and_for_good_keys(
 async def test_no_program_opens_all_the_sessions(config: Path, port: int) -> None:
     key = key_of("Opener", config)
     assert [await over_http(port, key) for _ in range(9)] == [200] * 8 + [429]
+    version = {"MCP-Protocol-Version": "2025-06-18"}
+    assert await over_http(port, key, **version) == 429, "whatever version it says it speaks"
     assert await over_http(port, key_of("Other", config)) == 200
 
 

@@ -14,19 +14,17 @@ from rosic.core.language import (
     Do,
     Halt,
     Misunderstood,
-    Proposed,
     Resume,
     Use,
     hears_wait,
     kept_of,
 )
 from rosic.core.language.arguments import unit_needed
-from rosic.core.language.phrase_reader import MEANT
-from rosic.core.language.proposals import MOST_PROPOSED
 from rosic.core.message import ChatKind
 from rosic.core.policy.roles import StepRequired
 from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, Repeated, Unrecognised
 from rosic.gateway.builtin_commands import BuiltinCommands
+from rosic.gateway.command_builder import follows_last
 from rosic.gateway.commands import CommandContext
 from rosic.gateway.go_to_location import GoToLocation
 from rosic.gateway.message_context import MessageContext
@@ -54,9 +52,10 @@ if TYPE_CHECKING:
     from rosic.gateway.resume import ResumeHandler
     from rosic.gateway.urgent_lane import UrgentLane
 
-FOLLOWED_KEPT, UNDO = 10_000, "undo"
+FOLLOWED_KEPT = 10_000
 FAULT = said("Something went wrong here. It is not known what was done; please look.")
-NOTHING_DONE, DONE_ALREADY = said("Nothing was done."), said("This was done already.")
+NOTHING_DONE = said("Nothing was done.")
+DONE_ALREADY = said("This was done already.")
 FOR_OTHERS = said("This may be meant for somebody else here. Nothing was done.")
 
 log = logging.getLogger("rosic.pipeline")
@@ -336,19 +335,12 @@ class ChatHandler:
 
     def _goes_on(self, message: MessageContext, line: Line) -> Line:
         """Return a line with what it means after the last order of its author in this chat."""
-        undo = isinstance(line, CommandLine) and line.verb == UNDO and not line.rest.strip()
-        offers = line.offers if isinstance(line, Proposed) and line.follows else ()
-        if not undo and not offers:
+        if not follows_last(line):
             return line
-        caller, chat = message.caller, message.inbound.chat
-        visible = self._rooms.organiser.visible(caller.principal)
-        last = self._parts.builder.last(caller, chat, visible)
-        chosen = self._rooms.container.selected(caller.principal, chat)
-        if last is None or (undo and chosen not in {"", last.name}):
-            return line  # a choice of a robot is taken back
-        found = self._reader.following(UNDO if undo else message.text, last, visible)
-        others = [offer for offer in offers if offer not in {"help", *found}]
-        return Proposed(MEANT, (*found, *others)[:MOST_PROPOSED]) if found else line
+        caller, chat, rooms = message.caller, message.inbound.chat, self._rooms
+        visible = rooms.organiser.visible(caller.principal)
+        chosen = rooms.container.selected(caller.principal, chat)
+        return self._parts.builder.goes_on(line, message, visible, chosen)
 
     def _wait(self, message: MessageContext, line: Line) -> Reply | None:
         """Return what ends the motion that somebody watches who writes wait or no; else None.

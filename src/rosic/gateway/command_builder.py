@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rosic.core.i18n import joined, said
-from rosic.core.language import CommandLine, Do, Misunderstood
+from rosic.core.language import CommandLine, Do, Misunderstood, Proposed
 from rosic.core.language.arguments import place
 from rosic.core.language.formatting import beginning, show, show_choice, show_named, stepped
+from rosic.core.language.phrase_reader import MEANT
+from rosic.core.language.proposals import MOST_PROPOSED
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood, Refusal
 from rosic.gateway.button_rows import rows
@@ -26,13 +28,14 @@ if TYPE_CHECKING:
 
     from rosic.container.history import CommandHistory
     from rosic.core.identity import Caller, PrincipalId
-    from rosic.core.language import LanguageReader
+    from rosic.core.language import LanguageReader, Line
     from rosic.core.language.compiled import CompiledParameter, CompiledSkill
     from rosic.core.message import Chat
     from rosic.core.robot.profile import RobotId
     from rosic.core.robot.skill import Argument
     from rosic.gateway.agreement import Agreements
     from rosic.gateway.limit_clamping import LimitClamping
+    from rosic.gateway.message_context import MessageContext
     from rosic.gateway.resume import ResumeHandler
 
 SMALLER, LARGER = "−", "+"  # noqa: RUF001 - a minus sign is as wide as a plus
@@ -47,6 +50,16 @@ STEPS_AT_MOST = 12
 
 TASK = "task"
 NOTHING_TO_DO = said("There is nothing to do again here yet.")
+
+
+UNDO = "undo"
+
+
+def follows_last(line: Line) -> bool:
+    """Whether a line may mean something after the order before it: what is vague, or an undo."""
+    if isinstance(line, CommandLine):
+        return line.verb == UNDO and not line.rest.strip()
+    return isinstance(line, Proposed) and bool(line.follows)
 
 
 class CommandBuilder:
@@ -155,6 +168,26 @@ class CommandBuilder:
         last = self._command_history.last(caller.principal, chat)
         line = self._reader.lines(last[1], last[0], visible)[0] if last is not None else None
         return line if isinstance(line, Do) else None
+
+    def goes_on(
+        self, line: Line, message: MessageContext, visible: frozenset[RobotId], chosen: str
+    ) -> Line:
+        """Return a line with what it means after the last order of its author in a chat.
+
+        Args:
+            line: One that `follows_last`.
+            message: That says it.
+            visible: The robots that its author may see.
+            chosen: Who is chosen there; a choice that came after the order is what an undo means.
+        """
+        undo = isinstance(line, CommandLine)
+        offers = line.offers if isinstance(line, Proposed) else ()
+        last = self.last(message.caller, message.inbound.chat, visible)
+        if last is None or (undo and chosen not in {"", last.name}):
+            return line
+        found = self._reader.following(UNDO if undo else message.text, last, visible)
+        others = [offer for offer in offers if offer not in {"help", *found}]
+        return Proposed(MEANT, (*found, *others)[:MOST_PROPOSED]) if found else line
 
     def favourites(
         self, principal: PrincipalId, robot: RobotId, visible: frozenset[RobotId]

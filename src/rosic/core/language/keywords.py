@@ -101,6 +101,12 @@ ARTICLES = frozenset({"a", "an", "the"})
 # is called so, that is meant.
 SOFT_FILLERS = frozenset({"bitte", "mit", "nach", "um", "und"})
 
+# A bare number behind one may be a time of day: ``grasp at 8``.
+BEFORE_TIMES = frozenset({"at", "um"})
+
+# Before a choice one may begin something else to do: ``move 1 m and back``.
+AND_ALSO = frozenset({"and", "und"})
+
 # Before a name, where nothing is called so: ``bild von omni``, ``hilfe zu omni``.
 BEFORE_NAMES = frozenset({"den", "der", "für", "vom", "von", "zu", "zum", "zur"})
 

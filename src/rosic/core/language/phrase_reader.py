@@ -322,7 +322,7 @@ class PhraseReader:
                 for item in reading.items
             )
             if manners and alone and not reading.unknown:
-                return Answered(_THANKS.get(manners[0], manners[0]))
+                return _answered(manners[0])
         return None
 
     def _at_least_manner(self, best: Sequence[Reading]) -> Line | None:
@@ -331,7 +331,7 @@ class PhraseReader:
             manners = [v for item in reading.items for v in item.values(SenseKind.MANNER)]
             speaks = any(item.means(kind) for item in reading.items for kind in DOES)
             if manners and not speaks and not self._named.named:
-                return Answered(_THANKS.get(manners[0], manners[0]))
+                return _answered(manners[0])
         return None
 
     def _question(self, best: Sequence[Reading], callee: NameTarget | None) -> Line | None:
@@ -381,13 +381,13 @@ class PhraseReader:
                 lines.update(dict.fromkeys(self._lines(reading, target)))
         timed = [line for line in lines if line.startswith(SCHEDULED)]
         lines = dict.fromkeys(timed) if timed else lines  # none that would be done now
-        first = not lines and callee is not None and bool(vague)
-        if first and callee is not None:
+        nowhere = False
+        if not lines and callee is not None and vague:
             lines = dict.fromkeys(first_lines(callee, vague))
+            nowhere = set(vague) == {"place"}
         read = [line for line in lines if not isinstance(self._reads(line), Misunderstood)]
         if not read:
             return Proposed(GOES_ON, ("help",), follows=tuple(vague)) if vague else None
-        nowhere = first and set(vague) == {"place"}
         sentence = WHICH_ROBOT if callee is None else WHERE if nowhere else MEANT
         unknown = next((item for item in best[0].items if not item.is_known), None)
         if unknown is not None:
@@ -481,5 +481,9 @@ def _only_asks(reading: Reading) -> bool:
     )
 
 
-_THANKS: Final = {"praise": "thanks"}
+def _answered(manner: str) -> Answered:
+    """Return the answer to what is polite; praise is answered as thanks are."""
+    return Answered("thanks" if manner == "praise" else manner)
+
+
 _OF_PROFILE: Final = frozenset({SenseKind.OWN_SKILL, SenseKind.OWN_CHOICE, SenseKind.OWN_PARAMETER})

@@ -5,7 +5,14 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from rosic.core.language.keywords import FILLERS, NOT_FINITE, NUMBERS, SOFT_FILLERS
+from rosic.core.language.keywords import (
+    AND_ALSO,
+    BEFORE_TIMES,
+    FILLERS,
+    NOT_FINITE,
+    NUMBERS,
+    SOFT_FILLERS,
+)
 from rosic.core.language.numbers import read_numeral
 from rosic.core.order import SpokenValue
 
@@ -69,12 +76,12 @@ class ValueReader:
                 spoken.append(SpokenValue("", None, word))
             elif word.replace(".", "", 1).isdecimal():
                 value = self._value("")
-                self.unsure = self.unsure or (low[self._at - 2] in {"at", "um"} and not value.word)
+                self.unsure = self.unsure or (low[self._at - 2] in BEFORE_TIMES and not value.word)
                 spoken.append(value)
             elif (word in FILLERS and not self._is_one(word)) or self._is_soft(word):
                 self._at += 1
                 after = low[self._at] if self._at < end else ""
-                self.unsure = self.unsure or (word in {"and", "und"} and after in words)
+                self.unsure = self.unsure or (word in AND_ALSO and after in words)
             else:
                 spoken.append(self._named_or_value(word))
         return tuple(spoken)

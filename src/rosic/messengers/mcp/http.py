@@ -14,6 +14,8 @@ from mcp.server.auth.middleware.bearer_auth import AuthenticatedUser
 from mcp.server.auth.provider import AccessToken
 from mcp.server.streamable_http_manager import StreamableHTTPSessionManager
 from mcp.server.transport_security import TransportSecurityMiddleware, TransportSecuritySettings
+from mcp.shared.inbound import MCP_PROTOCOL_VERSION_HEADER
+from mcp_types.version import HANDSHAKE_PROTOCOL_VERSIONS
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse
 
@@ -41,8 +43,7 @@ OPENED_AT_MOST: Final = 8
 MANY_OPENED: Final = "This program opens too many sessions. Go on in one, or try again later."
 CONNECTIONS_AT_MOST: Final = 512
 CLOSE_WITHIN_S: Final = 1
-_SESSIONS: Final = frozenset({"mcp-session-id", "mcp-protocol-version"})
-"""What requests carry that open no session: it is open, or this version has none."""
+SESSION_HEADER: Final = "mcp-session-id"
 NO_KEY: Final = "Show the key of a program: Authorization: Bearer rosic_..."
 
 log = logging.getLogger("rosic.mcp")
@@ -131,7 +132,9 @@ class HttpEndpoint:
 
     def _opens_too_many(self, request: Request, program: Address) -> bool:
         """Count the sessions that a program opens; those of whoever needs none are none."""
-        if not _SESSIONS.isdisjoint(request.headers):
+        version = request.headers.get(MCP_PROTOCOL_VERSION_HEADER)
+        has_none = version is not None and version not in HANDSHAKE_PROTOCOL_VERSIONS
+        if has_none or SESSION_HEADER in request.headers:
             return False
         now_s = time.monotonic()
         self._opened = {

@@ -171,7 +171,7 @@ class ToolDispatch:
         except RosicError:
             known = {}
         robots = tuple(dict.fromkeys(name for name in names if isinstance(name, str)))
-        read = len(" ".join((STOP, *robots))) <= LONGEST_SHOUT and len(robots) <= len(names)
+        read = len(" ".join((STOP, *robots))) <= LONGEST_SHOUT
         all_known = all(isinstance(name, str) and name in known for name in names)
         return await self._speaker.stop(address, robots if read and all_known else (), self._told)
 
