@@ -8,6 +8,7 @@ import pytest
 
 from rosic.core.language import (
     Do,
+    LanguageReader,
     LineContext,
     Proposed,
     Vocabulary,
@@ -146,6 +147,18 @@ def test_this_is_the_dock_is_proposed_as_a_place(text: str, name: str) -> None:
     line = read(text, "omni")
     assert isinstance(line, Proposed)
     assert line.offers == (f"/place omni {name}",)
+
+
+def test_where_nobody_is_chosen_a_place_is_kept_for_whoever_was_asked_last() -> None:
+    everybody = frozenset(VOCABULARY.profiles)
+    [line] = understand("this is the dock", VOCABULARY, LineContext("", everybody))
+    assert isinstance(line, Proposed)
+    assert line.offers == ("/place cf1 dock", "/place cf2 dock", "/place cf3 dock")
+    assert line.follows
+    last = read("omni move 1 m", "")
+    assert isinstance(last, Do)
+    reader = LanguageReader(VocabularyHolder(VOCABULARY))
+    assert reader.following("this is the dock", last, everybody) == ("/place omni dock",)
 
 
 @pytest.mark.parametrize("text", ["this is great", "this is the map", "this is not the dock"])

@@ -9,10 +9,12 @@ from rosic.core.language.lexicon import SenseKind
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from rosic.core.language.compiled import NameTarget
     from rosic.core.language.kept_places import KeptPlace
     from rosic.core.language.lexicon import LexiconTable
     from rosic.core.language.phrase_words import Item
 
+PLACE: Final = "place"
 KEEP: Final = "keep"
 TO: Final = "to"
 _ANY_WAY: Final = frozenset({"goto", "move"})
@@ -37,6 +39,11 @@ def kept_name(items: Sequence[Item]) -> str:
     if all(len(word) == 1 and not word.isascii() for word in words):
         return "".join(words)
     return words[-1] if len(named) == 1 else ""
+
+
+def keeping_line(callee: NameTarget, name: str) -> str:
+    """Return the line that keeps the place where a robot is."""
+    return f"/{PLACE} {callee.name} {name}"
 
 
 def place_gone_to(

@@ -36,7 +36,7 @@ from rosic.core.language.phrase_meaning import (
     speaks_of,
     without_callee,
 )
-from rosic.core.language.phrase_places import kept_name
+from rosic.core.language.phrase_places import PLACE, keeping_line, kept_name
 from rosic.core.language.phrase_times import UNSURE, without_time
 from rosic.core.language.phrase_values import (
     SKILLS_LOOKED_AT,
@@ -73,7 +73,7 @@ MOST_UNKNOWN: Final = 3
 """With more words that nobody knows, a line is not looked at for typing errors."""
 NAMES_LOOKED_AT: Final = 128
 
-PLACE: Final = "place"
+GO_TO: Final = "goto"
 SCHEDULED: Final = "/schedule "
 NO_ORDER: Final = said("I read no order in that. Nothing was done.")
 MEANT: Final = said("Is that what you mean? Nothing was done yet.")
@@ -162,6 +162,8 @@ class PhraseReader:
         for reading in best_of(self._readings(callee, self._vocabulary.phrases.tables)):
             items = without_callee(reading.items, callee)
             positional = reading.table.positional
+            if name := kept_name(items):
+                return (keeping_line(callee, name),)
             values = SkillValueReader(items, compiled, units, positional=positional).read()
             vague = {value for item in items for value in item.values(SenseKind.VAGUE)}
             lines.update(dict.fromkeys(following_lines(callee, compiled, given, values, vague)))
@@ -270,11 +272,17 @@ class PhraseReader:
     def _kept(self, best: Sequence[Reading], callee: NameTarget | None) -> Line | None:
         """Return what keeps the place where a robot is: this is the dock."""
         callee = callee or self._chosen
-        if callee is None or callee.group or PLACE not in self._vocabulary.commands.words:
+        if PLACE not in self._vocabulary.commands.words or (callee is not None and callee.group):
             return None
-        names = [kept_name(without_callee(reading.items, callee)) for reading in best]
-        name = next(filter(None, names), "")
-        return Proposed(MEANT, (f"/{PLACE} {callee.name} {name}",)) if name else None
+        items = [r.items if callee is None else without_callee(r.items, callee) for r in best]
+        name = next(filter(None, map(kept_name, items)), "")
+        if not name:
+            return None
+        if callee is not None:
+            return Proposed(MEANT, (keeping_line(callee, name),))
+        able = islice(self._having(GO_TO), MOST_PROPOSED)  # whoever was asked last is offered first
+        offers = tuple([keeping_line(robot, name) for robot in able])
+        return Proposed(WHICH_ROBOT, offers, follows=(PLACE,)) if offers else None
 
     def _renamed(self, best: Sequence[Reading]) -> Line | None:
         """Return what the line would be if a word that means nothing were a misspelt name."""
