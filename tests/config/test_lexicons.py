@@ -70,6 +70,17 @@ def test_without_the_language_none_of_it_acts() -> None:
         assert not isinstance(line, Do), said
 
 
+def test_a_word_that_denies_in_one_language_lets_no_line_act_in_another(locale: Path) -> None:
+    """Portuguese ``no`` is ``in the``, as Catalan and Spanish ``no`` is not."""
+    nothing = BLOCKS["toml"].replace('nothing = ["il"', 'nothing = ["no", "il"')
+    assert nothing != BLOCKS["toml"]
+    vocabulary = vocabulary_of(added(locale, "it", nothing))
+    context = LineContext("", frozenset(vocabulary.profiles))
+    for said, acts in (("omni avanza due metri", True), ("omni no avanza due metri", False)):
+        [line] = understand(said, vocabulary, context)
+        assert isinstance(line, Do) is acts, said
+
+
 WRONG = (
     ('[skills]\ngrasp = ["seize"]\n', '"seize" means number 16 and skill grasp'),
     ('[choices]\nleft = ["rechts"]\n', '"rechts" means choice left and choice right'),
