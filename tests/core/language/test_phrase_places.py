@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 PLANNED = (
     ("omni move 1 m at 15:00", "/schedule 15:00 omni move 1 m"),
     ("kuka1 home in 10 minutes", "/schedule in 10 min kuka1 home"),
+    ("kuka1 greif um 10", "/schedule 10:00 kuka1 grasp"),
+    ("cf1 heb ab um 2", "/schedule 2:00 cf1 takeoff"),
     ("in an hour omni move 1 m", "/schedule in 1 h omni move 1 m"),
     ("omni 1 m vor in einer halben Stunde", "/schedule in 0.5 h omni move forward 1 m"),
     ("morgen um halb acht omni 1 m vor", "/schedule tomorrow 7:30 omni move forward 1 m"),
@@ -102,6 +104,7 @@ def test_a_kept_place_is_gone_to_in_any_language(text: str) -> None:
         "don't go to the dock",
         "omni went to the dock",
         "omni dock",
+        "bring omni dock",
         "leave the dock",
         "move 1 m to the dock",
         "the dock",

@@ -16,6 +16,7 @@ from rosic.config.lexicons import SHIPPED, known_phrases, read_lexicon
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
 from rosic.core.language import (
     Do,
+    Help,
     LanguageReader,
     LineContext,
     Misunderstood,
@@ -168,6 +169,12 @@ def test_an_order_goes_on_being_what_was_typed() -> None:
     line = read("50 cm vor", "omni")
     assert isinstance(line, Do)
     assert not line.named
+
+
+@pytest.mark.parametrize("text", ["kuka", "kuka?", "please kuka"])
+def test_a_name_that_begins_a_longer_one_is_a_name_at_the_end_of_a_line(text: str) -> None:
+    assert "kuka iiwa" in VOCABULARY.callees
+    assert read(text, "") == Help("kuka1")
 
 
 def test_what_is_overheard_is_talk_unless_it_is_a_line_of_the_grammar() -> None:
