@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from rosic.contracts.adapter import RobotFactory
     from rosic.contracts.interpreter import Interpreter
     from rosic.contracts.messenger import Messenger
+    from rosic.contracts.recording import Recorder
     from rosic.contracts.store import StopLatch, Store
     from rosic.core.message import Button, Outbound
     from rosic.core.records import Record
@@ -152,6 +153,7 @@ class Place:
         kind: What its robots are.
         people: Who is known.
         interpreter: May be shown what is not understood.
+        recorder: Makes files of what is seen.
         besides: Other messengers than the one that people here use.
     """
 
@@ -159,6 +161,7 @@ class Place:
     kind: RobotFactory = MemoryRobot
     people: tuple[ConfiguredPerson, ...] = PEOPLE
     interpreter: Interpreter | None = None
+    recorder: Recorder | None = None
     besides: tuple[Callable[[ManualClock], Messenger], ...] = ()
 
     def __init__(
@@ -195,6 +198,7 @@ class Place:
                 units=known_units(),
                 face=lambda _ns: "12:00:00",
                 interpreter=self.interpreter,
+                recorder=self.recorder,
             ),
         )
 

@@ -16,6 +16,7 @@ from rosic.contracts.console import SupportsCompletion
 from rosic.contracts.messenger import is_account
 from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
+from rosic.foxglove.recorder import recorder
 from rosic.interpreters.chat_completions import ChatCompletions
 from rosic.rendering.renderer import renderer
 from rosic.stores.database import DatabaseStore
@@ -65,6 +66,7 @@ def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -
         units=known_units(),
         face=face_of(ZoneInfo(config.zone)),
         renderer=renderer(),
+        recorder=recorder(),
         interpreter=None if config.interpreter is None else ChatCompletions(config.interpreter),
     )
 

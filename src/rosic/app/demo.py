@@ -18,6 +18,7 @@ from rosic.config.profiles import known_units, read_profile, shipped_profiles
 from rosic.core.i18n import filled, in_language, joined, said, titled
 from rosic.core.identity import Address
 from rosic.core.rate_limit import RateLimit
+from rosic.foxglove.recorder import recorder
 from rosic.messengers.terminal import TerminalMessenger
 from rosic.messengers.terminal.messenger import is_terminal, own_locale
 from rosic.rendering.renderer import renderer
@@ -142,6 +143,7 @@ def gateway_of(
         units=known_units(),
         face=face_of(),
         renderer=renderer(),
+        recorder=recorder(),
     )
     limit = RateLimit() if is_terminal(sys.stdin) else PIPED
     return Gateway(GatewaySettings(profiles=tuple(profiles), people=(you,), limit=limit), parts)

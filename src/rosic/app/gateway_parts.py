@@ -108,6 +108,7 @@ def kernel_of(
         memory=memory,
         renderer=parts.renderer,
         interpreter=parts.interpreter,
+        recorder=parts.recorder,
         site=Site(settings.place, settings.zone, settings.missions, named),
         naming=RobotArgument(naming),
         assessment=RobotAssessment(),

@@ -13,6 +13,7 @@ from rosic.contracts.adapter import RobotFactory
 from rosic.contracts.clock import Clock, Entropy
 from rosic.contracts.interpreter import Interpreter
 from rosic.contracts.messenger import Messenger
+from rosic.contracts.recording import Recorder
 from rosic.contracts.renderer import Renderer
 from rosic.contracts.store import StopLatch, Store
 from rosic.core.fleet.mission import Mission
@@ -58,6 +59,7 @@ class GatewayParts(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         renderer: Draws what is seen; None: people are told that nobody here can.
         interpreter: May be shown what is not understood; None: nobody is.
+        recorder: Makes files of what is seen of robots; None: people are told that nobody here can.
     """
 
     messengers: tuple[Messenger, ...]
@@ -70,3 +72,4 @@ class GatewayParts(msgspec.Struct, frozen=True, kw_only=True):
     face: Face
     renderer: Renderer | None = None
     interpreter: Interpreter | None = None
+    recorder: Recorder | None = None

@@ -79,6 +79,9 @@ COMMANDS: dict[str, Subcommand] = {
     "history": Subcommand(
         "rosic.cli.diagnostics:history", "who asked for what, when, and what came of it"
     ),
+    "record": Subcommand(
+        "rosic.cli.record:run", "what is asked of robots beside what moves, as a file for Foxglove"
+    ),
     "security report": Subcommand(
         "rosic.cli.diagnostics:security_report",
         "who was turned away, who is locked, what ends soon",

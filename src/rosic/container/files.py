@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import logging
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 
@@ -55,7 +55,8 @@ class StoredFile(msgspec.Struct, frozen=True, kw_only=True):
     """One file.
 
     Attributes:
-        sort: What it is, by its content; empty while it is being received.
+        sort: What it is, by its content; empty while it is being received. What is recorded here
+            has one from the beginning.
         size: Bytes; while it is being received, what room is kept for.
         digest: SHA-256; empty while it is being received.
         parts: In how many parts it lies, at most.
@@ -80,6 +81,18 @@ class StoredFile(msgspec.Struct, frozen=True, kw_only=True):
         """What messengers are told that it is."""
         sort = SORTS.get(self.sort)
         return "application/octet-stream" if sort is None else sort.media_type
+
+
+class Recorded(NamedTuple):
+    """A file that is made here, part by part, as long as something lasts.
+
+    Attributes:
+        sort: What it will be. Broken off, it is left to whoever makes such files.
+        parts: In how many it may come to lie.
+    """
+
+    sort: str
+    parts: int
 
 
 class _Body(msgspec.Struct, frozen=True):
@@ -150,15 +163,24 @@ class FileStore:
 
     # ---- deciding ----
 
-    def begin(self, owner: PrincipalId, file: str, name: str, most: int) -> tuple[Fact, ...]:
+    def begin(
+        self, owner: PrincipalId, file: str, name: str, most: int, recorded: Recorded | None = None
+    ) -> tuple[Fact, ...]:
         """Keep room for a file that is coming.
+
+        Args:
+            owner: Whose it is.
+            file: Its id.
+            name: How it is called so far.
+            most: Bytes that it may come to.
+            recorded: It is made here, and not received.
 
         Raises:
             TooManyRequests: There is none.
         """
         self.check_room(owner, most)
-        parts = -(-most // PART_BYTES)
-        body = _Body(owner, "", most, b"", parts, self._clock.wall_ns())
+        kind = recorded or Recorded("", -(-most // PART_BYTES))
+        body = _Body(owner, kind.sort, most, b"", kind.parts, self._clock.wall_ns())
         return (_fact(file, body, name),)
 
     def part(self, owner: PrincipalId, file: str, number: int, content: bytes) -> Fact:
@@ -166,9 +188,18 @@ class FileStore:
         return Fact(kind=PART, key=part_key(file, number), body=b"1", letter=Letter(owner, content))
 
     def finish(
-        self, file: str, name: str, sort: FileType, size: int, digest: bytes
+        self, file: str, name: str, sort: FileType, size: int, digest: bytes, parts: int = 0
     ) -> tuple[Record, ...]:
-        """Decide that a file is here, under a name of its own."""
+        """Decide that a file is here, under a name of its own.
+
+        Args:
+            file: Its id.
+            name: As whoever sent it calls it.
+            sort: What it is.
+            size: How many bytes it has.
+            digest: SHA-256 of its content.
+            parts: In how many it lies, if they are not all as large as parts are.
+        """
         owner = self._owners[file]
         taken = {one.name.casefold() for one in self.of(owner)}
         free, number = name, 1
@@ -176,7 +207,7 @@ class FileStore:
             number += 1
             free = numbered(name, number)
         now_ns = self._clock.wall_ns()
-        body = _Body(owner, sort.name, size, digest, -(-size // PART_BYTES), now_ns)
+        body = _Body(owner, sort.name, size, digest, parts or -(-size // PART_BYTES), now_ns)
         decided = Decided(act="file", by=owner, about=file, at_ns=now_ns, digest=digest)
         return (decided, _fact(file, body, free))
 
@@ -193,10 +224,10 @@ class FileStore:
         """Return what takes all of somebody's files away."""
         return tuple(fact for file in self._files.get(owner, {}) for fact in self.drop(file))
 
-    def unfinished(self) -> tuple[StoredFile, ...]:
-        """Return what was not received to the end."""
+    def unfinished(self, *, recorded: bool = False) -> tuple[StoredFile, ...]:
+        """Return what was not received to the end; or else what was not recorded to the end."""
         every = (one for files in self._files.values() for one in files.values())
-        return tuple(one for one in every if not one.whole)
+        return tuple(one for one in every if not one.whole and bool(one.sort) is recorded)
 
     # ---- what is so ----
 
@@ -285,6 +316,26 @@ async def pieces_of(container_store: ContainerStore, filed: StoredFile) -> Async
     if digest.digest() != filed.digest:
         raise RecordUnavailable(words.DAMAGED)
     yield held
+
+
+async def parts_of(container_store: ContainerStore, file: str) -> AsyncGenerator[bytes]:
+    """Yield the parts of a file that is not whole, as far as they are there; unchecked.
+
+    Raises:
+        RecordUnavailable: They cannot be read now.
+    """
+    after, ours = f"{file}.", True
+    while ours:
+        try:
+            page = await container_store.facts(PART, after, AT_ONCE)
+        except StoreFault as fault:
+            raise RecordUnavailable(words.DAMAGED) from fault
+        page = tuple(one for one in page if one.key.startswith(f"{file}."))
+        ours = bool(page)
+        for fact in page:
+            after = fact.key
+            if fact.letter is not None:
+                yield fact.letter.content
 
 
 async def content_of(container_store: ContainerStore, filed: StoredFile) -> bytes:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.interpreter import Interpreter
     from rosic.contracts.messenger import Messenger
+    from rosic.contracts.recording import Recorder
     from rosic.contracts.renderer import Renderer
     from rosic.contracts.robot import FileFolders, Robot, RobotTasks
     from rosic.contracts.store import Store
@@ -146,6 +147,7 @@ class SharedParts:
         robot_tasks: What robots that help each other do with their tasks.
         engaged: Whether a robot has something else to do than tasks.
         robot_adder: Adds robots while the gateway runs.
+        alarm_news: Tells what an alarm says: of which robot, in which words, and whether it begins.
         grants_ended: Tells of the rights that have just ended by the clock.
         file_offers: Return what may be done with a file that somebody has sent, as buttons.
     """
@@ -158,6 +160,7 @@ class SharedParts:
         self.robot_tasks: Provided[RobotTasks] = Provided("tasks for robots")
         self.engaged: Provided[Callable[[RobotId], bool]] = Provided("who helps whom")
         self.robot_adder: Provided[RobotAdder] = Provided("adding robots")
+        self.alarm_news: Signal[[RobotId, str, bool]] = Signal()
         self.grants_ended: Signal[[Sequence[tuple[PrincipalId, Grant]]]] = Signal()
         self.file_offers: list[Callable[[PrincipalId, StoredFile], list[Button]]] = []
 
@@ -230,6 +233,7 @@ class Kernel(NamedTuple):
         memory: What earlier runs left.
         renderer: Draws; None: nobody here can.
         interpreter: May be shown what is not understood; None: nobody is.
+        recorder: Makes files of what is seen of robots; None: nobody here can.
         naming: Finds the robot that is meant at the beginning of a line.
         assessment: Says how robots do.
         shared: What features ask of one another.
@@ -253,6 +257,7 @@ class Kernel(NamedTuple):
     memory: Memory
     renderer: Renderer | None
     interpreter: Interpreter | None
+    recorder: Recorder | None
     site: Site
     naming: RobotArgument
     assessment: RobotAssessment

@@ -155,6 +155,7 @@ class AdminVerb(enum.Enum):
     ADD_ROBOT = "add-robot"
     HISTORY = "history"
     ATTACH = "attach"
+    RECORD = "record"
 
 
 class AnswerFormat(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -66,6 +66,8 @@ class AdminAnswer(msgspec.Struct, frozen=True):
 
 
 HEARD = AdminAnswer("", more=True)
+LASTING = frozenset({AdminVerb.ATTACH, AdminVerb.RECORD})
+"""What keeps the connection, and is answered in its own way."""
 
 _decode_ask = msgspec.json.Decoder(AdminRequest).decode
 encode = msgspec.json.Encoder(enc_hook=plain).encode
@@ -221,7 +223,7 @@ class ControlServer:
         except (ValueError, msgspec.MsgspecError, EOFError):
             writer.write(_line(AdminAnswer("That is no request I know.", good=False)))
             return
-        if ask.verb is AdminVerb.ATTACH:
+        if ask.verb in LASTING:
             await self._attach(ask, reader, writer)
             return
         if ask.verb is not AdminVerb.STOP and self._following >= AT_ONCE:
@@ -249,7 +251,7 @@ class ControlServer:
     async def _attach(
         self, ask: AdminRequest, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> None:
-        """Leave a connection to a program, once it has shown who it is."""
+        """Leave a connection to what lasts: a program, once it has shown who it is; a recording."""
         try:
             serve = self._operating.attach(ask)
         except RosicError as error:

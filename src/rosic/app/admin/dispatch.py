@@ -23,6 +23,7 @@ from rosic.app.admin.containers import ContainersAdmin, LimitParameters
 from rosic.app.admin.explain import Explainer
 from rosic.app.admin.history import HistoryParameters, history_of
 from rosic.app.admin.naming import people_lines, people_listed
+from rosic.app.admin.recording import RecordParameters, recording_for_operator
 from rosic.app.admin.schedule import BookParameters, ScheduleAdmin, ScheduleWindow
 from rosic.app.maintenance import lost
 from rosic.config.profiles import known_units
@@ -333,12 +334,16 @@ class AdminDispatcher:
         return await self._gateway.pipeline.resuming.by_operator(stopped, at_ns)
 
     def attach(self, ask: AdminRequest) -> ServeConnection:
-        """Return what serves a program over the connection on which it asked.
+        """Return what serves a program, or sends a recording, over the connection that asked.
 
         Raises:
-            NotUnderstood: This gateway has no messenger for programs.
+            NotUnderstood: This gateway has no messenger for programs; or there is no such robot.
             Unrecognised: It shows no secret of a good key.
+            NotPermitted, TooManyRequests: Nothing can be recorded here now.
         """
+        if ask.verb is AdminVerb.RECORD:
+            asked = body_of(ask, RecordParameters)
+            return recording_for_operator(self._gateway, self._robots(ask.names), asked)
         secret = Secret(body_of(ask, AttachParameters).secret)
         for messenger in self._gateway.kernel.reach.messengers:
             if isinstance(messenger, AttachesPrograms):

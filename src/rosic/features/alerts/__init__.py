@@ -69,6 +69,7 @@ def setup(kernel: Kernel) -> AlertFeature:
     circles = Recipients(rooms.authoriser, rooms.organiser)
     alerting = AlertEvaluator(rooms, changes, reach, clock, circles, kernel.assessment.presence)
     reach.again.bind(alerting.again)
+    alerting.news.connect(kernel.shared.alarm_news.emit)
     for kind in (ALARM, MUTE, RUN):
         kernel.keep(kind, alerting.book.restore, alerting.book.apply)
     changes.keep(TOLD, _so_already)

@@ -13,6 +13,7 @@ from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.alerts.rule import read_run, rules_of
 from rosic.core.alerts.state import AlertEvent, AlertWatch
 from rosic.core.records import Decided
+from rosic.core.signal import Signal
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import Refusal, RosicError
 from rosic.features.alerts import grouped_messages
@@ -125,6 +126,7 @@ class AlertEvaluator:
         circles: Who is around a robot.
         following: The rules, by robot.
         telling: Says it.
+        news: Tells of every alarm that begins and ends: its robot, its words, whether it begins.
 
     Args:
         assess: Adds to what a robot reports how it does against its benchmarks.
@@ -142,6 +144,7 @@ class AlertEvaluator:
         self.book = AlertLog()
         self.circles = circles
         self.following: dict[RobotId, list[ActiveRule]] = {}
+        self.news: Signal[[RobotId, str, bool]] = Signal()
         self.telling = AlertNotifications(rooms, reach, clock, circles, self.write)
         self._by_key: dict[str, ActiveRule] = {}
         self._assess = assess
@@ -222,6 +225,7 @@ class AlertEvaluator:
         text = self._text(rule, now, event, alarm.at_ns)
         alarmed = ActiveAlert(rule.key, alarm.at_ns)
         self.telling.tell(people, AlertNews(NewsKind.ALARM, rule, text, alarmed))
+        self.news.emit(rule.robot, str(text), True)
         if not people:
             log.warning("nobody may be told of the rule %s", rule.key)
         self.write([self.book.raised(rule.key, following.raised(alarm, people))])
@@ -241,8 +245,9 @@ class AlertEvaluator:
     def _cleared(self, following: ActiveRule, now: str, *, muted: bool) -> None:
         rule, alarm = following.rule, following.cleared()
         self.write([self.book.cleared(rule.key), *self.telling.placed.over(rule.key)])
+        text = words.cleared(rule, self.shown(rule), now)
+        self.news.emit(rule.robot, str(text), False)
         if alarm is not None and not muted:
-            text = words.cleared(rule, self.shown(rule), now)
             self._tell(NewsKind.OVER, rule, alarm.told, text)
 
     def _tell(
