@@ -11,11 +11,12 @@ import pytest
 from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.order_gate import OrderGate
 from rosic.core.robot.profile import Link, Profile
-from rosic.core.robot.skill import Skill
+from rosic.core.robot.skill import Parameter, Skill
 from rosic.robots.memory import MemoryRobot
 from rosic.system import SystemClock
+from rosic.testing.faulty.live_robots import LIVE_FAULTS_BY_RULE
 from rosic.testing.faulty.robots import FAULTS_BY_RULE, FaultyRobot
-from rosic.testing.robots import RobotConformance
+from rosic.testing.live_robots import LiveRobotConformance
 from rosic_sim.robots.machines.activity import ActivityState
 from rosic_sim.robots.robot import SimulatedRobot
 
@@ -39,6 +40,9 @@ LOOKS_S = 0.05  # a simulated robot looks at its machine more often than that
 
 def memory_profile() -> Profile:
     skills = {name: Skill(id=name) for name in ("short", "long")}
+    speed = Parameter(unit="m/s", min=-1, max=1)
+    duration = Parameter(unit="s", min=0.1, max=5)
+    skills["drive"] = Skill(id="drive", parameters={"linear": speed, "duration": duration})
     return Profile(id="m1", link=Link(kind="memory"), skills=skills)
 
 
@@ -51,7 +55,9 @@ class SlowMemoryRobot(MemoryRobot):
 
     @property
     def moves(self) -> bool:
-        """Whether it works, or rolls."""
+        """Whether it works, or rolls; driven live, whether it was told to move last."""
+        if self.steered:
+            return bool(self.steered[-1].get("linear"))
         return bool(self.presence().doing) or (self._rolls is not None and not self._rolls.is_set())
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
@@ -77,9 +83,11 @@ async def opened(robot: Robot) -> AsyncIterator[Robot]:
         await robot.close()
 
 
-class TestMemory(RobotConformance):
+class TestMemory(LiveRobotConformance):
     short = "short"
     long = "long"
+    live = "drive"
+    live_values: ClassVar[dict[str, float]] = {"linear": 0.5}
     says_progress = False
 
     def itself(self, robot: Robot) -> SlowMemoryRobot:
@@ -106,7 +114,7 @@ class TestMemory(RobotConformance):
         return lambda: opened(SlowMemoryRobot(memory_profile(), OrderGate.new("m1"), clock))
 
 
-class TestSimulated(RobotConformance):
+class TestSimulated(LiveRobotConformance):
     short = "move"
     short_arguments: ClassVar[dict[str, Argument]] = {
         "direction": "forward",
@@ -119,6 +127,8 @@ class TestSimulated(RobotConformance):
         "distance": 2.0,
         "speed": 0.25,
     }
+    live = "drive"
+    live_values: ClassVar[dict[str, float]] = {"linear": 0.2, "angular": 0.1}
 
     def acted(self, robot: Robot) -> int:
         assert isinstance(robot, SimulatedRobot)
@@ -158,16 +168,17 @@ class TestSimulated(RobotConformance):
 
 # Some break a rule by never answering: they are waited for in vain.
 FAULTS_BOUND_S = 3.0
-RULES = sorted(name for name in vars(RobotConformance) if name.startswith("test_"))
+RULES = sorted(name for name in dir(LiveRobotConformance) if name.startswith("test_"))
+FAULTS = FAULTS_BY_RULE | LIVE_FAULTS_BY_RULE
 
 
 def test_every_rule_has_its_fault() -> None:
-    assert set(RULES) == set(FAULTS_BY_RULE)
+    assert set(RULES) == set(FAULTS)
 
 
 @pytest.mark.parametrize("rule", RULES)
 async def test_the_fault_is_caught(rule: str, clock: SystemClock) -> None:
-    faulty: type[FaultyRobot] = FAULTS_BY_RULE[rule]
+    faulty: type[FaultyRobot] = FAULTS[rule]
 
     @asynccontextmanager
     async def make_faulty() -> AsyncIterator[FaultyRobot]:

@@ -19,7 +19,7 @@ from rosic.container import records
 from rosic.container.bounded_writes import BoundedWriter
 from rosic.core.i18n import said
 from rosic.core.identity import DIGEST_BYTES
-from rosic.core.language import bind, show
+from rosic.core.language import bind, live_words, show
 from rosic.core.order import NEVER_BEGUN, Order, OrderEnding, Outcome, Permit, Request, SpokenValue
 from rosic.core.records import Claimed, Concluded, Letter, Placed, Refused, Resumed, Selected, Told
 from rosic.core.robot.skill import Argument
@@ -235,7 +235,8 @@ class Containers:
                     permit,
                     None,
                     request.sequel,
-                    values.words,
+                    live_words(request.skill) if request.live else values.words,
+                    request.live,
                 )
             )
             told = records.encode(replace(reply_to, values=values.arguments))

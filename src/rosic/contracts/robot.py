@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, Protocol, TypeAlias, runtime_checkable
 from rosic.core.order import Order, Outcome, RestReport, StageReport, Stop
 
 if TYPE_CHECKING:
+    from rosic.contracts.live_control import LiveControls
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.file_transfer import FileForRobot, Receipt
     from rosic.core.robot.profile import Files, Presence, Profile, RobotId
@@ -117,6 +118,32 @@ class Robot(Protocol):
         Raises:
             NothingToSee: With any step: the profile does not offer it, or nothing came within
                 some seconds.
+        """
+        ...
+
+
+# ---- robots that are driven live ----
+
+
+@runtime_checkable
+class LiveRobot(Protocol):
+    """A robot link that can carry out a live order: a stream of values that samples replace.
+
+    The laws of it are in `rosic.testing.RobotConformance`, for robots that are one.
+    """
+
+    async def execute_live(self, order: Order, tell: Tell, controls: LiveControls) -> Outcome:
+        """Carry out one live order and return what was really done, as `Robot.execute` does.
+
+        Nothing is sent before the first sample. Each message has the values of the newest sample,
+        and immediately before it is sent the controls are asked whether it may be. Once they say
+        why not, zero is sent at once and nothing but zero any more; the order ends when rest was
+        measured, or could not be. It never goes on by itself (I6).
+
+        Args:
+            order: A live one, of a skill that streams.
+            tell: As `Robot.execute`; no fraction is told, as nobody knows how long it lasts.
+            controls: What steers it. Left by this method, however it ends.
         """
         ...
 

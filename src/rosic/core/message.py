@@ -117,6 +117,8 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         addressed: In a group: it names us, or replies to what we said.
         enclosed: A file that came with it; the text is then what was written beneath.
         place: A place that was sent instead of words.
+        live: What it orders is steered by samples from then on; only where ROSIC itself asks people
+            or programs to steer, never by what somebody writes.
         network_away: It was sent while the network between the platform and us was away, as the
             adapter has seen; where it cannot tell, it was not.
         account: Which of our own accounts there received it, where its number is that account's
@@ -148,6 +150,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     network_away: bool = False
     written: str = ""
     links: tuple[str, ...] = ()
+    live: bool = False
 
 
 class ChatEventKind(enum.Enum):

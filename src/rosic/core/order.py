@@ -41,6 +41,7 @@ class Request(msgspec.Struct, frozen=True, gc=False):
         deadline_ns: Monotonic clock after which no robot may act on it.
         expires_ns: The same moment on the wall clock; whichever clock is later counts.
         sequel: An earlier line of the same message asked the same robot; wait for that one.
+        live: Its values are replaced by samples while it runs.
     """
 
     cid: CommandId
@@ -54,6 +55,7 @@ class Request(msgspec.Struct, frozen=True, gc=False):
     expires_ns: int
     group: str = ""
     sequel: bool = False
+    live: bool = False
 
 
 class Permit(msgspec.Struct, frozen=True, gc=False):
@@ -93,6 +95,7 @@ class Order(msgspec.Struct, frozen=True):
         start_ns: Monotonic clock of a common start for several robots; None starts at once. Kept
             by robots whose way has a place for it, which do not begin much later either.
         words: How it reads: ``move, 0.50 m left``.
+        live: Its values are replaced by samples while it runs; see `rosic.core.sample_gate`.
     """
 
     cid: CommandId
@@ -106,6 +109,7 @@ class Order(msgspec.Struct, frozen=True):
     start_ns: int | None = None
     sequel: bool = False
     words: str = ""
+    live: bool = False
 
     def is_late(self, now_ns: int, wall_ns: int) -> bool:
         """Whether it has expired by the monotonic clock or by the wall clock (I2).

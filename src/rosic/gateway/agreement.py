@@ -14,7 +14,7 @@ from msgspec.structs import replace
 
 from rosic.core.i18n import joined, said
 from rosic.core.identity import DIGEST_BYTES
-from rosic.core.language import CommandLine, Do
+from rosic.core.language import CommandLine, Do, live_words
 from rosic.core.messages import NAMED_AT_MOST
 from rosic.core.order import Request
 from rosic.errors import Expired, Refusal
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 TOGETHER: Final = frozenset({"together", "broadcast"})
 TASKS: Final = frozenset({"task", "mission"})
 JOINED: Final = "+"
+LIVE: Final = "live"
 
 
 class ActPart(NamedTuple):
@@ -71,12 +72,14 @@ class ResolvedAct(NamedTuple):
         shown: Robots and values, for whoever is to agree.
         parts: Of each robot.
         digest: Of all of it, and of the rules under which it was resolved.
+        live: Its values are to be steered.
     """
 
     command: str
     shown: str
     parts: tuple[ActPart, ...]
     digest: bytes
+    live: bool = False
 
 
 class Agreements:
@@ -101,16 +104,18 @@ class Agreements:
         self._clamping = clamping
         self._reader = reader
 
-    def of(self, line: Do, caller: Caller) -> ResolvedAct:
+    def of(self, line: Do, caller: Caller, *, live: bool = False) -> ResolvedAct:
         """Return what a line comes to now for somebody.
 
         Raises:
             NotUnderstood, OutOfBounds: It cannot be carried out as it was said.
         """
         parts = tuple(self._parts(line, caller))
-        return ResolvedAct(
-            self.named(line), self._shown(line.group, parts), parts, self._digest(parts)
-        )
+        if live:
+            each = zip(parts, line.skills, strict=True)
+            parts = tuple(part._replace(words=live_words(skill)) for part, skill in each)
+        digest = self._digest(parts, live=live)
+        return ResolvedAct(self.named(line), self._shown(line.group, parts), parts, digest, live)
 
     def together(self, line: CommandLine, caller: Caller) -> str:
         """Return what a command to several robots comes to now; empty: to nothing."""
@@ -143,8 +148,12 @@ class Agreements:
         label = label_of(named, rooms.vocabulary) if plain else button.label
         return replace(button, label=label, command=f"{mark}{named}", act=self._digest(parts))
 
-    def check(self, caller: Caller, lines: Sequence[Line], act: bytes) -> None:
+    def check(
+        self, caller: Caller, lines: Sequence[Line], act: bytes, *, live: bool = False
+    ) -> None:
         """See that what a tap says lets robots do exactly what it agreed to.
+
+        What was agreed to be done with certain values is not steered, nor the other way round.
 
         Raises:
             Expired: It would be something else, or it was agreed to under other rules.
@@ -152,7 +161,7 @@ class Agreements:
         parts = self._all(lines, caller)
         if not parts:
             return  # no robot does anything because of it, or it is refused for what it says
-        now = self._digest(parts)
+        now = self._digest(parts, live=live)
         if now == act:
             return
         shown = self._shown("", parts)
@@ -175,7 +184,7 @@ class Agreements:
     def is_current(self, act: ResolvedAct, line: Do, caller: Caller) -> bool:
         """Whether a line comes to the same as before, under the same rules."""
         try:
-            return self.of(line, caller).digest == act.digest
+            return self.of(line, caller, live=act.live).digest == act.digest
         except Refusal:
             return False
 
@@ -246,10 +255,10 @@ class Agreements:
                 for step in self._reader.lines(what, robot, frozenset({robot})):
                     yield from self._possible(step, caller)
 
-    def _digest(self, parts: Sequence[ActPart]) -> bytes:
+    def _digest(self, parts: Sequence[ActPart], *, live: bool = False) -> bytes:
         """Return what stands for an act: what is done, and the number of the rules."""
         profiles = self._rooms.profiles
-        acts = []
+        acts: list[object] = [LIVE] if live else []
         for part in parts:
             profile = profiles[part.robot]
             skill, values = profile.skills.get(part.skill), sorted(part.arguments.items())

@@ -179,7 +179,7 @@ class ChatHandler:
         )
         lines: Sequence[Line] = self._reader.lines(message.text, selected, visible, overheard)
         if inbound.nonce is not None:
-            self._agreements.check(caller, lines, message.act)
+            self._agreements.check(caller, lines, message.act, live=inbound.live)
         elif self._hooks.drafting:
             lines = self._drafted(message, lines)
         if len(lines) > 1 and inbound.chat.kind is not ChatKind.PRIVATE:
@@ -288,7 +288,8 @@ class ChatHandler:
         elif command.startswith(BEHIND):
             visible = self._rooms.organiser.visible(caller.principal)
             lines = self._reader.lines(command[1:], "", visible)
-            self._agreements.check(caller, lines, message.act)  # before anything is ended for it
+            # Before anything is ended for it.
+            self._agreements.check(caller, lines, message.act, live=inbound.live)
             message.reads(self._parts.busy.follow(message, command, lines))
         return True
 
@@ -425,7 +426,9 @@ class ChatHandler:
                 self._replies.deny(messenger, inbound, why.sentence)
                 return
             try:
-                reply = self._parts.confirmation.ask(caller, line, why, inbound.message)
+                reply = self._parts.confirmation.ask(
+                    caller, line, why, inbound.message, live=inbound.live
+                )
             except Refusal as instead:  # nothing of it was looked at before it was asked about
                 why = instead
             else:

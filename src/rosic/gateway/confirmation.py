@@ -73,7 +73,7 @@ class PendingConfirmation(msgspec.Struct):
 class Resolver(Protocol):
     """Says what words come to; see `rosic.gateway.agreement.Agreements`."""
 
-    def of(self, line: Do, caller: Caller) -> ResolvedAct:
+    def of(self, line: Do, caller: Caller, *, live: bool = False) -> ResolvedAct:
         """Return what a line comes to now for somebody.
 
         Raises:
@@ -108,7 +108,15 @@ class Confirmation:
         self._requests: OrderedDict[str, PendingConfirmation] = OrderedDict()
         self._has_phone = has_phone
 
-    def ask(self, caller: Caller, line: Do, needed: FirstNeeded, cause: str = "") -> Reply:
+    def ask(
+        self,
+        caller: Caller,
+        line: Do,
+        needed: FirstNeeded,
+        cause: str = "",
+        *,
+        live: bool = False,
+    ) -> Reply:
         """Return what to say to somebody who may, once something else has happened.
 
         A program confirms nothing: a person is asked, as a second person would be.
@@ -118,14 +126,15 @@ class Confirmation:
             line: What they said.
             needed: What has to come first.
             cause: Id of their message.
+            live: What was said is to be steered.
 
         Raises:
             NotUnderstood, OutOfBounds: What was said cannot be carried out.
         """
         if caller.is_program:
-            return self._ask_for_program(caller, line, needed, cause)
+            return self._ask_for_program(caller, line, needed, cause, live=live)
         if needed.need == StepRequired.CONFIRMATION.value:
-            act = self._agreements.of(line, caller)
+            act = self._agreements.of(line, caller, live=live)
             question = (
                 said("{act}? People talk here, so it moves only if you confirm it.", act=act.shown)
                 if needed.overheard
@@ -133,7 +142,7 @@ class Confirmation:
             )
             return Reply(question, _do_it(f"{CONFIRMED}{act.command}", act))
         if needed.need == StepRequired.SECOND_PERSON.value:
-            return self._ask_others(caller, line, needed, cause)
+            return self._ask_others(caller, line, needed, cause, live=live)
         if needed.need == StepRequired.STEP_UP.value and not self._has_phone(caller.principal):
             return Reply(
                 said(
@@ -144,7 +153,9 @@ class Confirmation:
             )
         return Reply(needed.sentence)
 
-    def _ask_for_program(self, caller: Caller, line: Do, needed: FirstNeeded, cause: str) -> Reply:
+    def _ask_for_program(
+        self, caller: Caller, line: Do, needed: FirstNeeded, cause: str, *, live: bool
+    ) -> Reply:
         if needed.need == StepRequired.STEP_UP.value:
             sentence = said(
                 "A second factor is asked for first, and a program has none. Ask a person."
@@ -153,10 +164,12 @@ class Confirmation:
         if needed.need == StepRequired.CONFIRMATION.value:
             sentence = said("A person has to confirm that first.")
             needed = FirstNeeded(sentence, need=needed.need, robot=needed.robot, text=needed.text)
-        return self._ask_others(caller, line, needed, cause)
+        return self._ask_others(caller, line, needed, cause, live=live)
 
-    def _ask_others(self, caller: Caller, line: Do, needed: FirstNeeded, cause: str) -> Reply:
-        act = self._agreements.of(line, caller)
+    def _ask_others(
+        self, caller: Caller, line: Do, needed: FirstNeeded, cause: str, *, live: bool
+    ) -> Reply:
+        act = self._agreements.of(line, caller, live=live)
         asks = self._wanting(caller, act, needed)
         others = self._others(caller, asks)
         if not others:

@@ -22,6 +22,7 @@ from rosic.gateway.chat_locks import ChatLocks
 from rosic.gateway.command_builder import CommandBuilder
 from rosic.gateway.end_buttons import EndButtons
 from rosic.gateway.limit_clamping import LimitClamping
+from rosic.gateway.live_control import LiveControl
 from rosic.gateway.order_execution import OrderExecutor
 from rosic.gateway.order_status import OrderMessage, stop_button
 from rosic.gateway.replies import Replies
@@ -69,6 +70,7 @@ class Pipeline:
         face: What a clock on the wall shows here.
         agreements: Binds what a tap agrees to.
         ends: What stands beneath an order that has ended.
+        live: Has live orders steered.
     """
 
     def __init__(
@@ -102,6 +104,7 @@ class Pipeline:
         self.executor = OrderExecutor(
             rooms.organiser, rooms.container, rooms.linker, chat_sender, clock
         )
+        self.live = LiveControl(rooms, self.executor, clock)
         self.followers = RobotFollowers(rooms.organiser)
         self._busy = BusyRobots(rooms, self.executor)
         self.hooks, self.confirmation = hooks, hooks.confirmation_of(self.agreements)
@@ -204,6 +207,8 @@ class Pipeline:
             FirstNeeded: In a chat of many it may be meant for somebody else.
         """
         caller = message.caller
+        if message.inbound.live:
+            self.live.check(line)
         if self.cancels.last:
             self.cancels.check(caller, message.inbound)
         requests = self._requesting.requests(message, line, cid, self._clock.monotonic_ns())
@@ -288,7 +293,8 @@ class Pipeline:
             status = OrderStatus(shown, f"{shown}: {what}", self.face, now_ns, words)
             order_message.show(order.cid, status)
             self.followers.note(order.robot, messenger, chat, caller.principal)
-            self.executor.begin(order, message, order_message, status, dispatch)
+            relays = self.live.begin(order, message) if order.live else dispatch
+            self.executor.begin(order, message, order_message, status, relays)
         self._chat_sender.show(order_message)
 
     # ---- for features ----

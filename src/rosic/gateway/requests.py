@@ -162,6 +162,7 @@ class RequestFactory:
                 wall_ns + (asked_ns - now_ns) + skill.order_lifetime_ns,
                 line.group,
                 robot in message.asked,
+                inbound.live,
             )
             if now_ns > request.deadline_ns or sent_ns < inbound.listening_since_ns:
                 check_fresh(inbound, request, now_ns)

@@ -7,19 +7,20 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.contracts.clock import done_within
-from rosic.contracts.robot import deliver_of
+from rosic.contracts.robot import LiveRobot, deliver_of
 from rosic.core import messages
 from rosic.core.i18n import said
 from rosic.core.order import RestReport, Stop
 from rosic.core.order_gate import too_late
 from rosic.errors import RobotOffline, RobotUnreachable, RosicError, StoreFault
 from rosic.linker.pursuit import StopPursuit
-from rosic.linker.robot_queue import QueuedOrder, RobotQueue
+from rosic.linker.robot_queue import QueuedOrder, RobotQueue, execute_live
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Coroutine, Iterable, Iterator, Mapping
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.live_control import LiveControls
     from rosic.contracts.robot import Robot, Tell
     from rosic.contracts.store import StopLatch
     from rosic.core.identity import CommandId, PrincipalId
@@ -152,12 +153,20 @@ class Linker:
         permit = order.permit
         return permit.cancels < self._stops.cancelled(permit.principal, order.robot)
 
-    def dispatch(self, order: Order, tell: Tell) -> Coroutine[Any, Any, Outcome]:
+    def dispatch(
+        self, order: Order, tell: Tell, controls: LiveControls | None = None
+    ) -> Coroutine[Any, Any, Outcome]:
         """Relay an order whose turn it is; awaited, this returns what the robot really did.
+
+        Args:
+            order: Claimed, and not begun.
+            tell: Takes its steps in.
+            controls: What steers it, if it is live.
 
         Raises:
             PolicyMoved: At once. Not relayed; admit it once more, its turn is kept.
-            OrderVoid: At once or awaited. The robot has not moved.
+            OrderVoid: At once or awaited. The robot has not moved. A live order without controls,
+                or for a robot that cannot be driven so, is void.
             RobotOffline: Awaited. The robot has not moved.
             RobotUnreachable: Awaited. It may or may not have moved.
         """
@@ -169,8 +178,14 @@ class Linker:
             raise PolicyMoved(said("The rights have changed meanwhile."))
         robot = self._robots[order.robot]
         if self.queues[order.robot].replaces:
-            return self.queues[order.robot].relay(order, tell)
+            return self.queues[order.robot].relay(order, tell, controls)
+        if order.live:
+            return execute_live(robot, order, tell, controls)
         return robot.execute(order, tell)
+
+    def drives_live(self, robot: RobotId) -> bool:
+        """Whether a robot can carry out live orders; no I/O."""
+        return isinstance(self._robots[robot], LiveRobot)
 
     def stop(self, robots: Iterable[RobotId], by: PrincipalId) -> StopInProgress:
         """Stop robots. On return the stop is latched in memory and handed to every adapter.

@@ -6,15 +6,18 @@ import asyncio
 from collections import deque
 from typing import TYPE_CHECKING, Protocol
 
+from rosic.contracts.robot import LiveRobot
 from rosic.core.i18n import said
 from rosic.core.order import Order, OrderEnding, OrderStage, Outcome, StageReport
 from rosic.core.robot.profile import Busy
 from rosic.errors import OrderVoid, RobotBusy
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Coroutine, Iterator
+    from typing import Any
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.live_control import LiveControls
     from rosic.contracts.robot import Robot, Tell
     from rosic.core.identity import CommandId, PrincipalId
 
@@ -164,8 +167,10 @@ class RobotQueue:
                 entry.void(OrderVoid(sentence))
                 return
 
-    async def relay(self, order: Order, tell: Tell) -> Outcome:
-        """Relay an order that gives way to the next.
+    async def relay(
+        self, order: Order, tell: Tell, controls: LiveControls | None = None
+    ) -> Outcome:
+        """Relay an order that gives way to the next; with what steers it, if it is live.
 
         Raises:
             OrderVoid: A later one has taken its place before it began; it moved nothing.
@@ -173,7 +178,12 @@ class RobotQueue:
         """
         if self.gives_way:
             raise OrderVoid(REPLACED)
-        self.running = task = asyncio.create_task(self._robot.execute(order, tell))
+        carried = (
+            execute_live(self._robot, order, tell, controls)
+            if order.live
+            else self._robot.execute(order, tell)
+        )
+        self.running = task = asyncio.create_task(carried)
         try:
             await asyncio.wait((task,))
         except asyncio.CancelledError:
@@ -228,3 +238,21 @@ class RobotQueue:
             self._wakes_ns = min(entry.order.deadline_ns for entry in self._waiting)
             await self._clock.sleep(max(0.01, (self._wakes_ns - now_ns) / 1e9))
         self._watch = None
+
+
+def execute_live(
+    robot: Robot, order: Order, tell: Tell, controls: LiveControls | None
+) -> Coroutine[Any, Any, Outcome]:
+    """Let a robot carry out a live order; see ``contracts.robot.LiveRobot``.
+
+    Raises:
+        OrderVoid: Nobody steers it, or the robot cannot be driven so. It has not moved.
+    """
+    if controls is None or not isinstance(robot, LiveRobot):
+        raise OrderVoid(not_live(robot.profile.shown))
+    return robot.execute_live(order, tell, controls)
+
+
+def not_live(shown: str) -> str:
+    """Return that a robot cannot be driven live."""
+    return said("{shown} cannot be driven live over its link. Nothing was done.", shown=shown)

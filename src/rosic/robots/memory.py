@@ -7,11 +7,14 @@ from collections import deque
 from types import coroutine
 from typing import TYPE_CHECKING
 
+from rosic.contracts.live_control import live_outcome, never_steered
 from rosic.core.i18n import said
 from rosic.core.order import Order, OrderEnding, OrderStage, Outcome, RestReport, StageReport, Stop
 from rosic.core.robot.file_transfer import Receipt
 from rosic.core.robot.profile import Presence, Profile
 from rosic.core.robot.view import View
+from rosic.core.sample_gate import LATE_S, LiveEnd
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import NothingToSee, RobotOffline, RobotUnreachable
 from rosic.robots.ros2.profile_rules import STAND_IN
 
@@ -19,9 +22,11 @@ if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Generator
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.live_control import LiveControls
     from rosic.contracts.robot import Say, Speak, Tell
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.file_transfer import FileForRobot
+    from rosic.core.robot.skill import Argument
     from rosic.core.robot.view import Content, Pose, ViewKind
 
 SENT = StageReport(OrderStage.SENT)
@@ -48,6 +53,7 @@ class MemoryRobot:
         speak: Says something to other robots, as its own nodes would.
         heard: What it was told by ROSIC and other robots, newest last, bounded.
         listens: Whether its nodes hear anything.
+        steered: The values that it was driven with, newest last, bounded; nothing is zero.
     """
 
     schema = STAND_IN
@@ -70,6 +76,8 @@ class MemoryRobot:
         self.heard: deque[bytes] = deque(maxlen=1_000)
         self.listens = True
         self._clock = clock
+        self.steered: deque[dict[str, Argument]] = deque(maxlen=1_000)
+        self._controls: LiveControls | None = None
         self._doing: Order | None = None
         self._end: asyncio.Future[Outcome | None] | None = None
 
@@ -78,6 +86,8 @@ class MemoryRobot:
 
     async def close(self) -> None:
         """End what is under way."""
+        if self._controls is not None:
+            self._controls.close()
         self.finish(CANCELLED)
 
     def meet(self, speak: Speak) -> None:
@@ -107,6 +117,46 @@ class MemoryRobot:
             self._doing = None
         return ended or (DONE if self.gate.still_allows(order) else CANCELLED)
 
+    async def execute_live(self, order: Order, tell: Tell, controls: LiveControls) -> Outcome:
+        """Remember the values of each sample that steers it. See the contract."""
+        if not self.online:
+            raise RobotOffline(
+                said("{shown} is not there. Nothing was sent.", shown=self.profile.shown)
+            )
+        self._controls = controls
+        begun_ns = self._clock.monotonic_ns()
+        try:
+            end = await controls.begin(self.profile.watchdog_s or LATE_S)
+            if end is not None:
+                return never_steered(end)
+            self.gate.pass_order(order, self._clock.monotonic_ns(), self._clock.wall_ns())
+            tell(SENT)
+            self.acted.append(order.n)
+            self._doing, begun_ns = order, self._clock.monotonic_ns()
+            tell(RECEIVED)
+            end = await self._steer(order, controls)
+        finally:
+            if self._doing is not None:
+                self.steered.append({})
+            self._doing = self._controls = None
+            controls.leave()
+        if not self.gate.still_allows(order):
+            return CANCELLED
+        seconds = (self._clock.monotonic_ns() - begun_ns) / SECOND_NS
+        return live_outcome(end, seconds, controls.gate.most_s)
+
+    async def _steer(self, order: Order, controls: LiveControls) -> LiveEnd:
+        """Follow the samples until there are none."""
+        while self.gate.still_allows(order) and (end := controls.look()) is None:
+            if not self.online:
+                raise RobotUnreachable(
+                    said("{shown} cannot be reached any more.", shown=self.profile.shown)
+                )
+            if not self.steered or self.steered[-1] != controls.values:
+                self.steered.append({**controls.values})
+            await controls.changed(controls.left_s())
+        return end or LiveEnd.CLOSED
+
     async def _work(self) -> Outcome | None:
         loop = asyncio.get_running_loop()
         self._end = end = loop.create_future()
@@ -135,6 +185,8 @@ class MemoryRobot:
     async def stop(self, stop: Stop) -> RestReport:
         """Latch and end what is under way."""
         self.gate.apply_stop(stop)
+        if self._controls is not None:
+            self._controls.close()
         self.finish()
         return RestReport(stop.robot, confirmed=True, seconds=0.0)
 

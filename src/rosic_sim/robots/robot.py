@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import msgspec
 from msgspec.structs import replace
 
+from rosic.contracts.live_control import live_outcome, never_steered
 from rosic.core.deadman import INTERRUPTED, STOOD_STILL, DeadMan
 from rosic.core.i18n import joined, said
 from rosic.core.order import (
@@ -23,6 +24,7 @@ from rosic.core.order import (
 )
 from rosic.core.robot.profile import Presence, Profile
 from rosic.core.robot.view import Pose, View, ViewKind
+from rosic.core.sample_gate import LiveEnd
 from rosic.core.synchronised_start import begins_ns
 from rosic.errors import (
     ConfigurationError,
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Mapping
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.live_control import LiveControls
     from rosic.contracts.robot import Say, Speak, Tell
     from rosic.core.deadman import MotionBreak
     from rosic.core.order_gate import OrderGate
@@ -144,6 +147,7 @@ class SimulatedRobot:
         self._model = link.model if isinstance(link, Ros2Link) else ""
         self.begun = 0
         self._doing = ""
+        self._controls: LiveControls | None = None
         self._say: Say = _unheard
         self.speak: Speak = _unspoken
         self._noted = machine.note
@@ -155,6 +159,8 @@ class SimulatedRobot:
 
     async def close(self) -> None:
         """Bring the machine to rest and leave the world."""
+        if self._controls is not None:
+            self._controls.close()
         if not self.machine.at_rest():
             await self._rest()
         self._simulation.forget(self._listen)
@@ -295,6 +301,73 @@ class SimulatedRobot:
             await self._heard()
         return Outcome(OrderEnding.CANCELLED)
 
+    async def execute_live(self, order: Order, tell: Tell, controls: LiveControls) -> Outcome:
+        """Carry out one live order."""
+        machine, clock = self.machine, self._clock
+        if not self.online or not isinstance(machine, Omni):
+            controls.leave()
+            raise RobotOffline(
+                said("{shown} is not there. Nothing was sent.", shown=self.profile.shown)
+            )
+        self._controls = controls
+        try:
+            end = await controls.begin(self.profile.watchdog_s or machine.watchdog_s)
+            if end is not None:
+                return never_steered(end)
+            self.gate.pass_order(order, clock.monotonic_ns(), clock.wall_ns())
+            tell(StageReport(OrderStage.SENT))
+            self._doing = order.skill.id
+            self.begun += 1
+            tell(StageReport(OrderStage.RECEIVED))
+            return await self._follow(order, machine, controls)
+        except ActivityRefused as cannot:
+            await self._rest()
+            return Outcome(OrderEnding.FAILED, cannot.reason)
+        except asyncio.CancelledError:
+            if self._doing:
+                await self._rest()
+            raise
+        finally:
+            self._doing, self._controls = "", None
+            controls.leave()
+
+    async def _follow(self, order: Order, machine: Omni, controls: LiveControls) -> Outcome:
+        """Send the newest values until the controls say that it is over; then zero."""
+        watchdog_s = self.profile.watchdog_s or machine.watchdog_s
+        begun_ns = self._clock.monotonic_ns()
+        dead_man, moved = DeadMan(begun_ns, watchdog_s=watchdog_s, heard_within_s=inf), False
+        while self.gate.still_allows(order):
+            now_ns = self._clock.monotonic_ns()
+            broken, seconds = dead_man.look(now_ns, 0.0), (now_ns - begun_ns) / 1e9
+            if broken is not None:
+                return await self._broken_off(broken, (dead_man.last_ns - begun_ns) / 1e9)
+            moved = moved or not machine.at_rest()
+            if (end := controls.look()) is not None:
+                _, confirmed = await self._rest()
+                if not confirmed:
+                    raise StillMoves(still_moves(self.profile.shown))
+                if end is LiveEnd.RELEASED and not moved:
+                    return Outcome(OrderEnding.SENT)  # as over ROS: of no motion nothing is said
+                return live_outcome(end, seconds, controls.gate.most_s)
+            self._set(machine, order, controls)
+            self._simulation.wake()
+            await controls.changed(min(SETPOINT_EVERY_S, controls.left_s()))
+            await self._heard()
+        return Outcome(OrderEnding.CANCELLED)
+
+    def _set(self, machine: Omni, order: Order, controls: LiveControls) -> None:
+        """Give it the newest values; coming to rest after a zero, it takes them a little later.
+
+        Raises:
+            ActivityRefused: It takes none, and does not move either.
+        """
+        velocity = velocity_of(self.profile.id, order.skill, controls.values)
+        try:
+            machine.set_velocity(*velocity, self._simulation.now_s())
+        except ActivityRefused:
+            if machine.at_rest():
+                raise
+
     async def _broken_off(self, broken: MotionBreak, driven_s: float) -> Outcome:
         """Bring it to rest, and say so: nobody begins it again."""
         await self._rest()
@@ -312,6 +385,8 @@ class SimulatedRobot:
     async def stop(self, stop: Stop) -> RestReport:
         """Latch, halt, and wait until rest is measured."""
         self.gate.apply_stop(stop)
+        if self._controls is not None:
+            self._controls.close()
         seconds, confirmed = await self._rest()
         landed = said("on the ground") if self._model == "crazyflie" else ""
         return RestReport(stop.robot, confirmed, seconds, landed)
@@ -394,3 +469,8 @@ def _unspoken(_words: bytes, _dropped: int) -> None:
 
 def _unheard(_text: str) -> None:
     """Nobody listens before ``open``."""
+
+
+def still_moves(shown: str) -> str:
+    """Return that a robot which was told to come to rest has not."""
+    return said("{shown} was sent zero and told to stop, and still moves.", shown=shown)

@@ -82,8 +82,8 @@ class Platform(MemoryMessenger):
 class OneAct:
     """Resolves every line to the same act."""
 
-    def of(self, line: Do, caller: object) -> ResolvedAct:
-        del caller
+    def of(self, line: Do, caller: object, *, live: bool = False) -> ResolvedAct:
+        del caller, live
         return ResolvedAct(line.text, "Omni: wave", (ActPart("omni", "wave", {}, "wave"),), b"act")
 
     def is_current(self, act: ResolvedAct, line: Do, caller: object) -> bool:

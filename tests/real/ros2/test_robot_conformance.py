@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 import pytest
 
 from rosic.system import SystemClock
-from rosic.testing.robots import RobotConformance
+from rosic.testing.live_robots import LiveRobotConformance
 from rosic.testing.ros2.graph import RosGraph
 from tests.real.ros2.simulated import TriedRobot, opened, shipped
 
@@ -52,7 +52,7 @@ def clock() -> SystemClock:
     return SystemClock()
 
 
-class TestRos2(RobotConformance):
+class TestRos2(LiveRobotConformance):
     short = "move"
     short_arguments: ClassVar[dict[str, Argument]] = {
         "direction": "forward",
@@ -65,6 +65,8 @@ class TestRos2(RobotConformance):
         "distance": 2.0,
         "speed": 0.25,
     }
+    live = "drive"
+    live_values: ClassVar[dict[str, float]] = {"linear": 0.2, "angular": 0.1}
 
     omni: Omni
 

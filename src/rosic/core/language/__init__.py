@@ -26,7 +26,7 @@ from rosic.core.language.ast import (
 )
 from rosic.core.language.cancel_detection import hears_cancel, is_urgent
 from rosic.core.language.compiled import SAY, skills_of
-from rosic.core.language.formatting import show
+from rosic.core.language.formatting import live_words, show
 from rosic.core.language.line_parser import MOST_WORDS
 from rosic.core.language.line_words import leaves_out
 from rosic.core.language.numbers import Unit, UnitTable
@@ -72,6 +72,7 @@ __all__ = [
     "is_urgent",
     "kept_of",
     "leaves_out",
+    "live_words",
     "places",
     "show",
     "skills_of",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import ceil, floor, isfinite, log10
 from typing import TYPE_CHECKING
 
-from rosic.core.i18n import figure, joined, titled
+from rosic.core.i18n import figure, joined, said, titled
 from rosic.core.language.common_names import shown_name
 from rosic.core.language.kept_places import place_at
 from rosic.core.language.sanitise import quote
@@ -224,3 +224,8 @@ def _preferred_above(value: float) -> float:
 def _preferred_below(value: float) -> float:
     power = 10.0 ** floor(log10(value * (1 - 1e-6)))
     return max(float(f"{n * power:.6g}") for n in _PREFERRED if n * power <= value * (1 - 1e-6))
+
+
+def live_words(skill: Skill) -> str:
+    """Return what a live order does, for a reply: ``drive, live``."""
+    return said("{skill}, live", skill=skill.id.replace("_", " "))

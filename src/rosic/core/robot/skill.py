@@ -150,12 +150,15 @@ class Sent(NamedTuple):
             literal.
         besides: Parameters that it heeds in another way.
         into: What takes it, in the words of people who write profiles.
+        topic, type: What it is published to, and as what; empty where it is no topic.
     """
 
     place: tuple[str, ...] = ()
     values: Mapping[str, float | int | str | bool] = {}
     besides: tuple[str, ...] = ()
     into: str = ""
+    topic: str = ""
+    type: str = ""
 
 
 class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, dict=True):

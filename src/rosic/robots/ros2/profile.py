@@ -15,6 +15,10 @@ from rosic.robots.ros2.joints import Joints
 # One message of these keeps a robot moving until something else is said.
 VELOCITIES: Final = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
 
+LIVE_HZ: Final = 500.0
+"""Samples at 200 Hz come in no even step: at twice that none has to wait."""
+LIVE_MOST_HZ: Final = 2_000.0
+
 # ---- how a skill is carried out ----
 
 
@@ -26,12 +30,19 @@ class TopicBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             that a choice stands for; else it is literal.
         stream_hz: Greater than 0 sends a bounded stream for ``$duration`` seconds that ends in
             zero; allowed only when the profile states the robot's own ``watchdog_s``.
+        live_hz: Driven live, each sample is sent when it comes, at most so often; and the newest
+            again ``stream_hz`` times a second.
     """
 
     name: str
     type: str
     message: dict[str, float | int | str | bool] = {}
     stream_hz: float = 0.0
+    live_hz: float = LIVE_HZ
+
+    def __post_init__(self) -> None:
+        if self.stream_hz > 0 and not self.stream_hz <= self.live_hz <= LIVE_MOST_HZ:
+            raise ValueError(f"live_hz must be at least stream_hz and at most {LIVE_MOST_HZ:g}")
 
     @property
     def keeps_moving(self) -> bool:
@@ -142,7 +153,8 @@ class Ros2Skill(Skill, frozen=True, kw_only=True):
             values = self.action.goal | of_trajectory(self.action.trajectory)
         elif self.set_parameters is not None:
             place, values = ("set_parameters", "values"), self.set_parameters.values
-        return Sent(place, values, besides, into="a topic, service or action")
+        topic, kind = ("", "") if self.topic is None else (self.topic.name, self.topic.type)
+        return Sent(place, values, besides, "a topic, service or action", topic, kind)
 
     @property
     def streams(self) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from contextlib import suppress
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.contracts.robot import UTTERANCE_BYTES
@@ -31,13 +30,14 @@ from rosic.robots.ros2.messages.names import check_graph_name
 from rosic.robots.ros2.profile import ros2_profile
 from rosic.robots.ros2.profile_rules import SCHEMA
 from rosic.robots.ros2.settling import RestInterlock
-from rosic.robots.ros2.stopping import RestResult, StopController
+from rosic.robots.ros2.stopping import RestResult, StopController, to_the_end
 from rosic.robots.ros2.telemetry import Measurements
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Iterator
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.live_control import LiveControls
     from rosic.contracts.robot import Say, Speak, Tell
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.file_transfer import FileForRobot, Receipt
@@ -273,7 +273,18 @@ class Ros2Robot:
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Carry out one order."""
-        call = self._call = BindingCall(order, tell, self._side(), self._patience_s(order))
+        return await self._carry(BindingCall(order, tell, self._side(), self._patience_s(order)))
+
+    async def execute_live(self, order: Order, tell: Tell, controls: LiveControls) -> Outcome:
+        """Carry out one live order."""
+        call = BindingCall(order, tell, self._side(), self._patience_s(order), controls)
+        try:
+            return await self._carry(call)
+        finally:
+            controls.leave()
+
+    async def _carry(self, call: BindingCall) -> Outcome:
+        self._call, order = call, call.order
         try:
             carrier = self._carriers[order.skill.id]
             if order.skill.actuates and carrier is not self._dialogue:
@@ -289,7 +300,7 @@ class Ros2Robot:
             return Outcome(OrderEnding.REFUSED, sentence, code=UNFIT)
         except asyncio.CancelledError:
             if call.left:
-                await _to_the_end(asyncio.create_task(self._to_rest()))
+                await to_the_end(asyncio.create_task(self._to_rest()))
             raise
         finally:
             self._call = None
@@ -334,7 +345,7 @@ class Ros2Robot:
             # Called off early, its last word may be of before it began to move: that is no rest.
             since_ns = self._measured.stale_ns()
             if call.left and not (resting.confirmed and self._measured.at_rest(since_ns)):
-                await _to_the_end(asyncio.create_task(self._to_rest()))
+                await to_the_end(asyncio.create_task(self._to_rest()))
             self._call = None
         return RestReport(self.profile.id, resting.confirmed, resting.seconds)
 
@@ -349,6 +360,8 @@ class Ros2Robot:
     async def stop(self, stop: Stop) -> RestReport:
         """Latch, then apply everything that could stop it until rest is measured."""
         self.gate.apply_stop(stop)
+        if self._call is not None:
+            self._call.unsteer()
         if self._dialogue is not None:
             self._dialogue.tell_stop()
         if self._opened_ns is None:
@@ -479,11 +492,3 @@ class Ros2Robot:
             self.profile.rest_timeout_s,
             self.profile.watchdog_s or self.profile.link.heartbeat_s,
         )
-
-
-async def _to_the_end(task: asyncio.Task[RestResult]) -> RestResult:
-    """Wait for a task that must not be cut short, however often the waiting is cancelled."""
-    while not task.done():
-        with suppress(asyncio.CancelledError):
-            await asyncio.shield(task)
-    return task.result()

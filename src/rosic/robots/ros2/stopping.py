@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.i18n import said
@@ -390,3 +391,11 @@ def _zeros(profile: Ros2Profile) -> dict[str, str]:
 def _actions(profile: Ros2Profile) -> list[str]:
     found = (skill.action.name for skill in profile.skills.values() if skill.action is not None)
     return list(dict.fromkeys(found))
+
+
+async def to_the_end(task: asyncio.Task[RestResult]) -> RestResult:
+    """Wait for a task that must not be cut short, however often the waiting is cancelled."""
+    while not task.done():
+        with suppress(asyncio.CancelledError):
+            await asyncio.shield(task)
+    return task.result()

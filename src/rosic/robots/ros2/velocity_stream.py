@@ -72,7 +72,7 @@ class VelocityStream:
         while True:
             now_ns = clock.monotonic_ns()
             broken, past_s = self._look(dead_man, now_ns), (now_ns - self._begun_ns) / SECOND_NS
-            if broken is not None or past_s >= self._pace.duration_s or not call.allowed():
+            if broken is not None or self._over(past_s) or not call.allowed():
                 self._ended(broken, dead_man.last_ns)
                 return broken
             # Whoever had no name for so long may have one now; the robot has come to rest by then.
@@ -92,8 +92,16 @@ class VelocityStream:
                     raise call.offline() from fault
                 self._ended(None, now_ns)
                 return MotionBreak(BreakCause.GONE, 0.0)
-            await clock.sleep(min(self._pace.period_s, self._pace.duration_s - past_s))
+            await self._pause(past_s)
             self._tell(past_s / self._pace.duration_s)
+
+    def _over(self, past_s: float) -> bool:
+        """Tell whether nothing more is to be sent, though nothing has broken it off."""
+        return past_s >= self._pace.duration_s
+
+    async def _pause(self, past_s: float) -> None:
+        """Wait until the next message is due."""
+        await self._call.side.clock.sleep(min(self._pace.period_s, self._pace.duration_s - past_s))
 
     def _send(self) -> bool:
         """Send, unless somebody has joined who has no name yet: it may be the robot, reborn."""
@@ -106,7 +114,7 @@ class VelocityStream:
     def _look(self, dead_man: DeadMan, now_ns: int) -> MotionBreak | None:
         measured = self._call.side.measured
         age_s, judged_s = measured.age_s() or 0.0, measured.judged_age_s()
-        rests = self.moved and measured.at_rest(self._begun_ns) is True
+        rests = self._rests()
         # Where nobody was seen at first, whoever is there now may be the robot, reborn.
         there = self._publisher.listeners > 0 and bool(self._newcomers.first)
         # Last, as nothing may come between it and the sending.
@@ -120,6 +128,10 @@ class VelocityStream:
             another=another,
             rests=rests,
         )
+
+    def _rests(self) -> bool:
+        """Tell whether it has moved, and is at rest, though it is to move."""
+        return self.moved and self._call.side.measured.at_rest(self._begun_ns) is True
 
     def _another(self, now_ns: int) -> BreakCause | None:
         """Tell whether who takes the velocities, or shows whether it rests, is another now."""

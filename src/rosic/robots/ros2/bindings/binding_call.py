@@ -20,10 +20,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.live_control import LiveControls
     from rosic.contracts.robot import Tell
     from rosic.core.deadman import MotionBreak
     from rosic.core.order import Order, Outcome
     from rosic.core.order_gate import OrderGate
+    from rosic.core.robot.skill import Argument
     from rosic.robots.ros2.abandoned_goals import AbandonedGoal
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.stopping import RestResult, StopController
@@ -113,6 +115,7 @@ class BindingCall:
     """One order under way.
 
     Attributes:
+        controls: What steers it, if it is live.
         left: It has passed the gate: from here on the robot may move.
         halted: Set when a stop has done what it could; ``rest`` then says what came of it.
         loose: Its goal, given up without a word of how it ended: it may go on.
@@ -120,8 +123,16 @@ class BindingCall:
             rest first.
     """
 
-    def __init__(self, order: Order, tell: Tell, side: RobotSide, patience_s: float) -> None:
+    def __init__(
+        self,
+        order: Order,
+        tell: Tell,
+        side: RobotSide,
+        patience_s: float,
+        controls: LiveControls | None = None,
+    ) -> None:
         self.order = order
+        self.controls = controls
         self.side = side
         self.left = False
         self.unsettled = False
@@ -199,6 +210,12 @@ class BindingCall:
         cancelled that.
         """
         self._is_cut_off = True
+        self.unsteer()
+
+    def unsteer(self) -> None:
+        """Nobody steers it any more: a stop has come, or it is being ended."""
+        if self.controls is not None:
+            self.controls.close()
 
     def stopped(self, rest: RestResult) -> None:
         """A stop has done what it could, and this came of it."""
@@ -244,8 +261,17 @@ def filled(values: Mapping[str, float | int | str | bool], order: Order) -> dict
 
     Text from a chat is cleaned; everything is checked against the message's type afterwards.
     """
+    return filled_with(values, order, order.arguments)
+
+
+def filled_with(
+    values: Mapping[str, float | int | str | bool],
+    order: Order,
+    arguments: Mapping[str, Argument],
+) -> dict[str, object]:
+    """Return the same with other arguments than the order's own: those of a sample (SI)."""
     found: dict[str, object] = {}
     for field, value in values.items():
-        given = order.skill.filled(value, order.arguments)
+        given = order.skill.filled(value, arguments)
         found[field] = clean_text(given) if isinstance(given, str) else given
     return found

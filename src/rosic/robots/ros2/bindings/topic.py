@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.contracts.live_control import live_outcome, never_steered
 from rosic.core.i18n import joined, said
 from rosic.core.order import OrderEnding, Outcome
+from rosic.core.sample_gate import LiveEnd
 from rosic.core.units import measured
 from rosic.robots.ros2.bindings.answers import check_fields
-from rosic.robots.ros2.bindings.binding_call import filled, over
+from rosic.robots.ros2.bindings.binding_call import filled, filled_with, over
 from rosic.robots.ros2.errors import NotSent
+from rosic.robots.ros2.live_stream import LivePace, LiveStream
 from rosic.robots.ros2.motion_endings import in_doubt
 from rosic.robots.ros2.velocity_stream import StreamPace, VelocityStream
 
 if TYPE_CHECKING:
+    from rosic.contracts.live_control import LiveControls
     from rosic.core.deadman import MotionBreak
     from rosic.robots.ros2.bindings.binding_call import BindingCall
     from rosic.robots.ros2.client.rclpy_import import RosObject
@@ -54,6 +58,8 @@ class TopicSkill:
 
     async def carry(self, call: BindingCall) -> Outcome:
         """Publish once, or stream."""
+        if call.controls is not None:
+            return await self._steer(call, call.controls)
         if self._binding.stream_hz > 0:
             return await self._drive(call, await self._stream(call))
         publisher = await self._listened_to(call)
@@ -83,10 +89,14 @@ class TopicSkill:
         await call.there(lambda: publisher.listeners > 0, publisher.topic)
         return publisher
 
-    async def _stream(self, call: BindingCall) -> VelocityStream:
+    async def _taken(self, call: BindingCall) -> Publisher:
         publisher = await self._listened_to(call)
         # Matched before it is on the graph: who it is has to be known before it is driven.
         await call.there(lambda: bool(publisher.takers()), publisher.topic)
+        return publisher
+
+    async def _stream(self, call: BindingCall) -> VelocityStream:
+        publisher = await self._taken(call)
         values = filled(self._binding.message, call.order)
         pace = StreamPace(1.0 / self._binding.stream_hz, _duration_s(call))
         return VelocityStream(call, publisher, values, pace)
@@ -97,20 +107,56 @@ class TopicSkill:
             return Outcome(OrderEnding.CANCELLED)
         if broken is not None:
             return await self._broken_off(call, stream, broken)
-        side = call.side
-        ended_ns = side.clock.monotonic_ns()
-        period_s = 1.0 / self._binding.stream_hz
-        for _ in range(ZEROS):
-            side.stop_controller.zero()
-            await side.clock.sleep(period_s)
-        resting = await side.stop_controller.measure(ended_ns, side.rest_timeout_s, again=True)
-        if not side.measured.measures_rest or (resting.confirmed and not stream.moved):
+        resting = await self._zeroed(call)
+        if not call.side.measured.measures_rest or (resting.confirmed and not stream.moved):
             return Outcome(OrderEnding.SENT)
         if resting.confirmed:
             return Outcome(
                 OrderEnding.DONE, said("drove for {duration_s:g} s", duration_s=_duration_s(call))
             )
         return await self._does_not_obey(call)
+
+    async def _zeroed(self, call: BindingCall) -> RestResult:
+        """Send zero, and see whether it comes to rest."""
+        side = call.side
+        ended_ns = side.clock.monotonic_ns()
+        period_s = 1.0 / self._binding.stream_hz
+        for _ in range(ZEROS):
+            side.stop_controller.zero()
+            await side.clock.sleep(period_s)
+        return await side.stop_controller.measure(ended_ns, side.rest_timeout_s, again=True)
+
+    async def _steer(self, call: BindingCall, controls: LiveControls) -> Outcome:
+        """Send what samples say, as long as they come."""
+        publisher = await self._taken(call)
+        end = await controls.begin(call.side.watchdog_s)
+        if end is not None:
+            return never_steered(end)
+        message, order = self._binding.message, call.order
+        pace = LivePace(1.0 / self._binding.stream_hz, 1.0 / self._binding.live_hz)
+        stream = LiveStream(
+            call, publisher, controls, lambda values: filled_with(message, order, values), pace
+        )
+        broken = await stream.run()
+        if broken is None and call.allowed():
+            resting = await self._zeroed(call)
+            if not call.allowed():  # a stop came meanwhile, and says more about rest
+                return Outcome(OrderEnding.CANCELLED, _driven(stream))
+            return await self._let_go(call, stream, resting)
+        if not call.allowed():
+            return Outcome(OrderEnding.CANCELLED)
+        assert broken is not None  # noqa: S101 - else it was let go
+        return await self._broken_off(call, stream, broken)
+
+    async def _let_go(self, call: BindingCall, stream: LiveStream, resting: RestResult) -> Outcome:
+        """Say how a live order ended that nothing broke off."""
+        end, measures = stream.end or LiveEnd.CLOSED, call.side.measured.measures_rest
+        if measures and not resting.confirmed:
+            return await self._does_not_obey(call)
+        if end is LiveEnd.RELEASED and not (measures and stream.moved):
+            return Outcome(OrderEnding.SENT)
+        most_s = stream.most_s
+        return live_outcome(end, stream.seconds, most_s, _driven(stream))
 
     async def _broken_off(
         self, call: BindingCall, stream: VelocityStream, broken: MotionBreak
