@@ -61,6 +61,7 @@ SECONDS = {
     "tests/real/ros2/test_robot_stopping.py": 50,
     "tests/real/ros2/test_frozen_fleet.py": 34,
     "tests/real/ros2/test_breaks.py": 30,
+    "tests/real/ros2/test_live.py": 30,
     "tests/real/ros2/test_interfaces.py": 50,
     "tests/real/changes/test_half_applied.py": 45,
     "tests/real/ros2/test_discovering.py": 45,

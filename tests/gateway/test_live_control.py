@@ -184,6 +184,17 @@ async def test_the_limits_of_whoever_steers_hold() -> None:
         assert driven(place) == pytest.approx([0.2, -0.2])
 
 
+async def test_limits_that_leave_no_rest_let_nobody_drive() -> None:
+    """Else letting the stick go would be clamped to a motion."""
+    junior = Role(scopes=("*:*",), limits=("linear >= 0.1 m/s", "lateral >= 0 m/s"))
+    rulebook = RoleRules(roles={**DEFAULT_ROLES, "junior": junior})
+    async with steered(rulebook, {"Bo": "junior"}) as place:
+        line = live(place).line("omni", "drive").replace("linear=0 ", "linear=0.1 ")
+        await ordered(place, account=BO, text=line)
+        assert "omni cannot be driven live here: its linear can never be zero." in said(place)
+        assert place.acted() == 0
+
+
 @pytest.mark.parametrize(("limit", "lasts_s"), [("duration <= 2 s", 2.0), ("linear <= 1 m/s", 600)])
 async def test_nobody_drives_for_ever(limit: str, lasts_s: float) -> None:
     junior = Role(scopes=("*:*",), limits=(limit,))

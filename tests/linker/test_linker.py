@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, cast
 
 import pytest
 from msgspec.structs import replace
 
+from rosic.contracts.live_control import LiveControls
 from rosic.core.order import OrderEnding
 from rosic.core.order_gate import OrderGate
 from rosic.core.robot.file_transfer import FileForRobot
 from rosic.core.robot.profile import Busy, Link, Profile
 from rosic.core.robot.skill import Skill
 from rosic.core.robot.view import ViewKind
+from rosic.core.sample_gate import SampleGate
 from rosic.core.stop_registry import StopRegistry, not_known_yet
 from rosic.errors import NothingToSee, OrderVoid, RobotOffline, RobotUnreachable, StoreFault
 from rosic.linker.linker import KEPT_WITHIN_S, Linker, PolicyMoved
+from rosic.linker.robot_queue import execute_live
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.stop_latch import FileLatch, MemoryLatch
 from rosic.testing.clock import ManualClock, settle
@@ -27,6 +30,7 @@ from tests.pace import patience
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from rosic.contracts.robot import Robot
     from rosic.contracts.store import StopLatch
     from rosic.core.order import Order, StageReport
 
@@ -435,3 +439,29 @@ async def test_a_robot_that_comes_later_is_routed_to_as_well() -> None:
     assert two.linker.profile("late") is late.profile
     assert two.linker.current("late") is None
     assert two.linker.put(Entry(OrderBook(late.profile, two.clock).order("move"), []))
+
+
+async def test_a_live_order_that_nobody_steers_is_void() -> None:
+    two = Two()
+    order = two.books["omni"].order("move")
+    order = replace(order, live=True, permit=replace(order.permit, epoch=0))
+    with pytest.raises(OrderVoid, match="omni cannot be driven live over its link"):
+        await two.linker.dispatch(order, ignore)
+    assert not two.robots["omni"].acted
+
+
+class Fixed:
+    """A robot that cannot be driven live, whatever is inside."""
+
+    def __init__(self, inside: MemoryRobot) -> None:
+        self.profile, self.gate = inside.profile, inside.gate
+
+
+async def test_a_robot_that_cannot_be_driven_live_is_not() -> None:
+    clock = ManualClock()
+    inside = MemoryRobot(PROFILE, OrderGate.new("omni"), clock)
+    order = replace(OrderBook(PROFILE, clock).order("move"), live=True)
+    controls = LiveControls(SampleGate(order.cid, (), {}), clock)
+    fixed = cast("Robot", Fixed(inside))
+    with pytest.raises(OrderVoid, match="omni cannot be driven live over its link"):
+        await execute_live(fixed, order, ignore, controls)

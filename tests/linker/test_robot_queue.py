@@ -423,3 +423,10 @@ async def test_whether_a_robot_would_begin_at_once_can_be_asked_of_the_linker() 
     bench.linker.put(bench.entry())
     with pytest.raises(RobotBusy):
         bench.linker.check_free("r")
+
+
+async def test_one_that_nobody_steers_is_void_where_orders_replace_one_another() -> None:
+    bench = Bench(Busy.REPLACE)
+    live = replace(bench.entry().order, live=True)
+    with pytest.raises(OrderVoid, match="cannot be driven live over its link"):
+        await bench.queue.relay(live, ignore)

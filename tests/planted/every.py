@@ -15,6 +15,7 @@ from tests.planted.faults_of_groups import OF_GROUPS
 from tests.planted.faults_of_hanging import OF_HANGING
 from tests.planted.faults_of_interpreting import OF_INTERPRETING
 from tests.planted.faults_of_keeping import OF_KEEPING
+from tests.planted.faults_of_live import OF_LIVE
 from tests.planted.faults_of_orders import OF_ORDERS
 from tests.planted.faults_of_programs import OF_PROGRAMS
 from tests.planted.faults_of_reading import OF_READING
@@ -34,6 +35,7 @@ ALL = (
     *OF_TASKS,
     *OF_KEEPING,
     *OF_BREAKS,
+    *OF_LIVE,
     *OF_CANCELLING,
     *OF_BUSY,
     *OF_HANGING,

@@ -1,11 +1,12 @@
 """A wheeled base for tests: plain rclpy, driven by velocities, with a watchdog of half a second.
 
 Usage: base_node.py FILE NAME [standby]. Every velocity that is not zero is appended to FILE as two
-times of the wall clock in ns: when it was sent, and when it was taken here; a stop service is
-there, too. Lines on standard input: ``odometry off`` and ``odometry on``, ``stuck`` (zero does not
-stop it any more), ``jump`` (it says that it is somewhere else), ``forgetful`` (after a break what
-was sent meanwhile is lost, the stop service does nothing, and it says that it rests, then goes on)
-and ``mindful``. On standby it is a node alone until ``begin``.
+times of the wall clock in ns, when it was sent and when it was taken here, and itself; a stop
+service is there, too. Lines on standard input: ``odometry off`` and ``odometry on``, ``stuck``
+(zero does not stop it any more), ``jump`` (it says that it is somewhere else), ``forgetful`` (after
+a break what was sent meanwhile is lost, the stop service does nothing, and it says that it rests,
+then goes on) and ``mindful``, and ``speed``, which it answers. On standby it is a node alone until
+``begin``.
 """
 
 from __future__ import annotations
@@ -59,6 +60,8 @@ class Base:
             self._x_m += JUMP_M
         elif line in {"forgetful", "mindful"}:
             self.forgetful, self._goes_on_s = line == "forgetful", None
+        elif line == "speed":
+            tell(f"speed {self._speed_m_s}")
         else:
             self.tells = line != "odometry off"
 
@@ -79,7 +82,7 @@ class Base:
         if twist.linear.x or not self.stuck:
             self._speed_m_s = twist.linear.x
         if twist.linear.x:
-            self._file.write(f"{about['source_timestamp']} {time.time_ns()}\n")
+            self._file.write(f"{about['source_timestamp']} {time.time_ns()} {twist.linear.x}\n")
 
     def _stop(self, _request: RosObject, response: RosObject) -> RosObject:
         self._wake()

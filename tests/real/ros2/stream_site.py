@@ -20,12 +20,14 @@ class Velocity(NamedTuple):
 
     sent_ns: int
     taken_ns: int
+    m_s: float
 
 
 def velocities_in(file: Path) -> list[Velocity]:
     """Return what a base has written down."""
     lines = file.read_text().splitlines() if file.exists() else []
-    return [Velocity(*map(int, line.split())) for line in lines if len(line.split()) == 2]
+    each = [line.split() for line in lines]
+    return [Velocity(int(one[0]), int(one[1]), float(one[2])) for one in each if len(one) == 3]
 
 
 class Site:
@@ -37,12 +39,14 @@ class Site:
         within_s: How old what shows its rest may be.
     """
 
+    driver = "tests.real.ros2.stream_driver"
+
     def __init__(self, graph: RosGraph, folder: Path, within_s: float = 1.0) -> None:
         self._graph = graph
         self._file = folder / "velocities"
         self._seen = 0
         self.base = self.begin_base()
-        self.gateway = graph.start("-m", "tests.real.ros2.stream_driver", str(within_s))
+        self.gateway = graph.start("-m", self.driver, str(within_s))
 
     def begin_base(self) -> RosProcess:
         """Start the robot's side, anew."""
