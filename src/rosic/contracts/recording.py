@@ -1,13 +1,15 @@
-"""What whoever writes down what is seen of robots owes to ROSIC."""
+"""What whoever writes down or shows what is seen of robots owes to ROSIC."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Sequence
 
     from rosic.core.robot.observation import Observation, RecordedRobot
+    from rosic.core.robot.profile import RobotId
+    from rosic.core.robot.view import ViewKind
 
 
 class ChannelDescription(NamedTuple):
@@ -40,11 +42,36 @@ class EncodedMessage(NamedTuple):
     content: bytes
 
 
-class ObservationEncoder(Protocol):
-    """Makes messages of what was seen, for one reader; it says a thing once until it changes."""
+Frame: TypeAlias = str | bytes
+"""Of a WebSocket: text or binary."""
 
-    def messages(self, seen: Iterable[Observation]) -> Iterator[EncodedMessage]:
-        """Yield what is said of it, in order. Total: what cannot be said is left out."""
+
+class ObservationSession(Protocol):
+    """One connection that shows what is seen: frames in, frames out. One call at a time.
+
+    Attributes:
+        wanted: What robots are to show because somebody looks at it now.
+    """
+
+    @property
+    def wanted(self) -> frozenset[tuple[RobotId, ViewKind]]:
+        """Return it."""
+        ...
+
+    def begin(self) -> tuple[Frame, ...]:
+        """Return what is said first."""
+        ...
+
+    def heard(self, frame: Frame) -> tuple[Frame, ...]:
+        """Take in what the other end says, and return what is answered. Never raises."""
+        ...
+
+    def encode(self, seen: Iterable[Observation]) -> tuple[Frame, ...]:
+        """Return what is said of what was seen, to whoever wants it."""
+        ...
+
+    def forget(self, robot: RobotId) -> tuple[Frame, ...]:
+        """Say that a robot is not to be seen any more; nothing of it is said from now on."""
         ...
 
 
@@ -65,7 +92,13 @@ class RecordingEncoder(Protocol):
 
 
 class Recorder(Protocol):
-    """Begins files."""
+    """Begins files and connections.
+
+    Attributes:
+        subprotocols: Of the WebSocket by which a session is held, the best first.
+    """
+
+    subprotocols: tuple[str, ...]
 
     def begin(self, robots: Sequence[RecordedRobot], about: dict[str, str]) -> RecordingEncoder:
         """Return what makes a file of robots.
@@ -83,6 +116,11 @@ class Recorder(Protocol):
         """
         ...
 
-    def encoder(self, robots: Sequence[RecordedRobot]) -> ObservationEncoder:
-        """Return what makes messages of robots without a file, to be sent as they are."""
+    def session(self, robots: Sequence[RecordedRobot], name: str) -> ObservationSession:
+        """Return one connection by which robots are shown live, and changed by nothing.
+
+        Args:
+            robots: Which ones.
+            name: Of this place.
+        """
         ...

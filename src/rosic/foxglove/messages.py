@@ -21,7 +21,7 @@ from rosic.core.robot.observation import (
     PresenceObservation,
     ViewObservation,
 )
-from rosic.core.robot.view import Drawing, Pose
+from rosic.core.robot.view import Drawing, Pose, ViewKind
 from rosic.core.time_units import SECOND_NS
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def schemas() -> Mapping[str, str]:
 
 
 class FoxgloveMessages:
-    """Makes messages for one reader; see ``contracts.recording.ObservationEncoder``."""
+    """Makes messages for one reader; it says a thing once until it changes."""
 
     def __init__(self, robots: Iterable[RecordedRobot]) -> None:
         self._robots = {robot.id: robot for robot in robots}
@@ -60,7 +60,7 @@ class FoxgloveMessages:
         self._said: dict[str, tuple[int, object]] = {}
 
     def messages(self, seen: Iterable[Observation]) -> Iterator[EncodedMessage]:
-        """Yield what is said of it, in order; of robots that nobody named, nothing."""
+        """Yield what is said of it, in order; of robots that nobody named, nothing. Total."""
         for one in seen:
             if one.robot not in self._robots:
                 continue
@@ -72,6 +72,26 @@ class FoxgloveMessages:
                 yield self._notice(one)
             else:
                 yield from self._view(one)
+
+    def expected(self) -> Iterator[ChannelDescription]:
+        """Yield what will be said, as far as that is known before anything was seen."""
+        yield self._channel("/rosic/events", "foxglove.Log")
+        for robot in self._robots.values():
+            yield self._channel(f"/{robot.id}/state", "rosic.RobotState")
+            yield self._channel(f"/{robot.id}/orders", "rosic.Order")
+            for name, unit in robot.units.items():
+                topic = f"/{robot.id}/telemetry/{_text(name)}"
+                yield self._channel(topic, "rosic.TelemetryValue", (("unit", _text(unit)),))
+            if ViewKind.MAP in robot.sights:
+                yield self._channel(f"/{robot.id}/map", "foxglove.Grid")
+            if ViewKind.PICTURE in robot.sights:
+                yield self._channel(f"/{robot.id}/camera", "foxglove.CompressedImage")
+
+    def forget(self, robot: RobotId) -> None:
+        """Say nothing of a robot any more, and keep nothing of it."""
+        self._robots.pop(robot, None)
+        for topic in [topic for topic in self._said if topic.startswith(f"/{robot}/")]:
+            del self._said[topic]
 
     # ---- what was asked ----
 
@@ -185,13 +205,19 @@ class FoxgloveMessages:
         content: dict[str, Any],
         about: tuple[tuple[str, str], ...] = (),
     ) -> EncodedMessage:
+        channel = self._channel(topic, schema, about)
+        sec, nsec = divmod(max(0, at_ns), SECOND_NS)
+        encoded = _encode({"timestamp": {"sec": sec, "nsec": nsec}, **content})
+        return EncodedMessage(channel, max(0, at_ns), encoded)
+
+    def _channel(
+        self, topic: str, schema: str, about: tuple[tuple[str, str], ...] = ()
+    ) -> ChannelDescription:
         channel = self._channels.get(topic)
         if channel is None:
             channel = ChannelDescription(topic, schema, schemas()[schema], about)
             self._channels[topic] = channel
-        sec, nsec = divmod(max(0, at_ns), SECOND_NS)
-        encoded = _encode({"timestamp": {"sec": sec, "nsec": nsec}, **content})
-        return EncodedMessage(channel, max(0, at_ns), encoded)
+        return channel
 
 
 def _text(text: str) -> str:

@@ -6,7 +6,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-from rosic.foxglove.messages import FoxgloveMessages
+from rosic.foxglove.session import SUBPROTOCOLS, FoxgloveSession
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 
 class McapRecorder:
-    """Begins MCAP files; see ``contracts.recording.Recorder``."""
+    """Begins MCAP files and connections; see ``contracts.recording.Recorder``."""
+
+    subprotocols: tuple[str, ...] = SUBPROTOCOLS
 
     def begin(self, robots: Sequence[RecordedRobot], about: dict[str, str]) -> RecordingEncoder:
         """Return what makes a file."""
@@ -27,9 +29,9 @@ class McapRecorder:
         """Return a whole file of one that was broken off; empty, if nothing of it can be read."""
         return bytes(_mcap_file().repair(content))
 
-    def encoder(self, robots: Sequence[RecordedRobot]) -> FoxgloveMessages:
-        """Return what makes messages without a file."""
-        return FoxgloveMessages(robots)
+    def session(self, robots: Sequence[RecordedRobot], name: str) -> FoxgloveSession:
+        """Return one connection by which robots are shown live."""
+        return FoxgloveSession(robots, name)
 
 
 def recorder() -> Recorder | None:

@@ -12,7 +12,7 @@ import msgspec
 
 from rosic.core.identity import PrincipalId
 from rosic.core.robot.profile import Presence, Profile, RobotId
-from rosic.core.robot.view import Drawing, OccupancyMap
+from rosic.core.robot.view import Drawing, OccupancyMap, ViewKind
 
 TURN: Final = "turn"
 """The stage of an order that is handed to its robot now; the others are those of `OrderStage`."""
@@ -95,14 +95,17 @@ class RecordedRobot(msgspec.Struct, frozen=True):
     Attributes:
         shown: As people read it.
         units: Of its telemetry, by name.
+        sights: What it shows to whoever looks.
     """
 
     id: RobotId
     shown: str
     units: dict[str, str] = {}
+    sights: tuple[ViewKind, ...] = ()
 
 
 def recorded_robot(profile: Profile) -> RecordedRobot:
     """Return what a recording says of a robot."""
     units = {name: value.unit for name, value in profile.telemetry.items()}
-    return RecordedRobot(profile.id, profile.shown, units)
+    sights = tuple(sight for sight in ViewKind if profile.offers(sight))
+    return RecordedRobot(profile.id, profile.shown, units, sights)
