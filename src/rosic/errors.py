@@ -15,6 +15,7 @@ RosicError
 |   |-- RobotOffline       linker: the robot is not there
 |   |-- TimeInDoubt        organiser: the computer's clock was set back; its owner has to look
 |   |-- NothingToSee       robot or painter: there is no picture of this, or not now
+|   |-- NotFound           API: there is nothing of that name, as far as one may know
 |   |-- Expired            anywhere: too old to act on
 |   |-- Inert              pipeline: edited, forwarded or not from a person; nothing is said
 |   |-- Repeated           store: this very message was settled before; nothing is said
@@ -232,6 +233,12 @@ class NothingToSee(Refusal):
     """There is no picture of this, none came in time, or it cannot be drawn."""
 
     code = "nothing-to-see"
+
+
+class NotFound(Refusal):
+    """There is nothing of that name, as far as whoever asks may know. Nothing was done."""
+
+    code = "not-found"
 
 
 class Expired(Refusal):

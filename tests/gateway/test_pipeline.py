@@ -401,9 +401,9 @@ async def test_an_order_goes_on_and_ends_whoever_that_follows_it_fails() -> None
     first, second = FailingWatcher(), FailingWatcher()
     async with Place().open() as place:
         executor = place.gateway.pipeline.executor
-        executor.hear_ends(no_robot, wanted=True)
-        executor.watch_orders(first)
-        executor.watch_orders(second)
+        executor.watching.hear_ends(no_robot, wanted=True)
+        executor.watching.watch_orders(first)
+        executor.watching.watch_orders(second)
         for number in (1, 2):
             assert "done" in await place.say("omni move 1 m")
             assert place.acted() == number
@@ -421,7 +421,7 @@ async def test_an_end_is_told_whoever_that_hears_of_a_robot_that_still_moves_fai
         return Outcome(OrderEnding.UNKNOWN, "omni still moves.", code=StillMoves.code)
 
     async with Place().open() as place:
-        place.gateway.pipeline.executor.still_moves.connect(fails)
+        place.gateway.pipeline.executor.watching.still_moves.connect(fails)
         place.robot("omni").execute = execute  # type: ignore[method-assign, assignment]
         assert "omni still moves." in await place.say("omni move 1 m")
     assert len(heard) == 1

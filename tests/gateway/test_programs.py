@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
     from rosic.core.message import Inbound
-    from rosic.messengers.mcp.calls import Answer
+    from rosic.messengers.program.calls import Answer
 
 HAL, SAL = Address(PROGRAM, "hal"), Address(PROGRAM, "sal")
 SAY = Skill(id="tell", kind=SkillClass.TASK, parameters={"words": Parameter(text=True)})
@@ -147,11 +147,11 @@ async def test_a_program_confirms_nothing_whatever_it_gets_hold_of() -> None:
         pipeline, chat = place.gateway.pipeline, Chat(PROGRAM, HAL.account)
         bound = pipeline.agreements.bind(Button("Do it", f"{CONFIRMED}omni wave"), caller, chat)
         issued = place.gateway.rooms.authoriser.buttons.issue(bound, found[0].id, chat.id)
-        inbound = replace(place.programs._inbound(HAL, ""), nonce=issued.nonce, tap="t")
+        inbound = replace(place.programs.inbound(HAL, ""), nonce=issued.nonce, tap="t")
         await pipeline.receive(place.programs, inbound)
         await place.quiet()
         assert place.acted() == 0
-        said = place.programs._unsolicited.take(HAL.account)
+        said = place.programs.unsolicited.take(HAL.account)
         assert said == ("Only a person can agree to it.",)
 
 
@@ -208,19 +208,19 @@ async def test_one_program_hears_nothing_of_another() -> None:
         assert call.answer.good
         refused = await place.call("omni wave")
         assert "taken by Sal" in refused.answer.text
-        assert place.programs._unsolicited.take(HAL.account) == ()
+        assert place.programs.unsolicited.take(HAL.account) == ()
         assert call.answer.besides == ()
 
 
 async def test_what_is_said_in_another_conversation_is_not_told() -> None:
     async with lab(SkillPrecondition(scopes=("omni:*",), confirm=True)) as place:
         call = await place.call("omni wave")
-        [cause] = place.programs._calls._calls
+        [cause] = place.programs.calls._calls
         other = Outbound(chat=Chat(PROGRAM, SAL.account), text="For Sal.", cause=cause)
         await place.programs.send(other)
         await place.quiet()
         assert not call.task.done()
-        assert place.programs._unsolicited.take(SAL.account) == ("For Sal.",)
+        assert place.programs.unsolicited.take(SAL.account) == ("For Sal.",)
 
 
 GO = Skill(

@@ -45,7 +45,7 @@ OF_PROGRAMS = (
     ),
     Fault(
         name="a call hears what is said in another program's conversation",
-        file="messengers/mcp/messenger.py",
+        file="messengers/program/messenger.py",
         guard="        if call is None or call.address.account != outbound.chat.id:\n",
         without="        if call is None:\n",
         caught_by=(f"{PROGRAMS}::test_what_is_said_in_another_conversation_is_not_told",),

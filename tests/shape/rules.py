@@ -64,6 +64,7 @@ FOREIGN_NAMES = (
         r"|\bhandle\.canceled\(\)"
     ),
     re.compile(r"[\"']Authorization[\"']|\bAuthorization:|[\"']Unauthorized[\"']|</?center>"),
+    re.compile(r"\bauthorization[\"']|\bHTTPStatus\.UNAUTHORIZED\b"),  # of HTTP
     re.compile(r"\binitializer="),
     re.compile(r"\.initialize\(\)|[\"']initialize[\"']"),  # of MCP
     re.compile(r"\bcreate_initialization_options\b"),  # of its library

@@ -24,6 +24,7 @@ from rosic.stores.record_mark import STOPS
 from rosic.stores.stop_latch import FileLatch
 
 if TYPE_CHECKING:
+    from rosic.app.api import GatewayApi
     from rosic.app.config import Config, MessengerSettings
     from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.messenger import Messenger
@@ -31,7 +32,13 @@ if TYPE_CHECKING:
 log = logging.getLogger("rosic.gateway")
 
 
-def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -> GatewayParts:
+def parts_of(
+    config: Config,
+    latch: FileLatch,
+    clock: Clock,
+    entropy: Entropy,
+    api: GatewayApi | None = None,
+) -> GatewayParts:
     """Make the adapters of a configuration. Nothing is opened, nothing is written.
 
     Args:
@@ -39,12 +46,15 @@ def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -
         latch: Of its data folder; whoever made it closes it, after the gateway.
         clock: The gateway's.
         entropy: The gateway's.
+        api: What programs and the page speak by; None: nothing listens.
 
     Raises:
         ConfigurationError: An adapter is not there, or does not take its settings; or an address
             can be nobody's there.
     """
     messengers = messengers_of(config.messengers, clock)
+    if api is not None:
+        messengers = (*messengers, *api.messengers)
     for messenger in messengers:
         for wrong in nobodies(config, messenger):
             raise wrong

@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 from msgspec import inspect
 
+from rosic.api.settings import ApiSettings, parse_listen
 from rosic.app.people import ConfiguredPerson
 from rosic.config.gateway_file import (
+    ApiTable,
     ConfigFile,
     Keep,
     LogLevel,
@@ -79,6 +81,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
         room: For files that people keep.
         files: What was read: the file itself, and profiles that do not ship.
         interpreter: Who may be shown what is not understood; None: nobody.
+        api: How the API is served; None: nothing listens.
         begin_anew: Said on the command line: a record that was lost is begun anew.
     """
 
@@ -101,6 +104,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     files: tuple[Path, ...] = ()
     interpreter: InterpreterSettings | None = None
     begin_anew: bool = False
+    api: ApiSettings | None = None
 
 
 class ReadConfig(NamedTuple):
@@ -187,8 +191,27 @@ def read_config(
         room=file.files.room,
         files=tuple(reading.files),
         interpreter=interpreter,
+        api=_api(file.api, Path(path).parent),
     )
     return ReadConfig(config, [], reading.advice)
+
+
+def _api(table: ApiTable, folder: Path) -> ApiSettings | None:
+    """Return how the API is served; files are found beside the configuration."""
+    if not table.listen:
+        return None
+
+    def found(file: str) -> str:
+        return str((folder / Path(file).expanduser()).absolute()) if file else ""
+
+    return ApiSettings(
+        listen=parse_listen(table.listen),
+        hosts=table.hosts,
+        url=table.url.rstrip("/"),
+        certificate=found(table.certificate),
+        private_key=found(table.private_key),
+        proxies=table.proxies,
+    )
 
 
 def _robot_limits(file: ConfigFile, robots: Sequence[Profile]) -> dict[RobotId, RateLimit]:

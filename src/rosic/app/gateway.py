@@ -257,7 +257,7 @@ class Gateway(RunningGateway):
             self.authority, self.rooms, self.stop_lane, self.access.changes
         )
         self.archive = Archive(parts.clock)
-        codes_in = self.access.enrolment.invitations.shown_in
+        codes_in = self.access.codes_in
         self._messengers = recorded(parts, self.archive, self.rooms, codes_in)
         reach = Notifier(authoriser, chat_sender, self._messengers, self.outbox)
         gone.bind(self._elsewhere(reach).gone)

@@ -10,6 +10,7 @@ from rosic.app import runtime
 from rosic.app.admin.api import books_of
 from rosic.app.admin.control_socket import ControlServer, socket_path
 from rosic.app.admin.dispatch import AdminApi, AdminDispatcher
+from rosic.app.api import GatewayApi
 from rosic.app.builder import latch_of, parts_of, settings_of
 from rosic.app.closing import CLOSE_WITHIN_S, close_in_time, console_of, mind_console, on_signals
 from rosic.app.gateway import Gateway, GatewayParts
@@ -90,7 +91,8 @@ class GatewayService:
         self._ended_ns = 0
         socket_path(config.data)
         self._latch = latch_of(config)
-        self._parts: GatewayParts = parts_of(config, self._latch, clock, entropy)
+        self._api = None if config.api is None else GatewayApi(config.api, clock)
+        self._parts: GatewayParts = parts_of(config, self._latch, clock, entropy, self._api)
         self._gateway = Gateway(settings_of(config), self._parts)
 
     async def run(self) -> None:
@@ -150,12 +152,17 @@ class GatewayService:
             others = tuple(m.name for m in self._parts.messengers if not isinstance(m, Console))
             watching = mind_console(console, self._gateway, self._end, others)
             tasks.append(asyncio.create_task(watching))
+        if self._api is not None:
+            serving = asyncio.create_task(self._api.server_of(self._gateway).run())
+            tasks.append(serving)
+            serving.add_done_callback(lambda _: self._end())
         if isinstance(store := self._parts.store, ForgettingStore):
             tasks.append(asyncio.create_task(forget_daily(store, self._clock)))
         try:
             await asyncio.wait((working, ending), return_when=asyncio.FIRST_COMPLETED)
-            if working.done():
-                working.result()
+            for task in tasks:
+                if task.done():
+                    task.result()
             log.info("closing: motion is brought to rest")
         finally:
             await control.close()

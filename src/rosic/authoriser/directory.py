@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.i18n import said
-from rosic.core.identity import OPERATOR
+from rosic.core.identity import OPERATOR, PAGE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -74,6 +74,8 @@ class Directory:
     def at(self, address: Address) -> tuple[Principal, AuthorisationKey] | None:
         """Return who is at an address, and their current key."""
         principal = self._at.get((address.platform, address.account))
+        if principal is None and address.platform == PAGE and address.account in self._people:
+            principal = address.account
         if principal is None:
             return None
         key = self._current.get(principal)

@@ -13,8 +13,7 @@ from rosic.app import runtime
 from rosic.bench.report import BenchCase, quantile
 from rosic.bench.sites import KINDS, LARGE, SMALL, SiteSize, fill, gateway_over
 from rosic.core.policy.evaluate import decide
-from rosic.core.policy.query import Deny, Query
-from rosic.organiser.organiser import NOTHING
+from rosic.core.policy.query import NOTHING, Deny, Query
 from rosic.stores.memory import MemoryStore
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from rosic.contracts.messenger import Messenger
-    from rosic.core.identity import Address
+    from rosic.core.identity import Address, PrincipalId
     from rosic.core.robot.profile import RobotId
     from rosic.core.robot.skill import Skill
     from rosic.core.secret import Secret
@@ -45,6 +45,14 @@ class Programs(Protocol):
 
         Raises:
             Unrecognised: It is no secret of a good key.
+        """
+        ...
+
+    def who(self, address: Address) -> tuple[PrincipalId, str]:
+        """Return who speaks from an address: their id, and how people read their name.
+
+        Raises:
+            Unrecognised: Nobody is there any more.
         """
         ...
 

@@ -34,6 +34,9 @@ ROBOT = "robot"
 """Platform of a robot's address: ``robot:omni``. No messenger is called so."""
 PROGRAM = "program"
 """Platform of a program's address. What is said there, nobody reads: nobody confirms there."""
+PAGE = "page"
+"""Platform of everybody's address on the page; the account is their own id. No other messenger is
+called so: only a session that was begun by their own chat, or by their passkey, speaks from it."""
 
 
 class Address(msgspec.Struct, frozen=True, gc=False):

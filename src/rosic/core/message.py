@@ -312,6 +312,8 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         cause: Id of the message or the tap because of which it is said, a tap's too; empty where
             nobody asked. Nobody is shown it.
         state: What it comes to.
+        code: Of the refusal that it says, as programs read it; empty: it says none.
+        offers: What a refusal would accept instead, as it would be typed.
     """
 
     chat: Chat
@@ -323,6 +325,8 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     lies_in: str = ""
     cause: str = ""
     state: AnswerState = AnswerState.FINAL
+    code: str = ""
+    offers: tuple[str, ...] = ()
 
     @property
     def urgent(self) -> bool:

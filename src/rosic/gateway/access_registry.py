@@ -18,6 +18,8 @@ from rosic.authoriser.directory import Directory
 from rosic.authoriser.enrolment import Enrolment, EnrolmentRules
 from rosic.authoriser.keys import KeyRing
 from rosic.authoriser.locks import AccountLocks
+from rosic.authoriser.page_sessions import KIND as PAGE_SESSION
+from rosic.authoriser.page_sessions import PageSessions
 from rosic.authoriser.program_keys import KIND as KEY_SECRET
 from rosic.authoriser.program_keys import ProgramKeys
 from rosic.authoriser.security_report import SecurityReports
@@ -92,8 +94,8 @@ class AccessRegistry:
     Attributes:
         changes: Through which every change goes.
         note: Writes down what is so already, and waits for no disk.
-        enrolment, keys, programs, locks, two_factor, misuse, counters, time, security, waiting,
-            access_requests: The books.
+        enrolment, keys, programs, page_sessions, locks, two_factor, misuse, counters, time,
+            security, waiting, access_requests: The books.
         calendar: Whose time it is.
         forget_newcomer: Erases what was kept of somebody who was not let in; nothing is kept
             before it is bound.
@@ -112,6 +114,7 @@ class AccessRegistry:
         self.keys = authoriser.keys
         self.time, self.counters = self.keys.time, self.keys.counters
         self.programs = ProgramKeys(self.keys, authoriser.directory, entropy)
+        self.page_sessions = PageSessions(self.time, entropy, self.counters, authoriser.has_access)
         self.changes = Transactions(store, self.time)
         self.note = store.note
         self.locks = AccountLocks(self.time)
@@ -141,6 +144,11 @@ class AccessRegistry:
         self.time.when_behind.connect(self._set_back)
         self.time.when_ahead.connect(self.waiting.age)
 
+    def codes_in(self, text: str) -> tuple[str, ...]:
+        """Return every code that a text shows and that lets somebody in: none of them is kept."""
+        page_codes = self.page_sessions.shown_in(text)
+        return (*self.enrolment.invitations.shown_in(text), *page_codes)
+
     @property
     def state(self) -> AccessState:
         """Return what deciding rests on besides the rights."""
@@ -168,6 +176,7 @@ class AccessRegistry:
             "pending": self.enrolment.apply,
             "totp": self.two_factor.apply,
             KEY_SECRET: self.programs.apply,
+            PAGE_SESSION: self.page_sessions.apply,
             WAITING: self.waiting.apply,
             WISH: self.wishes.apply,
             ACCESS_REQUEST: self.access_requests.apply,

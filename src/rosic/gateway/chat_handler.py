@@ -423,7 +423,7 @@ class ChatHandler:
         messenger, inbound, caller = message.messenger, message.inbound, message.caller
         if isinstance(why, FirstNeeded):
             if not isinstance(line, Do):
-                self._replies.deny(messenger, inbound, why.sentence)
+                self._replies.deny(messenger, inbound, why.sentence, why.code)
                 return
             try:
                 reply = self._parts.confirmation.ask(
@@ -455,7 +455,7 @@ class ChatHandler:
                 self._replies.turn_away(messenger, inbound, why.sentence)
         elif isinstance(why, Refusal):
             if not why.silent:
-                self._replies.deny(messenger, inbound, why.sentence)
+                self._replies.deny(messenger, inbound, why.sentence, why.code)
         else:
             log.error("a message could not be handled", exc_info=why)
             self._replies.deny(messenger, inbound, FAULT)

@@ -15,7 +15,7 @@ from rosic.core.language.suggestions import OR
 from rosic.core.message import AnswerState, Button
 from rosic.core.policy.evaluate import may_agree
 from rosic.core.policy.limits import limit_in_words
-from rosic.core.policy.query import Deny, PolicyCode, Query
+from rosic.core.policy.query import AuthContext, Deny, PolicyCode, Query
 from rosic.core.policy.roles import ASSURANCES, Assurance, StepRequired
 from rosic.errors import Expired, FirstNeeded, NotPermitted
 from rosic.gateway import cancel_messages as words
@@ -23,7 +23,6 @@ from rosic.gateway.agreement import ResolvedAct
 from rosic.gateway.commands import Reply
 from rosic.gateway.delivery.notifier import Notification
 from rosic.gateway.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
-from rosic.organiser.organiser import AuthContext
 from rosic.organiser.refusals import ANY_CHANNEL, bound_of
 
 if TYPE_CHECKING:

@@ -148,6 +148,7 @@ class SharedParts:
         engaged: Whether a robot has something else to do than tasks.
         robot_adder: Adds robots while the gateway runs.
         alarm_news: Tells what an alarm says: of which robot, in which words, and whether it begins.
+        page_url: Where the page is, if there is one.
         grants_ended: Tells of the rights that have just ended by the clock.
         file_offers: Return what may be done with a file that somebody has sent, as buttons.
     """
@@ -159,6 +160,7 @@ class SharedParts:
         self.alert_tasks: Provided[AlertTasks] = Provided("tasks for rules")
         self.robot_tasks: Provided[RobotTasks] = Provided("tasks for robots")
         self.engaged: Provided[Callable[[RobotId], bool]] = Provided("who helps whom")
+        self.page_url: Provided[str] = Provided("a page")
         self.robot_adder: Provided[RobotAdder] = Provided("adding robots")
         self.alarm_news: Signal[[RobotId, str, bool]] = Signal()
         self.grants_ended: Signal[[Sequence[tuple[PrincipalId, Grant]]]] = Signal()

@@ -17,10 +17,9 @@ from rosic.core.language import Do
 from rosic.core.language.arguments import bind, place
 from rosic.core.order import SpokenValue
 from rosic.core.policy.limits import limit_in_words
-from rosic.core.policy.query import Deny, PolicyCode
+from rosic.core.policy.query import AuthContext, Deny, PolicyCode
 from rosic.core.policy.roles import Assurance
 from rosic.errors import Refusal
-from rosic.organiser.organiser import AuthContext, Organiser
 from rosic.organiser.refusals import bound_of, within_limits
 
 if TYPE_CHECKING:
@@ -39,6 +38,7 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
     from rosic.gateway.message_context import MessageContext
     from rosic.gateway.requests import RequestFactory
+    from rosic.organiser.organiser import Organiser
 
 # What a chat is worth is asked when the order is admitted; here only limits matter.
 ANYWHERE = AuthContext(channel=Assurance.LOCAL)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from rosic.core.language.skill_values import is_understood
+from rosic.core.policy.query import AuthContext
 from rosic.core.policy.roles import ASSURANCES, Assurance
-from rosic.organiser.organiser import AuthContext
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence

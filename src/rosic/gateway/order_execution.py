@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import msgspec
 
@@ -12,8 +12,8 @@ from rosic.core.deadman import BROKEN_OFF
 from rosic.core.i18n import capital, joined, said
 from rosic.core.language import inert_text
 from rosic.core.order import NEVER_BEGUN, Order, OrderEnding, Outcome, StageReport
-from rosic.core.signal import Signal
-from rosic.errors import OrderVoid, Refusal, RobotUnreachable, StillMoves
+from rosic.errors import OrderVoid, Refusal, RobotUnreachable
+from rosic.gateway.order_watchers import FOLLOWS_NOT, OrderWatcherRegistry
 from rosic.linker.linker import Linker, PolicyMoved
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rosic.gateway.delivery.sender import ChatSender
     from rosic.gateway.message_context import Requester
     from rosic.gateway.order_status import OrderMessage
+    from rosic.gateway.order_watchers import OrderWatcher
     from rosic.linker.robot_queue import QueuedOrder
     from rosic.organiser.organiser import Organiser
 
@@ -41,23 +42,11 @@ WENT_WRONG = said("Something went wrong here. Please look.")
 SHUT_DOWN = said("ROSIC was shut down")
 CANCELLED_BEFORE = said("You cancelled this before it could begin. Nothing was done.")
 
-FOLLOWS_NOT: Final = "somebody who follows orders failed; the order goes on"
-
 log = logging.getLogger("rosic.pipeline")
 
 
 Dispatch: TypeAlias = "Callable[[Order, Tell], Coroutine[Any, Any, Outcome]]"
 """RELAYCOMMAND: relays an order whose turn it is; see `Linker.dispatch`."""
-
-
-class OrderWatcher(Protocol):
-    """Whoever follows what robots do. What a method raises is logged; orders go on without it."""
-
-    def began(self, order: Order) -> None:
-        """Hear that an order is handed to its robot now."""
-
-    def ended(self, order: Order, outcome: Outcome) -> None:
-        """Hear that it is over, and how."""
 
 
 class RunningOrder:
@@ -104,6 +93,8 @@ class RunningOrder:
         if report.note:
             report = StageReport(report.stage, report.fraction, inert_words(report.note))
         executor, order_message = self._executor, self.order_message
+        if executor.watching.observers:
+            executor.watching.reported(self.order, report)
         if order_message.step(self.shown, report, executor.wall_ns()):
             executor.chat_sender.update(order_message)
 
@@ -191,7 +182,7 @@ class OrderExecutor:
     """Every order under way. Each robot has its own task: a long motion blocks nobody else.
 
     Attributes:
-        still_moves: An order is over, and its robot was not brought to rest.
+        watching: Who hears what becomes of orders.
     """
 
     def __init__(
@@ -202,9 +193,7 @@ class OrderExecutor:
         chat_sender: ChatSender,
         clock: Clock,
     ) -> None:
-        self._hear_ends: tuple[Callable[[RobotId], None], ...] = ()
-        self._watchers: tuple[OrderWatcher, ...] = ()
-        self.still_moves: Signal[[Order]] = Signal()
+        self.watching = OrderWatcherRegistry()
         self.chat_sender = chat_sender
         self.wall_ns = clock.wall_ns
         self._organiser = organiser
@@ -243,6 +232,8 @@ class OrderExecutor:
         whose = order.permit.principal
         self._whose[whose] = self._whose.get(whose, 0) + 1
         running = RunningOrder(order, requester, order_message, shown, dispatch, self)
+        if self.watching.observers:
+            self.watching.accepted(order)
         if self._under_way > AT_MOST:
             self.ended(running, FULL)
         elif self._closing:
@@ -269,6 +260,8 @@ class OrderExecutor:
         whose = order.permit.principal
         self._whose[whose] = self._whose.get(whose, 0) + 1
         dispatch = self._linker.dispatch
+        if self.watching.observers:
+            self.watching.accepted(order)
         RunningOrder(order, requester, order_message, shown, dispatch, self).void(why)
 
     def _serve_now(self, running: RunningOrder) -> None:
@@ -291,7 +284,7 @@ class OrderExecutor:
             if self._newest is not None:
                 self._newest[robot] = running
             worker.relaying = True
-            outcome = await running.relay(worker, self._watchers, self._organiser)
+            outcome = await running.relay(worker, self.watching.watchers, self._organiser)
             worker.relaying = False
             if worker.rested is not None:
                 worker.rested.set()
@@ -310,53 +303,21 @@ class OrderExecutor:
                 worker.running = waiting
                 del waiting
 
-    def watch_orders(self, watcher: OrderWatcher, *, wanted: bool = True) -> None:
-        """Let somebody hear when a robot begins an order and when it has ended, each time once.
-
-        Not wanted: no more.
-        """
-        others = tuple(other for other in self._watchers if other is not watcher)
-        self._watchers = (*others, watcher) if wanted else others
-
-    def hear_ends(self, hear: Callable[[RobotId], None], *, wanted: bool) -> None:
-        """Call somebody with the robot whenever an order has ended; not wanted: no more."""
-        others = tuple(other for other in self._hear_ends if other != hear)
-        self._hear_ends = (*others, hear) if wanted else others
-
     def ended(self, running: RunningOrder, outcome: Outcome) -> None:
         """Write down how an order ended; once that is on disk it is told."""
         self._organiser.settle(running.order.permit)
-        self._tell_end(running, outcome)
+        self.watching.ended(running.order, outcome, begun=running.begun)
         if outcome.ending is OrderEnding.CANCELLED:
             who = self._organiser.why_stopped.by_another(running.order)
             note = joined("; ", filter(None, (outcome.note, who)))
             outcome = msgspec.structs.replace(outcome, note=note)
+        if self.watching.observers:
+            self.watching.concluded(running.order, outcome)
         at_ns = self.wall_ns()
         words = running.shown.wording(outcome, at_ns)
         self._container.conclude(running.order, outcome, words, at_ns, running.concluded)
         if outcome.ending is UNKNOWN or outcome.code in BROKEN_OFF:
             self._linker.void(running.order.robot, AFTER_A_BREAK)  # nothing goes on by itself (I6)
-
-    def _tell_end(self, running: RunningOrder, outcome: Outcome) -> None:
-        """Tell whoever follows orders. One who fails keeps nobody else from hearing of it."""
-        order = running.order
-        for hear in self._hear_ends:
-            try:
-                hear(order.robot)
-            except Exception:
-                log.exception(FOLLOWS_NOT)
-        if not running.begun:
-            return
-        for watcher in self._watchers:
-            try:
-                watcher.ended(order, outcome)
-            except Exception:
-                log.exception(FOLLOWS_NOT)
-        if outcome.code == StillMoves.code:
-            try:
-                self.still_moves.emit(order)
-            except Exception:
-                log.exception(FOLLOWS_NOT)
 
     def shown_in(
         self, where: tuple[str, str], message: str, principal: PrincipalId = ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rosic.core.i18n import said
-from rosic.organiser.organiser import NOTHING, AuthContext
+from rosic.core.policy.query import NOTHING, AuthContext
 
 if TYPE_CHECKING:
     from rosic.core.identity import Caller, PrincipalId

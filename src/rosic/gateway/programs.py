@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from decimal import Decimal
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.contracts.programs import OfferedSkill
 from rosic.core.i18n import joined, said
 from rosic.core.language import Do, LanguageReader
 from rosic.core.language.common_names import shown_name
 from rosic.core.language.sanitise import clean, quote
-from rosic.core.policy.roles import StepRequired
+from rosic.core.order import FOREVER_NS, Request
+from rosic.core.policy.query import AuthContext
+from rosic.core.policy.roles import ASSURANCES, Assurance, StepRequired
 from rosic.errors import NotUnderstood, Unrecognised
 
 if TYPE_CHECKING:
@@ -22,11 +24,26 @@ if TYPE_CHECKING:
     from rosic.core.language.compiled import CompiledParameter, CompiledSkill
     from rosic.core.order import SpokenValue
     from rosic.core.robot.profile import RobotId
+    from rosic.core.robot.skill import Argument
     from rosic.core.secret import Secret
     from rosic.gateway.components import Components
 
 LETTERS_AT_MOST = 500
 ASKING = frozenset((StepRequired.CONFIRMATION, StepRequired.SECOND_PERSON))
+
+
+class CheckedOrder(NamedTuple):
+    """What an order would come to.
+
+    Attributes:
+        words: How it reads: ``move, 0.50 m left``.
+        arguments: SI, with what was left out.
+        needs: What would have to come first.
+    """
+
+    words: str
+    arguments: dict[str, Argument]
+    needs: tuple[str, ...]
 
 
 class ProgramService:
@@ -43,6 +60,15 @@ class ProgramService:
             Unrecognised: It is no secret of a good key.
         """
         return self._keys.identify(secret)
+
+    def who(self, address: Address) -> tuple[PrincipalId, str]:
+        """Return who speaks from an address.
+
+        Raises:
+            Unrecognised: Nobody is there any more.
+        """
+        principal = self._who(address)
+        return principal, self._rooms.authoriser.directory.name(principal)
 
     def robots(self, address: Address) -> Mapping[RobotId, str]:
         """Return what a program may see.
@@ -92,6 +118,40 @@ class ProgramService:
                 said("These values cannot be said in one line: {line}.", line=quote(line))
             )
         return line
+
+    def check(self, address: Address, line: str, assurance: str) -> CheckedOrder:
+        """Return what an order would come to, as `line` says it. Nothing is done or counted.
+
+        Args:
+            address: Of whoever would give it.
+            line: As `line` returns it.
+            assurance: What their conversation is worth.
+
+        Raises:
+            Refusal: It would be refused, and why.
+        """
+        rooms, who = self._rooms, self._who(address)
+        caller = rooms.authoriser.stand_for(who)
+        [read] = self._reader.lines(line, "", rooms.organiser.visible(who))
+        assert isinstance(read, Do)  # noqa: S101 - it was read so when the line was made
+        request = Request(
+            b"",
+            read.robots[0],
+            read.skills[0],
+            read.spoken,
+            read.text,
+            0,
+            0,
+            FOREVER_NS,
+            FOREVER_NS,
+        )
+        found = rooms.container.complete(request)
+        worth = ASSURANCES.get(assurance, Assurance.PROVIDER_READABLE)
+        context = AuthContext(channel=worth)
+        allowed = rooms.organiser.check(caller, request, found.arguments, context)
+        rooms.linker.check_free(request.robot)
+        needs = tuple(sorted(need.value for need in allowed.needs))
+        return CheckedOrder(found.words, found.arguments, needs)
 
     def _who(self, address: Address) -> PrincipalId:
         found = self._rooms.authoriser.directory.at(address)

@@ -14,7 +14,7 @@ from rosic.core.language import clean, hears_stop
 from rosic.core.message import AnswerState, Button, ChatKind, Outbound
 from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.time_units import MINUTE_NS
-from rosic.errors import Refusal, Repeated
+from rosic.errors import Fault, Refusal, Repeated, Unrecognised
 from rosic.gateway.delivery.catch_up import BacklogReplies
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 from rosic.gateway.delivery.translation import translated
@@ -107,6 +107,7 @@ class Replies:
         inbound: Inbound,
         text: str,
         state: AnswerState = AnswerState.FINAL,
+        code: str = "",
     ) -> None:
         """Answer without buttons."""
         plain = in_language(text, self._languages.of_sender(inbound))
@@ -116,6 +117,7 @@ class Replies:
             reply_to=reply_id(inbound),
             cause=inbound.message,
             state=state,
+            code=code,
         )
         self._say(self._note(messenger, outbound, inbound), inbound)
 
@@ -148,9 +150,18 @@ class Replies:
             await self._clock.sleep(LATE_AFTER_S)
         self.say(messenger, inbound, LATE, AnswerState.GOES_ON)
 
-    def deny(self, messenger: Messenger, inbound: Inbound, text: str) -> None:
-        """Answer without buttons that something is not done, or that nobody knows whether it is."""
-        self.say(messenger, inbound, text, AnswerState.NOT_DONE)
+    def deny(
+        self, messenger: Messenger, inbound: Inbound, text: str, code: str = Fault.code
+    ) -> None:
+        """Answer without buttons that something is not done, or that nobody knows whether it is.
+
+        Args:
+            messenger: By which it is said.
+            inbound: What is answered.
+            text: Why not.
+            code: Of the refusal, for programs.
+        """
+        self.say(messenger, inbound, text, AnswerState.NOT_DONE, code)
 
     def offer(self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply) -> None:
         """Answer with buttons that only this person, in this chat, can use, once (I16)."""
@@ -231,7 +242,7 @@ class Replies:
         """
         if refusal.silent:
             if message.caller.is_program:  # it waits for an answer, and is told each time
-                self.deny(message.messenger, message.inbound, refusal.sentence)
+                self.deny(message.messenger, message.inbound, refusal.sentence, refusal.code)
             return
         writing = self._refuse(message, cid, refusal, asked)
         if self.backlog.settles(message.messenger):
@@ -266,6 +277,8 @@ class Replies:
             buttons=self._bind(inbound, caller, buttons),
             cause=inbound.message,
             state=AnswerState.NOT_DONE,
+            code=refusal.code,
+            offers=refusal.offers[:OFFERED_AT_MOST],
         )
         who = caller.principal
         told = translated(outbound, self._languages.of(who))
@@ -299,7 +312,7 @@ class Replies:
         if stops:
             ended = joined(" ", (ENDED_STOPPED_NOTHING, sentence))
             sentence = NOTHING_STOPPED if unknown else ended
-        self.deny(messenger, inbound, sentence)
+        self.deny(messenger, inbound, sentence, Unrecognised.code)
 
     async def redeem(
         self, messenger: Messenger, inbound: Inbound, caller: Caller

@@ -10,16 +10,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias
 
-import msgspec
 from msgspec.structs import replace as renewed
 
 from rosic.contracts.clock import Clock
-from rosic.core.identity import Caller, KeyId, PrincipalId
 from rosic.core.lease import Lease, Leases
 from rosic.core.order import FOREVER_NS, Order, Permit, Request
 from rosic.core.policy.evaluate import decide
-from rosic.core.policy.query import Deny, PolicyState, Query
-from rosic.core.policy.roles import Assurance, StepRequired
+from rosic.core.policy.query import NOTHING, AuthContext, Deny, PolicyState, Query
+from rosic.core.policy.roles import StepRequired
 from rosic.core.robot.skill import Argument
 from rosic.errors import NotPermitted, RobotStopped, TimeInDoubt
 from rosic.organiser.calendar_messages import moment
@@ -29,6 +27,7 @@ from rosic.organiser.refusals import CLOCK_SET_BACK, LOCKED, RefusalBuilder
 if TYPE_CHECKING:
     from collections.abc import Collection
 
+    from rosic.core.identity import Caller, KeyId, PrincipalId
     from rosic.core.policy.permissions import Permissions, PolicyInForce
     from rosic.core.policy.query import Allow, Decision, PolicyKey
     from rosic.core.robot.profile import Profile, RobotId
@@ -38,28 +37,6 @@ if TYPE_CHECKING:
     from rosic.errors import Refusal
     from rosic.organiser.calendar import Calendar
     from rosic.organiser.rate_limits import RateLimits
-
-
-# ---- what counts besides rights ----
-
-
-class AuthContext(msgspec.Struct, frozen=True, kw_only=True):
-    """What counts for one request.
-
-    Attributes:
-        channel: What the conversation is worth.
-        stepped_up: A second factor was shown lately, in this chat.
-        confirmed: This very request was confirmed by a tap.
-        second: Who else has agreed to this very request.
-    """
-
-    channel: Assurance = Assurance.PROVIDER_READABLE
-    stepped_up: bool = False
-    confirmed: bool = False
-    second: PrincipalId | None = None
-
-
-NOTHING = AuthContext()
 
 
 class CheckedClock(Clock, Protocol):
@@ -311,6 +288,26 @@ class Organiser:
         if decision.preempts and self.holder(request.robot) != caller.principal:
             raise self._refusing.take_over(decision)
         return self._until_ns(decision)
+
+    def check(
+        self,
+        caller: Caller,
+        request: Request,
+        arguments: Mapping[str, Argument],
+        auth_context: AuthContext,
+    ) -> Allow:
+        """Return how an order would be allowed now. Nothing is taken, counted or written.
+
+        Raises:
+            Refusal: It would be refused, as `admit` would; but for rates, which are not asked.
+        """
+        self.check_unlocked(caller)
+        decision = self.decision(caller, request.robot, request.skill.id, arguments, auth_context)
+        if isinstance(decision, Deny):
+            raise self._refusing.denial(decision)
+        if self._clock.behind and request.skill.actuates:
+            raise TimeInDoubt(CLOCK_SET_BACK)
+        return decision
 
     def _until_ns(self, allowed: Allow) -> int:
         """Return until when a decision holds if nobody changes anything, wall clock."""

@@ -20,11 +20,10 @@ from rosic.core.language import (
     understand,
 )
 from rosic.core.policy.explain import PolicyTexts, explain
-from rosic.core.policy.query import STOP, Allow
+from rosic.core.policy.query import STOP, Allow, AuthContext
 from rosic.core.policy.scope import READ, RESUME
 from rosic.errors import NotUnderstood, Refusal
 from rosic.gateway.limit_clamping import ArgumentClamping
-from rosic.organiser.organiser import AuthContext
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -187,3 +187,25 @@ class Deny(msgspec.Struct, frozen=True, kw_only=True):
 
 
 Decision: TypeAlias = Allow | Deny
+
+
+# ---- what counts besides rights ----
+
+
+class AuthContext(msgspec.Struct, frozen=True, kw_only=True):
+    """What counts for one request.
+
+    Attributes:
+        channel: What the conversation is worth.
+        stepped_up: A second factor was shown lately, in this chat.
+        confirmed: This very request was confirmed by a tap.
+        second: Who else has agreed to this very request.
+    """
+
+    channel: Assurance = Assurance.PROVIDER_READABLE
+    stepped_up: bool = False
+    confirmed: bool = False
+    second: PrincipalId | None = None
+
+
+NOTHING = AuthContext()

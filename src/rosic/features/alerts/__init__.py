@@ -78,7 +78,7 @@ def setup(kernel: Kernel) -> AlertFeature:
     for messenger in kernel.messengers:
         watch_reactions(messenger, partial(reacting.reacted, messenger))
     absences = OfflineNotices(rooms, kernel.pipeline.executor, reach, clock)
-    kernel.pipeline.executor.still_moves.connect(absences.still_moves)
+    kernel.pipeline.executor.watching.still_moves.connect(absences.still_moves)
     AlertCommands(alerting, rooms, changes).register(kernel.commands)
     broken_stops = StopViolations(rooms, orders.reach, clock, circles)
     return AlertFeature(alerting, reacting, absences, broken_stops, rooms.vocabularies)

@@ -13,6 +13,7 @@ from rosic.core.alerts.rule import PAUSE, REALLOCATE
 from rosic.core.identity import command_id
 from rosic.core.order import Request
 from rosic.core.order_status import OrderStatus
+from rosic.core.policy.query import NOTHING
 from rosic.core.records import Decided
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotPermitted, RobotBusy, TakeOver, TooManyRequests
@@ -21,7 +22,6 @@ from rosic.features.alerts.active_alerts import AlertRun
 from rosic.gateway.order_services import AutomatedRequester, no_tasks
 from rosic.gateway.order_status import OrderMessage
 from rosic.organiser.calendar_messages import length
-from rosic.organiser.organiser import NOTHING
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -156,7 +156,7 @@ class OfflineNotices:
         self._said_to_move(order.robot, order.permit.principal)
 
     def _listen(self) -> None:
-        self._executor.watch_orders(self, wanted=bool(self._moving))
+        self._executor.watching.watch_orders(self, wanted=bool(self._moving))
 
     async def look(self) -> None:
         """Look once."""

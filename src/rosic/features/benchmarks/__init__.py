@@ -39,7 +39,7 @@ class BenchmarkFeature(Feature):
 
     def _follow(self, profile: Profile) -> None:
         if self.evaluation.add_robot(profile):
-            self._executor.watch_orders(self.evaluation)
+            self._executor.watching.watch_orders(self.evaluation)
 
 
 def setup(kernel: Kernel) -> BenchmarkFeature:

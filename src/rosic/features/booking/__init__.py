@@ -44,7 +44,7 @@ class BookingFeature(Feature):
 
     def watch_ends(self) -> None:
         """Hear of orders that end, but only while somebody waits for a robot."""
-        self._executor.hear_ends(self._order_ended, wanted=bool(self._waiting.wanted()))
+        self._executor.watching.hear_ends(self._order_ended, wanted=bool(self._waiting.wanted()))
 
     def _order_ended(self, robot: RobotId) -> None:
         if self._waiting.queue(robot):

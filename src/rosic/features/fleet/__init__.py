@@ -82,7 +82,7 @@ class FleetFeature(Feature):
         self.dispatching.tell.connect(self.telling.tell)
         self.dispatching.changed.connect(self._changed)
         self._usage = FleetUsage(clock.monotonic_ns)
-        kernel.pipeline.executor.watch_orders(self._usage)
+        kernel.pipeline.executor.watching.watch_orders(self._usage)
         self.overview = FleetOverview(
             rooms, self.dispatching, self.watching, self.telling, self._usage
         )

@@ -17,6 +17,7 @@ from rosic.core.i18n import in_language, joined
 from rosic.core.identity import command_id
 from rosic.core.order import OrderEnding, Request
 from rosic.core.order_status import ENGLISH, wording_in
+from rosic.core.policy.query import NOTHING
 from rosic.errors import (
     FirstNeeded,
     NotPermitted,
@@ -35,7 +36,6 @@ from rosic.gateway.order_services import AutomatedRequester
 from rosic.gateway.order_status import AwaitedOrder, OrderMessage, stop_button
 from rosic.gateway.requests import RequestFactory
 from rosic.gateway.rest_wait import comes_to_rest
-from rosic.organiser.organiser import NOTHING
 
 if TYPE_CHECKING:
     from collections.abc import Callable

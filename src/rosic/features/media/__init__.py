@@ -60,7 +60,7 @@ class MediaFeature(Feature):
         """Sample what a robot reports, and follow where it goes if it says so."""
         self.sampler.add_robot(profile)
         if profile.pose is not None:
-            self._executor.watch_orders(self.sampler)
+            self._executor.watching.watch_orders(self.sampler)
 
 
 def setup(kernel: Kernel) -> MediaFeature:

@@ -19,6 +19,7 @@ from rosic.core.identity import DIGEST_BYTES, command_id, robot_command_id
 from rosic.core.language import Do, LanguageReader, Misunderstood
 from rosic.core.order import OrderEnding, Request
 from rosic.core.order_status import ENGLISH, wording_in
+from rosic.core.policy.query import NOTHING
 from rosic.core.synchronised_start import begin_together
 from rosic.errors import Expired, NotPermitted, NotUnderstood, OrderVoid, Refusal, RobotStopped
 from rosic.features.scheduled_orders import messages as words
@@ -28,7 +29,6 @@ from rosic.gateway.order_execution import CANCELLED_BEFORE
 from rosic.gateway.order_services import AutomatedRequester
 from rosic.gateway.order_status import AwaitedOrder, OrderMessage, stop_button
 from rosic.gateway.requests import RequestFactory
-from rosic.organiser.organiser import NOTHING
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence

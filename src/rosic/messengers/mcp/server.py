@@ -23,7 +23,6 @@ from mcp_types import (
 from rosic import __version__
 from rosic.core.language.stop_detection import LONGEST_SHOUT
 from rosic.errors import NotUnderstood, RosicError
-from rosic.messengers.mcp.calls import Answer
 from rosic.messengers.mcp.tools import (
     CANCEL,
     LIST_ROBOTS,
@@ -32,6 +31,7 @@ from rosic.messengers.mcp.tools import (
     robot_and_skill,
     tools_of,
 )
+from rosic.messengers.program.calls import Answer
 
 if TYPE_CHECKING:
     import asyncio

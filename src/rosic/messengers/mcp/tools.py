@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from mcp_types import Tool, ToolAnnotations
 
 from rosic.core.i18n import plain
 from rosic.core.robot.skill import SkillClass
+from rosic.core.robot.skill_schema import object_schema, schema_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from rosic.contracts.programs import OfferedSkill
-    from rosic.core.robot.skill import Parameter
 
 STOP: Final = "stop"
 CANCEL: Final = "cancel"
@@ -41,7 +41,7 @@ def robot_and_skill(tool: str) -> tuple[str, str] | None:
 
 def _always(robots: Mapping[str, str]) -> Iterator[Tool]:
     names = {"type": "string", "enum": sorted(robots)} if robots else {"type": "string"}
-    one = _schema({"robot": {**names, "description": "Left out: all of them."}})
+    one = object_schema({"robot": {**names, "description": "Left out: all of them."}})
     some = {"type": "array", "items": {"type": "string"}, "description": "Left out: all of them."}
     looks = ToolAnnotations(read_only_hint=True, open_world_hint=False)
     ends = ToolAnnotations(read_only_hint=False, destructive_hint=False, idempotent_hint=True)
@@ -51,7 +51,7 @@ def _always(robots: Mapping[str, str]) -> Iterator[Tool]:
         description="Stop robots at once, and keep them stopped until a person resumes them. It is "
         "never refused, queued or counted. A name that is not known stops all of them. It is an "
         "operational stop over a network and no safety function.",
-        input_schema=_schema({"robots": some}),
+        input_schema=object_schema({"robots": some}),
         annotations=ends,
     )
     yield Tool(
@@ -66,7 +66,7 @@ def _always(robots: Mapping[str, str]) -> Iterator[Tool]:
         name=LIST_ROBOTS,
         title="Robots",
         description="Which robots there are for you.",
-        input_schema=_schema({}),
+        input_schema=object_schema({}),
         annotations=looks,
     )
     yield Tool(
@@ -90,44 +90,10 @@ def _tool(offered: OfferedSkill) -> Tool:
         name=f"{offered.robot}{BETWEEN}{skill.id}",
         title=title,
         description=" ".join(parts),
-        input_schema=_schema(
-            {name: _property(parameter) for name, parameter in skill.parameters.items()},
-            [name for name, parameter in skill.parameters.items() if parameter.default is None],
-        ),
+        input_schema=schema_of(skill),
         annotations=ToolAnnotations(
             read_only_hint=skill.kind is SkillClass.OBSERVE,
             destructive_hint=moves,
             idempotent_hint=False,
         ),
     )
-
-
-def _property(parameter: Parameter) -> dict[str, Any]:
-    if parameter.choices is not None:
-        found: dict[str, Any] = {"type": "string", "enum": list(parameter.choices)}
-        parts = []
-    elif parameter.text:
-        found, parts = {"type": "string", "minLength": 1}, ["One line of text."]
-    else:
-        kind: type[int | float] = int if parameter.integer else float
-        found = {
-            "type": "integer" if parameter.integer else "number",
-            "minimum": kind(parameter.min or 0.0),
-            "maximum": kind(parameter.max or 0.0),
-        }
-        unit = f"In {parameter.unit}, from" if parameter.unit else "From"
-        parts = [f"{unit} {parameter.min:g} to {parameter.max:g}."]
-    if parameter.default is not None:
-        found["default"] = parameter.default
-    title = plain(parameter.title) if parameter.title else ""
-    about = " ".join(filter(None, (f"{title}." if title else "", *parts)))
-    return {**found, "description": about} if about else found
-
-
-def _schema(properties: dict[str, Any], required: Sequence[str] = ()) -> dict[str, Any]:
-    return {
-        "type": "object",
-        "properties": properties,
-        "required": list(required),
-        "additionalProperties": False,
-    }

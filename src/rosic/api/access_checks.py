@@ -1,0 +1,167 @@
+"""What stands before every route: which host was meant, which page asks, how much is sent.
+
+Plain ASGI, so that it holds for whatever is mounted behind it: REST, WebSockets, files.
+"""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import urlsplit
+
+import msgspec
+
+from rosic.api.problems import PROBLEM, Problem, problem
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, MutableMapping
+    from typing import TypeAlias
+
+    from rosic.api.settings import ApiSettings
+
+    Scope: TypeAlias = MutableMapping[str, Any]
+    Receive: TypeAlias = Callable[[], Awaitable[MutableMapping[str, Any]]]
+    Send: TypeAlias = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+    Headers: TypeAlias = tuple[tuple[bytes, bytes], ...]
+    App: TypeAlias = Callable[[Any, Any, Any], Awaitable[None]]
+
+BODY_BYTES: Final = 262_144
+FILE_BYTES: Final = 25_000_000
+FILES_PATH: Final = "/v1/files"
+SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS"})
+SITES: Final = frozenset({"same-origin", "none"})
+LOCAL_NAMES: Final = ("localhost", "127.0.0.1", "::1")
+POLICY_VIOLATION: Final = 1008
+
+WRONG_HOST: Final = "This gateway is not reached by that name."
+WRONG_ORIGIN: Final = "A page of another site may not ask this. Nothing was done."
+NO_ORIGIN: Final = "A browser has to say which page asks. Nothing was done."
+TOO_LARGE: Final = "That is more than is taken here. Nothing was done."
+
+CONTENT_POLICY: Final = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+    "connect-src 'self'; font-src 'self'; manifest-src 'self'; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'"
+)
+HEADERS: Final = (
+    (b"content-security-policy", CONTENT_POLICY.encode()),
+    (b"x-content-type-options", b"nosniff"),
+    (b"x-frame-options", b"DENY"),
+    (b"referrer-policy", b"no-referrer"),
+    (b"cross-origin-opener-policy", b"same-origin"),
+    (b"cross-origin-resource-policy", b"same-origin"),
+    (b"permissions-policy", b"camera=(), microphone=(), geolocation=()"),
+)
+TLS_HEADER: Final = (b"strict-transport-security", b"max-age=31536000")
+
+
+class AccessChecks:
+    """Lets through what names us, comes from our own page or from a program, and is not too much.
+
+    Args:
+        app: What is behind.
+        settings: By which names we are reached, and whether by TLS.
+        cookie: Name of the cookie by which browsers show a session.
+    """
+
+    def __init__(self, app: App, settings: ApiSettings, cookie: str) -> None:
+        self._app, self._cookie = app, cookie.encode()
+        named = urlsplit(settings.url).hostname
+        own = (
+            (*LOCAL_NAMES, settings.listen.host)
+            if settings.listen.is_loopback
+            else (settings.listen.host,)
+        )
+        self._hosts = frozenset({*own, *settings.hosts, *((named,) if named else ())})
+        self._headers = (*HEADERS, TLS_HEADER) if settings.is_tls else HEADERS
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one connection."""
+        if scope["type"] not in {"http", "websocket"}:
+            await self._app(scope, receive, send)
+            return
+        headers = {name: value for name, value in scope["headers"] if name in _READ}
+        refusal = self._refusal(scope, headers)
+        if refusal is not None:
+            await _refuse(scope, send, refusal, self._headers)
+            return
+        if scope["type"] == "websocket":
+            await self._app(scope, receive, send)
+            return
+        most = FILE_BYTES if scope["path"].startswith(FILES_PATH) else BODY_BYTES
+        await self._app(scope, _bounded(receive, most), self._dressed(send))
+
+    def _refusal(self, scope: Scope, headers: dict[bytes, bytes]) -> Problem | None:
+        host = headers.get(b"host", b"").decode("latin-1")
+        if _hostname(host) not in self._hosts:
+            return problem("wrong-host", WRONG_HOST, status=HTTPStatus.MISDIRECTED_REQUEST)
+        safe = scope["type"] == "http" and scope["method"] in SAFE
+        if not safe and (why := self._foreign(headers, host)):
+            return problem("wrong-origin", why, status=HTTPStatus.FORBIDDEN)
+        length = headers.get(b"content-length", b"0")
+        most = FILE_BYTES if scope["path"].startswith(FILES_PATH) else BODY_BYTES
+        if not length.isdigit() or int(length[:12]) > most:
+            return problem("too-large", TOO_LARGE, status=HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
+        return None
+
+    def _foreign(self, headers: dict[bytes, bytes], host: str) -> str:
+        """Return why a page may not ask for something; empty: it may, or it is no page."""
+        origin, site = headers.get(b"origin"), headers.get(b"sec-fetch-site")
+        if site is not None and site.decode("latin-1") not in SITES:
+            return WRONG_ORIGIN
+        if origin is not None and urlsplit(origin.decode("latin-1")).netloc != host:
+            return WRONG_ORIGIN
+        by_cookie = self._cookie in headers.get(b"cookie", b"")
+        shown = headers.get(b"authorization")
+        if by_cookie and shown is None and origin is None:
+            return NO_ORIGIN
+        return ""
+
+    def _dressed(self, send: Send) -> Send:
+        async def dressed(message: MutableMapping[str, Any]) -> None:
+            if message["type"] == "http.response.start":
+                message["headers"] = [*message.get("headers", ()), *self._headers]
+            await send(message)
+
+        return dressed
+
+
+_READ: Final = frozenset(
+    {b"host", b"origin", b"sec-fetch-site", b"cookie", b"authorization", b"content-length"}
+)
+
+
+def _hostname(host: str) -> str:
+    try:
+        return urlsplit(f"//{host}").hostname or ""
+    except ValueError:
+        return ""
+
+
+def _bounded(receive: Receive, most: int) -> Receive:
+    """Return what receives no more than so many bytes: a body need not say how long it is."""
+    got = 0
+
+    async def bounded() -> MutableMapping[str, Any]:
+        nonlocal got
+        message = await receive()
+        got += len(message.get("body", b""))
+        if got > most:
+            raise BodyLimitExceeded
+        return message
+
+    return bounded
+
+
+class BodyLimitExceeded(Exception):
+    """A body is longer than is taken; it was not read to its end."""
+
+
+async def _refuse(scope: Scope, send: Send, why: Problem, headers: Headers) -> None:
+    if scope["type"] == "websocket":
+        await send({"type": "websocket.close", "code": POLICY_VIOLATION, "reason": why.detail})
+        return
+    body = msgspec.json.encode(why)
+    start = [(b"content-type", PROBLEM.encode()), (b"content-length", str(len(body)).encode())]
+    await send({"type": "http.response.start", "status": why.status, "headers": [*start, *headers]})
+    await send({"type": "http.response.body", "body": body})

@@ -1,0 +1,266 @@
+"""What the routes work with: the rooms, the messengers of the API, and orders as they happen."""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import islice
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from rosic.api.schemas import (
+    CheckOut,
+    IdentityOut,
+    OrderOut,
+    PoseOut,
+    PresenceOut,
+    RobotOut,
+    SkillOut,
+    StageOut,
+    moment,
+)
+from rosic.core.i18n import in_language, said
+from rosic.core.identity import PAGE
+from rosic.core.robot.skill_schema import schema_of
+from rosic.core.robot.view import ViewKind
+from rosic.errors import NotFound, TooManyRequests
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from rosic.api.callers import ApiCaller, CallerDirectory
+    from rosic.api.order_feed import OrderEntry, OrderFeed
+    from rosic.api.page_messenger import PageMessenger
+    from rosic.api.settings import ApiSettings
+    from rosic.contracts.programs import OfferedSkill
+    from rosic.core.message import Inbound
+    from rosic.core.records import Fact
+    from rosic.core.robot.profile import Profile, RobotId
+    from rosic.core.secret import Secret
+    from rosic.gateway.delivery.translation import ChatLanguages
+    from rosic.gateway.feature import Kernel
+    from rosic.gateway.programs import ProgramService
+    from rosic.messengers.program.calls import ToolCall
+    from rosic.messengers.program.messenger import ProgramMessenger
+
+CALLS_AT_MOST: Final = 64
+"""Of one caller at a time, waiting for an answer. A stop is not counted."""
+BUSY: Final = said("Too many calls at once. Wait for an answer first. Nothing was done.")
+UNKNOWN_ROBOT: Final = said("There is no such robot here, as far as you may see.")
+UNKNOWN_SKILL: Final = said("There is no such skill there that you may ask for.")
+UNKNOWN_ORDER: Final = said("There is no such order here, or none any more.")
+
+
+class ApiContext(NamedTuple):
+    """What the routes work with.
+
+    Attributes:
+        program, page: The messengers by which programs and people speak.
+        programs: What a caller may see and ask for.
+        callers: Recognises whoever asks.
+        feed: Orders as they happen.
+    """
+
+    kernel: Kernel
+    settings: ApiSettings
+    program: ProgramMessenger
+    page: PageMessenger
+    programs: ProgramService
+    callers: CallerDirectory
+    languages: ChatLanguages
+    feed: OrderFeed
+
+    # ---- speaking ----
+
+    def messenger(self, caller: ApiCaller) -> ProgramMessenger:
+        """Return the messenger by which somebody speaks."""
+        return self.page if caller.address.platform == PAGE else self.program
+
+    def begin(self, caller: ApiCaller, inbound: Inbound, robot: str = "") -> ToolCall:
+        """Say something for a caller.
+
+        Raises:
+            TooManyRequests: They wait for too many answers already. Nothing was said.
+            MessengerFault: Nobody listens. Nothing was said.
+        """
+        messenger = self.messenger(caller)
+        if messenger.calls.count(caller.address) >= CALLS_AT_MOST:
+            raise TooManyRequests(BUSY, retry_after_s=1.0)
+        return messenger.begin(inbound, robot)
+
+    def me(self, caller: ApiCaller) -> IdentityOut:
+        """Return who a caller is."""
+        person = self.kernel.rooms.authoriser.directory.person(caller.principal)
+        kind = "person" if caller.address.platform == PAGE else "program"
+        language = self.languages.chosen().get(caller.principal, "en")
+        roles = () if person is None else person.roles
+        return IdentityOut(caller.principal, caller.name, kind, roles, language)
+
+    async def begin_session(self, fact: Fact) -> None:
+        """Let a session begin; what is over goes.
+
+        Raises:
+            RecordUnavailable: It cannot be written down, so nobody is signed in by it.
+        """
+        async with self.kernel.changes.turn() as turn:
+            await turn.write((fact,))
+        self.kernel.changes.note(self.kernel.access.page_sessions.due())
+
+    async def end_session(self, token: Secret) -> None:
+        """End a session at once."""
+        await self.kernel.changes.take_away(self.kernel.access.page_sessions.end(token))
+
+    # ---- robots ----
+
+    def visible(self, caller: ApiCaller) -> frozenset[RobotId]:
+        """Return the robots that somebody may see."""
+        return self.kernel.rooms.organiser.visible(caller.principal)
+
+    def profile(self, caller: ApiCaller, robot: str) -> Profile:
+        """Return a robot that somebody may see.
+
+        Raises:
+            NotFound: There is none of that name, as far as they may know.
+        """
+        profile = self.kernel.rooms.profiles.get(robot)
+        if profile is None or robot not in self.visible(caller):
+            raise NotFound(UNKNOWN_ROBOT)
+        return profile
+
+    def robots(self, caller: ApiCaller) -> list[RobotOut]:
+        """Return the robots that somebody may see."""
+        visible, profiles = self.visible(caller), self.kernel.rooms.profiles
+        return [self.robot(profile) for robot, profile in profiles.items() if robot in visible]
+
+    def robot(self, profile: Profile) -> RobotOut:
+        """Return a robot as it is shown."""
+        rooms, robot = self.kernel.rooms, profile.id
+        holder = rooms.organiser.holder(robot)
+        return RobotOut(
+            id=robot,
+            name=profile.shown,
+            groups=profile.groups,
+            skills=tuple(profile.skills),
+            stopped=rooms.stops[robot].latched,
+            holder="" if holder is None else rooms.authoriser.directory.name(holder),
+            presence=self.presence(robot),
+            views=tuple(kind.value for kind in ViewKind if profile.offers(kind)),
+            units={name: value.unit for name, value in profile.telemetry.items()},
+            watchdog_s=profile.watchdog_s,
+        )
+
+    def presence(self, robot: RobotId) -> PresenceOut:
+        """Return what a robot's side last said of itself."""
+        found = self.kernel.rooms.linker.presence(robot)
+        pose = found.pose
+        return PresenceOut(
+            online=found.online,
+            age_s=found.age_s,
+            doing=found.doing,
+            at_rest=found.at_rest,
+            values=found.values,
+            pose=None
+            if pose is None
+            else PoseOut(pose.x_m, pose.y_m, pose.z_m, pose.yaw_rad, pose.frame),
+        )
+
+    def skills(self, caller: ApiCaller, robot: str) -> list[SkillOut]:
+        """Return what somebody may ask of a robot.
+
+        Raises:
+            NotFound: They may not see it.
+        """
+        self.profile(caller, robot)
+        catalogue = self.languages.of(caller.principal)
+        return [
+            self._skill(offered, partial(in_language, catalogue=catalogue))
+            for offered in self.programs.skills(caller.address)
+            if offered.robot == robot
+        ]
+
+    @staticmethod
+    def _skill(offered: OfferedSkill, read: Callable[[str], str]) -> SkillOut:
+        skill = offered.skill
+        return SkillOut(
+            id=skill.id,
+            name=read(skill.shown),
+            icon=skill.icon,
+            class_=skill.kind.value,
+            asks=offered.asks,
+            streams=skill.streams,
+            arguments=schema_of(skill),
+            units={name: each.unit for name, each in skill.parameters.items() if each.unit},
+        )
+
+    # ---- orders ----
+
+    def line(
+        self, caller: ApiCaller, robot: str, skill: str, values: dict[str, float | str]
+    ) -> str:
+        """Return the line of the grammar that says an order.
+
+        Raises:
+            NotFound: No such robot or skill, as far as they may know.
+            NotUnderstood: What is wrong with it. Nothing was done.
+        """
+        profile = self.profile(caller, robot)
+        if skill not in profile.skills:
+            raise NotFound(UNKNOWN_SKILL)
+        return self.programs.line(caller.address, profile.id, skill, values)
+
+    def check(
+        self, caller: ApiCaller, robot: str, skill: str, values: dict[str, float | str]
+    ) -> CheckOut:
+        """Return what an order would come to. Nothing is done, counted or written.
+
+        Raises:
+            Refusal: It would be refused, and why.
+        """
+        text = self.line(caller, robot, skill, values)
+        found = self.programs.check(caller.address, text, self.messenger(caller).assurance)
+        return CheckOut(
+            allowed=not found.needs,
+            sent=self.callers.read_by(found.words, caller),
+            arguments=found.arguments,
+            needs=found.needs,
+        )
+
+    def entry(self, caller: ApiCaller, order: str) -> OrderEntry:
+        """Return an order of a robot that somebody may see.
+
+        Raises:
+            NotFound: There is none.
+        """
+        found = self.feed[order]
+        if found is None or found.robot not in self.visible(caller):
+            raise NotFound(UNKNOWN_ORDER)
+        return found
+
+    def orders(self, caller: ApiCaller, robot: str, most: int) -> list[OrderOut]:
+        """Return the newest orders of robots that somebody may see."""
+        return [self.shown(entry, caller) for entry in islice(self._of(caller, robot), most)]
+
+    def _of(self, caller: ApiCaller, robot: str) -> Iterator[OrderEntry]:
+        visible = self.visible(caller)
+        for entry in self.feed.newest():
+            if entry.robot in visible and robot in {"", entry.robot}:
+                yield entry
+
+    def shown(self, entry: OrderEntry, caller: ApiCaller, text: str = "") -> OrderOut:
+        """Return an order as it is shown to somebody."""
+        read = partial(in_language, catalogue=self.languages.of(caller.principal))
+        return OrderOut(
+            id=entry.id,
+            robot=entry.robot,
+            skill=entry.skill,
+            state=entry.ending or entry.stages[-1].stage,
+            over=entry.is_over,
+            who=self.kernel.rooms.authoriser.directory.name(entry.principal),
+            n=entry.n,
+            sent=read(entry.words),
+            arguments=entry.arguments,
+            stages=tuple(StageOut(each.stage, moment(each.at_ns)) for each in entry.stages),
+            fraction=entry.fraction,
+            note=read(entry.note),
+            code=entry.code,
+            ended=moment(entry.ended_ns) if entry.ended_ns else None,
+            text=text,
+        )

@@ -1,0 +1,365 @@
+"""What happens, as it happens, over a WebSocket: robots, orders, one's own conversation.
+
+Of everything the newest value counts: what waits for a slow client is replaced, not queued up. A
+client that takes nothing for some seconds is told so and dropped; nobody else waits for it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections import OrderedDict
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
+
+import msgspec
+from litestar.exceptions import WebSocketDisconnect
+
+from rosic.api.page_messenger import PageMessage
+from rosic.api.problems import Problem, problem, problem_of
+from rosic.api.schemas import IdentityOut, Name, OrderOut, RobotOut, StopIn, StopOut
+from rosic.core.identity import PAGE
+from rosic.errors import RosicError, Unrecognised
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from litestar import WebSocket
+
+    from rosic.api.callers import ApiCaller
+    from rosic.api.context import ApiContext
+    from rosic.api.order_feed import OrderEntry
+    from rosic.api.ordering import CallerRequests
+    from rosic.core.robot.profile import RobotId
+
+LOOK_S: Final = 0.2
+"""So often robots are looked at while anybody listens."""
+CHUNK: Final = 50
+"""Robots that are looked at in one step."""
+SEND_WITHIN_S: Final = 5.0
+WAITING_AT_MOST: Final = 4_096
+LISTENERS_AT_MOST: Final = 200
+EACH_AT_MOST: Final = 16
+"""Connections of one caller."""
+MESSAGE_BYTES: Final = 65_536
+ENDED: Final = 4401
+SLOW: Final = 1013
+BAD: Final = 1008
+MANY: Final = "Too many connections listen already. Close one first."
+NOT_READ: Final = "That is no message of this protocol."
+TOO_SLOW: Final = "You take too little of what happens, so you are told nothing more. Come again."
+
+log = logging.getLogger("rosic.api")
+
+
+# ---- what a client says ----
+
+
+class Subscribe(
+    msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="subscribe", tag_field="op"
+):
+    """Tell me of these from now on, and how it is now; of nothing else."""
+
+    topics: tuple[Literal["robots", "orders", "chat"], ...]
+
+
+class StopRequest(msgspec.Struct, frozen=True, tag="stop", tag_field="op"):
+    """Stop robots, at once; all that I may see, if none is named.
+
+    Attributes:
+        id: Comes back with the answer.
+    """
+
+    robots: tuple[Name, ...] = ()
+    id: str = ""
+
+
+class Ping(msgspec.Struct, frozen=True, tag="ping", tag_field="op"):
+    """Answer at once."""
+
+    id: str = ""
+
+
+Said: TypeAlias = Subscribe | StopRequest | Ping
+_read: Callable[[str], Said] = msgspec.json.Decoder(Said).decode
+
+
+# ---- what a client is told ----
+
+
+class Hello(msgspec.Struct, frozen=True, tag="hello", tag_field="event"):
+    """The first event.
+
+    Attributes:
+        run: Another one after the gateway was restarted.
+    """
+
+    me: IdentityOut
+    run: str
+
+
+class RobotEvent(msgspec.Struct, frozen=True, tag="robot", tag_field="event"):
+    """A robot as it is now."""
+
+    robot: RobotOut
+
+
+class RobotGone(msgspec.Struct, frozen=True, tag="robot-gone", tag_field="event"):
+    """A robot is not there any more, or may not be seen any more."""
+
+    robot: str
+
+
+class OrderEvent(msgspec.Struct, frozen=True, tag="order", tag_field="event"):
+    """An order as it is now."""
+
+    order: OrderOut
+
+
+class MessageEvent(msgspec.Struct, frozen=True, tag="message", tag_field="event"):
+    """A message of one's own conversation as it is now."""
+
+    message: PageMessage
+
+
+class StopEvent(msgspec.Struct, frozen=True, tag="stop", tag_field="event"):
+    """What became of a stop."""
+
+    id: str
+    stop: StopOut
+
+
+class Pong(msgspec.Struct, frozen=True, tag="pong", tag_field="event"):
+    """The answer to a ping."""
+
+    id: str
+
+
+class ProblemEvent(msgspec.Struct, frozen=True, tag="problem", tag_field="event"):
+    """Something was not done."""
+
+    problem: Problem
+    id: str = ""
+
+
+Event = Hello | RobotEvent | RobotGone | OrderEvent | MessageEvent | StopEvent | Pong | ProblemEvent
+_encode = msgspec.json.Encoder().encode
+
+
+class Listener:
+    """One connection: what it wants to hear, and what it has not been told yet.
+
+    Attributes:
+        caller: Who listens.
+        topics: Of what.
+        overflowed: It has taken so little that what it was to be told is incomplete.
+    """
+
+    def __init__(self, caller: ApiCaller) -> None:
+        self.caller = caller
+        self.topics: frozenset[str] = frozenset()
+        self.overflowed = False
+        self.seen: dict[RobotId, RobotOut] = {}
+        self._waiting: OrderedDict[str, Event] = OrderedDict()
+        self._news = asyncio.Event()
+
+    def wants(self, topics: frozenset[str]) -> None:
+        """Hear of these, and of nothing else."""
+        self.topics = topics
+        self.seen.clear()
+
+    def put(self, key: str, event: Event) -> None:
+        """Have something told; in place of what is older under the same key, and untold."""
+        if len(self._waiting) >= WAITING_AT_MOST and key not in self._waiting:
+            self.overflowed = True
+        else:
+            self._waiting[key] = event
+        self._news.set()
+
+    async def next(self) -> Event:
+        """Return what is to be told next, waiting for it."""
+        while not self._waiting:
+            self._news.clear()
+            await self._news.wait()
+            if self.overflowed:
+                break
+        return self._waiting.popitem(last=False)[1]
+
+
+class EventStream:
+    """Everybody who listens, and whoever looks at robots for them."""
+
+    def __init__(self, context: ApiContext, speech: CallerRequests) -> None:
+        self._context, self._speech = context, speech
+        self._listeners: set[Listener] = set()
+        self._looking: asyncio.Task[None] | None = None
+        self._run = f"{context.kernel.machine_clock.wall_ns():x}"
+        context.feed.changed.connect(self._order_changed)
+        context.page.news.connect(self._said)
+
+    async def close(self) -> None:
+        """Look at nothing any more."""
+        if self._looking is not None:
+            self._looking.cancel()
+            await asyncio.gather(self._looking, return_exceptions=True)
+
+    # ---- one connection ----
+
+    async def serve(self, connection: WebSocket[Any, Any, Any], caller: ApiCaller) -> None:
+        """Serve one connection until either side leaves."""
+        own = sum(other.caller.principal == caller.principal for other in self._listeners)
+        await connection.accept()
+        if len(self._listeners) >= LISTENERS_AT_MOST or own >= EACH_AT_MOST:
+            await connection.close(SLOW, MANY)
+            return
+        listener = Listener(caller)
+        listener.put("hello", Hello(self._context.me(caller), self._run))
+        self._listeners.add(listener)
+        self._look_on()
+        try:
+            async with asyncio.TaskGroup() as group:
+                telling = group.create_task(self._tell(connection, listener))
+                checking = group.create_task(self._check(listener))
+                try:
+                    await self._hear(connection, listener, group)
+                finally:
+                    telling.cancel()
+                    checking.cancel()
+        except* _Left as left:
+            code, why = left.exceptions[0].args
+            with contextlib.suppress(Exception):
+                await connection.close(code, why)
+        finally:
+            self._listeners.discard(listener)
+
+    async def _hear(
+        self,
+        connection: WebSocket[Any, Any, Any],
+        listener: Listener,
+        group: asyncio.TaskGroup,
+    ) -> None:
+        with contextlib.suppress(WebSocketDisconnect):
+            async for text in connection.iter_data("text"):
+                self._heard(text, listener, group)
+
+    def _heard(self, text: str, listener: Listener, group: asyncio.TaskGroup) -> None:
+        heard = _said_in(text)
+        if isinstance(heard, StopRequest):
+            group.create_task(self._stop(listener, heard))
+        elif isinstance(heard, Subscribe):
+            self._subscribe(listener, frozenset(heard.topics))
+        elif isinstance(heard, Ping):
+            listener.put(f"pong {heard.id}", Pong(heard.id))
+        else:
+            listener.put("problem", ProblemEvent(problem("not-understood", NOT_READ)))
+
+    async def _stop(self, listener: Listener, heard: StopRequest) -> None:
+        try:
+            result = await self._speech.stop(listener.caller, StopIn(robots=heard.robots))
+        except RosicError as why:
+            sentence = self._context.callers.read_by(why.sentence, listener.caller)
+            listener.put(f"stop {heard.id}", ProblemEvent(problem_of(why, sentence), heard.id))
+        else:
+            listener.put(f"stop {heard.id}", StopEvent(heard.id, result))
+
+    async def _tell(self, connection: WebSocket[Any, Any, Any], listener: Listener) -> None:
+        while True:
+            event = await listener.next()
+            if listener.overflowed:
+                raise _Left(SLOW, TOO_SLOW)
+            try:
+                async with asyncio.timeout(SEND_WITHIN_S):
+                    await connection.send_data(_encode(event).decode(), "text")
+            except TimeoutError:
+                raise _Left(SLOW, TOO_SLOW) from None
+
+    async def _check(self, listener: Listener) -> None:
+        """End a connection whose key or session is not good any more."""
+        caller = listener.caller
+        while True:
+            await asyncio.sleep(1.0)
+            try:
+                self._context.callers.known_by(caller.secret, by_cookie=caller.by_cookie)
+            except Unrecognised as why:
+                raise _Left(ENDED, self._context.callers.read_by(why.sentence, caller)) from None
+
+    # ---- what happens ----
+
+    def _subscribe(self, listener: Listener, topics: frozenset[str]) -> None:
+        listener.wants(topics)
+        context, caller = self._context, listener.caller
+        if "orders" in topics:
+            for order in reversed(context.orders(caller, "", 50)):
+                listener.put(f"order {order.id}", OrderEvent(order))
+        if "chat" in topics and caller.address.platform == PAGE:
+            for message in context.page.conversation(caller.address.account).all():
+                listener.put(f"message {message.id}", MessageEvent(message))
+
+    def _order_changed(self, entry: OrderEntry) -> None:
+        for listener in self._listeners:
+            if "orders" in listener.topics and entry.robot in self._context.visible(
+                listener.caller
+            ):
+                shown = self._context.shown(entry, listener.caller)
+                listener.put(f"order {entry.id}", OrderEvent(shown))
+
+    def _said(self, account: str, message: PageMessage) -> None:
+        for listener in self._listeners:
+            address = listener.caller.address
+            if "chat" in listener.topics and (address.platform, address.account) == (PAGE, account):
+                listener.put(f"message {message.id}", MessageEvent(message))
+
+    def _look_on(self) -> None:
+        if self._looking is None or self._looking.done():
+            self._looking = asyncio.create_task(self._look())
+
+    async def _look(self) -> None:
+        """Look at robots while anybody listens, a few in each step."""
+        while self._listeners:
+            listening = [each for each in self._listeners if "robots" in each.topics]
+            if listening:
+                await self._look_at_all(listening)
+            await asyncio.sleep(LOOK_S)
+
+    async def _look_at_all(self, listening: list[Listener]) -> None:
+        profiles = self._context.kernel.rooms.profiles
+        visible = {id(each): self._context.visible(each.caller) for each in listening}
+        for number, (robot, profile) in enumerate(tuple(profiles.items())):
+            if number % CHUNK == CHUNK - 1:
+                await asyncio.sleep(0)
+            shown: RobotOut | None = None
+            for each in listening:
+                if robot in visible[id(each)]:
+                    shown = shown or self._context.robot(profile)
+                    _tell_of(each, shown)
+        for each in listening:
+            for robot in [r for r in each.seen if r not in visible[id(each)]]:
+                del each.seen[robot]
+                each.put(f"robot {robot}", RobotGone(robot))
+
+
+class _Left(Exception):
+    """A connection ends: its code, and why."""
+
+
+def _said_in(text: str) -> Said | None:
+    """Return what a client says; None where it cannot be read.
+
+    What cannot be read and speaks of a stop is one, of everything: whoever sends it means it.
+    """
+    try:
+        if len(text) <= MESSAGE_BYTES:
+            return _read(text)
+    except (msgspec.MsgspecError, UnicodeError):
+        pass
+    return StopRequest() if '"stop"' in text[:MESSAGE_BYTES] else None
+
+
+def _tell_of(listener: Listener, shown: RobotOut) -> None:
+    """Tell a listener of a robot, if it is another than it was told; its age alone is no news."""
+    still = msgspec.structs.replace(
+        shown, presence=msgspec.structs.replace(shown.presence, age_s=None)
+    )
+    if listener.seen.get(shown.id) != still:
+        listener.seen[shown.id] = still
+        listener.put(f"robot {shown.id}", RobotEvent(shown))

@@ -1,0 +1,271 @@
+"""How callers say things: orders, stops, whatever else a chat could say; and how they are answered.
+
+Everything becomes a message that passes the four rooms. An order is known for ever by the key that
+its caller gives it: the same again is the same order, and is answered with what became of it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections import OrderedDict
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Final
+
+from rosic.api.order_feed import order_id
+from rosic.api.problems import Problem, problem
+from rosic.api.schemas import AnswerOut, OrderOut, StopOut
+from rosic.contracts.background_tasks import BackgroundTasks
+from rosic.core.i18n import said
+from rosic.core.identity import PAGE
+from rosic.core.message import AnswerState
+from rosic.errors import NotUnderstood
+from rosic.gateway.requests import line_id
+
+if TYPE_CHECKING:
+    from rosic.api.callers import ApiCaller
+    from rosic.api.context import ApiContext
+    from rosic.api.order_feed import OrderEntry
+    from rosic.api.schemas import ChatIn, OrderIn, StopIn
+    from rosic.core.message import Inbound, Outbound
+    from rosic.messengers.program.calls import ToolCall
+
+ACCEPTED_WITHIN_S: Final = 10.0
+"""So long an order may wait for the rooms before its caller is told that nothing is known of it."""
+AGREED_WITHIN_S: Final = 3_600.0
+"""So long a program's question to a person is followed: longer than any question stands."""
+PLACED_KEPT: Final = 4_000
+KEY_FORM: Final = re.compile(r"[!-~]{1,128}\Z")
+BAD_KEY: Final = said("Idempotency-Key is 1 to 128 letters, digits and signs, without a space.")
+OTHER_ORDER: Final = said("That Idempotency-Key stands for another order. Nothing was done.")
+NO_ANSWER: Final = said("It was said, and nothing was answered yet.")
+LATE: Final = said("Nothing is known of this order yet. Ask for it by its id; it may go on.")
+STOP_GIVEN: Final = said(
+    "The stop was given. Whether everything is at rest is not known here; please look."
+)
+ASKED: Final = "asked"
+_GOES_ON: Final = frozenset({AnswerState.GOES_ON, AnswerState.AGREED})
+
+
+class RefusedOrder(Exception):
+    """The rooms have refused it; the problem says why. No robot has moved by it."""
+
+    def __init__(self, why: Problem) -> None:
+        super().__init__(why.detail)
+        self.problem = why
+
+
+class PlacedOrder:
+    """An order that a caller has placed in this run.
+
+    Attributes:
+        text: The line that says it.
+        id: Under which it is found in the feed: another one once a person had to agree to it.
+        asked: What somebody is asked before it is done; empty: nobody is.
+        refused: Why it was refused.
+        settled: It is accepted, asked about or refused.
+    """
+
+    def __init__(self, order: str, text: str) -> None:
+        self.id, self.text = order, text
+        self.asked = ""
+        self.refused: Problem | None = None
+        self.settled = asyncio.Event()
+
+
+class CallerRequests:
+    """Says what callers want, and waits for what becomes of it."""
+
+    def __init__(self, context: ApiContext) -> None:
+        self._context = context
+        self._placed: OrderedDict[str, PlacedOrder] = OrderedDict()
+        self._changed: dict[str, asyncio.Event] = {}
+        self._following: BackgroundTasks[None] = BackgroundTasks()
+        context.feed.changed.connect(self._note)
+
+    async def close(self) -> None:
+        """Follow nothing any more."""
+        following = tuple(self._following)
+        for task in following:
+            task.cancel()
+        await asyncio.gather(*following, return_exceptions=True)
+
+    # ---- orders ----
+
+    async def place(self, caller: ApiCaller, robot: str, wanted: OrderIn, key: str) -> OrderOut:
+        """Place an order, and return what became of it so far.
+
+        Args:
+            caller: Who gives it.
+            robot: Of which robot.
+            wanted: What.
+            key: By which the caller knows it; the same again is the same order. Empty: it is new.
+
+        Raises:
+            Refusal: It cannot be said so. Nothing was done.
+            RefusedOrder: The rooms have refused it.
+            MessengerFault: Nobody listens. Nothing was done.
+        """
+        context, text = (
+            self._context,
+            self._context.line(caller, robot, wanted.skill, wanted.arguments),
+        )
+        messenger = context.messenger(caller)
+        inbound = messenger.inbound(caller.address, text, _message_of(key))
+        first = order_id(line_id(inbound, 0))
+        placed = self._placed.get(first)
+        if placed is None:
+            placed = self._begin(caller, inbound, first, robot)
+        elif placed.text != text:
+            raise RefusedOrder(problem("repeated", OTHER_ORDER))
+        try:
+            async with asyncio.timeout(ACCEPTED_WITHIN_S):
+                await placed.settled.wait()
+        except TimeoutError:
+            late = context.callers.read_by(LATE, caller)
+            return OrderOut(placed.id, robot, wanted.skill, "unknown", over=False, text=late)
+        if placed.refused is not None:
+            raise RefusedOrder(placed.refused)
+        entry = context.feed[placed.id]
+        if entry is None:
+            return OrderOut(first, robot, wanted.skill, ASKED, over=False, text=placed.asked)
+        if wanted.wait_s:
+            await self.wait(entry, wanted.wait_s)
+        return context.shown(entry, caller)
+
+    def _begin(self, caller: ApiCaller, inbound: Inbound, first: str, robot: str) -> PlacedOrder:
+        call = self._context.begin(caller, inbound, robot)
+        placed = self._placed[first] = PlacedOrder(first, inbound.text)
+        if len(self._placed) > PLACED_KEPT:
+            self._placed.popitem(last=False)
+        self._following.begin(self._follow(caller, call, placed))
+        return placed
+
+    async def _follow(self, caller: ApiCaller, call: ToolCall, placed: PlacedOrder) -> None:
+        """Follow an order until it is accepted or refused; or until a person has answered."""
+        context, messenger = self._context, self._context.messenger(caller)
+        try:
+            async with asyncio.timeout(AGREED_WITHIN_S):
+                while context.feed[placed.id] is None:
+                    message, outbound = await call.news()
+                    if outbound.state is AnswerState.AGREED:
+                        tapped = messenger.begin_agreed(call, message, outbound)
+                        placed.id = order_id(line_id(tapped, 0))
+                    elif context.feed[placed.id] is not None:
+                        break
+                    elif self._is_settled(caller, outbound, placed):
+                        return
+        except TimeoutError:
+            return
+        finally:
+            placed.settled.set()
+            messenger.calls.close(call)
+
+    def _is_settled(self, caller: ApiCaller, outbound: Outbound, placed: PlacedOrder) -> bool:
+        """Take in an answer of the rooms. Return whether nothing more will be said to a caller."""
+        if outbound.state is AnswerState.NOT_DONE:
+            code = outbound.code or "order-void"
+            placed.refused = problem(code, outbound.text, offers=outbound.offers)
+            return True
+        if outbound.state in _GOES_ON:
+            return False
+        placed.asked = outbound.text
+        placed.settled.set()
+        return caller.address.platform == PAGE  # a person answers in their conversation
+
+    def _note(self, entry: OrderEntry) -> None:
+        placed = self._placed.get(entry.id)
+        if placed is not None:
+            placed.settled.set()
+        changed = self._changed.pop(entry.id, None)
+        if changed is not None:
+            changed.set()
+
+    async def wait(self, entry: OrderEntry, seconds: float) -> None:
+        """Wait until an order is over, at most so long."""
+        try:
+            async with asyncio.timeout(seconds):
+                while not entry.is_over:
+                    await self._changed.setdefault(entry.id, asyncio.Event()).wait()
+        except TimeoutError:
+            return
+
+    def placed(self, order: str) -> str:
+        """Return under which id an order is found that was placed under this one."""
+        known = self._placed.get(order)
+        return order if known is None else known.id
+
+    # ---- stops ----
+
+    async def stop(self, caller: ApiCaller, wanted: StopIn) -> StopOut:
+        """Stop robots; it overtakes, and nothing that the caller waits for counts against it.
+
+        A name that is none of a robot that they may see stops all of them.
+
+        Raises:
+            MessengerFault: Nobody listens. Nothing was stopped.
+        """
+        visible = self._context.visible(caller)
+        named = wanted.robots if visible.issuperset(wanted.robots) else ()
+        messenger = self._context.messenger(caller)
+        inbound = messenger.inbound(caller.address, " ".join(("stop", *named)))
+        call = messenger.begin(inbound)
+        try:
+            async with asyncio.timeout(wanted.wait_s):
+                while True:
+                    _, outbound = await call.news()
+                    if outbound.state is not AnswerState.GOES_ON:
+                        return StopOut(outbound.state is AnswerState.DONE, outbound.text)
+        except TimeoutError:
+            return StopOut(None, self._context.callers.read_by(STOP_GIVEN, caller))
+        finally:
+            messenger.calls.close(call)
+
+    # ---- whatever else a chat could say ----
+
+    async def say(self, caller: ApiCaller, wanted: ChatIn) -> AnswerOut:
+        """Say something as in a chat, or tap a button, and return the first answer.
+
+        Raises:
+            NotUnderstood: Nothing is said. Nothing was done.
+            MessageGone: There is no such button. Nothing was done.
+            MessengerFault: Nobody listens. Nothing was done.
+        """
+        call = self._said(caller, wanted)
+        messenger = self._context.messenger(caller)
+        try:
+            async with asyncio.timeout(wanted.wait_s):
+                while True:
+                    message, outbound = await call.news()
+                    if outbound.state is AnswerState.AGREED:
+                        messenger.begin_agreed(call, message, outbound)
+                        continue
+                    besides = messenger.unsolicited.take(caller.address.account)
+                    return AnswerOut(outbound.text, outbound.state.value, outbound.code, besides)
+        except TimeoutError:
+            sentence = self._context.callers.read_by(NO_ANSWER, caller)
+            return AnswerOut(sentence, AnswerState.GOES_ON.value)
+        finally:
+            messenger.calls.close(call)
+
+    def _said(self, caller: ApiCaller, wanted: ChatIn) -> ToolCall:
+        context = self._context
+        if wanted.button and caller.address.platform == PAGE:
+            return context.page.tap(caller.address, wanted.message, wanted.button)
+        if not wanted.text.strip():
+            raise NotUnderstood(said("Nothing was said."))
+        messenger = context.messenger(caller)
+        return context.begin(caller, messenger.inbound(caller.address, wanted.text))
+
+
+def _message_of(key: str) -> str:
+    """Return the id of the message that a caller knows by a key; empty for a new one.
+
+    Raises:
+        NotUnderstood: It is no key.
+    """
+    if not key:
+        return ""
+    if not KEY_FORM.match(key):
+        raise NotUnderstood(BAD_KEY)
+    return f"key-{blake2b(key.encode(), digest_size=16).hexdigest()}"

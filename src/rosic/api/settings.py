@@ -1,0 +1,79 @@
+"""What is said of the API in the configuration."""
+
+from __future__ import annotations
+
+import ipaddress
+from typing import Final
+
+import msgspec
+
+LISTEN: Final = "127.0.0.1:8765"
+PORT_MOST: Final = 65_535
+
+
+class HostPort(msgspec.Struct, frozen=True):
+    """Where something listens: a numeric address of this machine, and a port; 0: any free one."""
+
+    host: str
+    port: int
+
+    def __str__(self) -> str:
+        return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
+
+    @property
+    def is_loopback(self) -> bool:
+        """Whether only this machine reaches it."""
+        return ipaddress.ip_address(self.host).is_loopback
+
+
+def parse_listen(text: str) -> HostPort:
+    """Read where to listen: ``127.0.0.1:8765``, ``[::1]:8765``.
+
+    Raises:
+        ValueError: It is none; one clear sentence without a full stop.
+    """
+    host, _, port = text.strip().rpartition(":")
+    host = host.removeprefix("[").removesuffix("]")
+    try:
+        ipaddress.ip_address(host)
+        number = int(port) if port.isascii() and port.isdigit() else -1
+    except ValueError:
+        number = -1
+    if not 0 <= number <= PORT_MOST:
+        raise ValueError(f"{text!r} is no address and port of this machine")
+    return HostPort(host, number)
+
+
+class ApiSettings(msgspec.Struct, frozen=True, kw_only=True):
+    """How the API is served.
+
+    Attributes:
+        listen: Where.
+        hosts: Names by which it may be reached, besides the address it listens on.
+        url: How people reach it: what links lead to; empty: by the address it listens on.
+        certificate, private_key: Files in PEM; with them it speaks TLS itself.
+        proxies: Addresses of proxies before it, whose word on the client's address and on TLS
+            counts.
+        without_tls: It was said twice that a public address is served without TLS.
+        metrics: Where Prometheus and probes are answered; None: nowhere.
+    """
+
+    listen: HostPort
+    hosts: tuple[str, ...] = ()
+    url: str = ""
+    certificate: str = ""
+    private_key: str = ""
+    proxies: tuple[str, ...] = ()
+    without_tls: bool = False
+    metrics: HostPort | None = None
+
+    @property
+    def reached_at(self) -> str:
+        """Where people reach it."""
+        scheme = "https" if self.certificate else "http"
+        return self.url or f"{scheme}://{self.listen}"
+
+    @property
+    def is_tls(self) -> bool:
+        """Whether browsers reach it by https, so that cookies are for https alone."""
+        return bool(self.certificate) or self.url.startswith("https://")

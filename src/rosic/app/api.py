@@ -1,0 +1,55 @@
+"""The API of a gateway: the messengers by which programs and people on the page speak to it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from rosic.errors import ConfigurationError, how_to_install
+from rosic.gateway.programs import ProgramService
+
+if TYPE_CHECKING:
+    from rosic.api.server import ApiServer
+    from rosic.api.settings import ApiSettings
+    from rosic.app.gateway import Gateway
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+
+NAMES: Final = ("api", "page")
+
+
+class GatewayApi:
+    """What the API adds to a gateway: two messengers before it opens, a server after.
+
+    Args:
+        settings: How it is served.
+        clock: The gateway's.
+
+    Raises:
+        ConfigurationError: What it needs is not installed.
+    """
+
+    def __init__(self, settings: ApiSettings, clock: Clock) -> None:
+        try:
+            from rosic.api.page_messenger import PageMessenger  # noqa: PLC0415 - an extra
+            from rosic.api.server import ApiServer  # noqa: PLC0415 - an extra
+            from rosic.messengers.program.messenger import ProgramMessenger  # noqa: PLC0415
+        except ImportError as error:
+            raise ConfigurationError(
+                f"The API needs a library that is not installed ({error.name}).",
+                hint=f"Run: {how_to_install('api')}",
+            ) from error
+        self._settings, self._server = settings, ApiServer
+        self._program = ProgramMessenger(NAMES[0], clock)
+        self._page = PageMessenger(NAMES[1], clock)
+
+    @property
+    def messengers(self) -> tuple[Messenger, ...]:
+        """By which it speaks; the gateway listens to them."""
+        return (self._program, self._page)
+
+    def server_of(self, gateway: Gateway) -> ApiServer:
+        """Return what serves the API of a gateway that is open."""
+        gateway.kernel.shared.page_url.provide(self._settings.reached_at)
+        programs = ProgramService(gateway.rooms, gateway.access.programs)
+        messengers = (self._program, self._page)
+        return self._server(gateway.kernel, self._settings, messengers, programs, gateway.languages)

@@ -1,0 +1,214 @@
+"""A messenger of programs: each is one conversation, and hears what is said because of its lines.
+
+What programs say it over (MCP, HTTP, a WebSocket) is the business of whoever derives from it, or of
+the API. Nobody reads here, so nobody confirms here: what has to be confirmed is asked of a person
+elsewhere, and begun once they have agreed.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from itertools import count
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from rosic.core.identity import PROGRAM
+from rosic.core.message import AnswerState, Chat, Inbound, Outbound
+from rosic.errors import MessengerFault
+from rosic.messengers.program.calls import OpenCalls, ToolCall, UnsolicitedMessages
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Receive
+    from rosic.contracts.programs import Programs
+    from rosic.core.identity import Address
+    from rosic.core.message import IncomingFile
+
+NOT_RUNNING: Final = "The gateway does not listen yet, or not any more. Nothing was done."
+
+
+class ProgramMessenger:
+    """Each program is one conversation.
+
+    Attributes:
+        calls: What was said, and is not answered yet.
+        unsolicited: What was said to programs and answers nothing that they said.
+    """
+
+    platform = PROGRAM
+    assurance = "local"
+    edits = True
+    pins = False
+    file_bytes = fetch_bytes = 0
+
+    def __init__(self, name: str, clock: Clock) -> None:
+        self.name = name
+        self.calls = OpenCalls()
+        self.unsolicited = UnsolicitedMessages()
+        self._clock = clock
+        self._programs: Programs | None = None
+        self._receive: Receive | None = None
+        self._handing_over: asyncio.TaskGroup | None = None
+        self._serial = count(1)
+        # Ids must not come again in another run: the record remembers them (I1).
+        self._run_id = f"{clock.wall_ns():x}-{os.getpid()}"
+        self._since_ns = 0
+
+    # ---- what programs say ----
+
+    def serve_programs(self, programs: Programs) -> None:
+        """Ask this who they are, and what they may say."""
+        self._programs = programs
+
+    @property
+    def programs(self) -> Programs:
+        """Who knows programs.
+
+        Raises:
+            MessengerFault: Nobody yet.
+        """
+        if self._programs is None:
+            raise MessengerFault(NOT_RUNNING)
+        return self._programs
+
+    @property
+    def listens(self) -> bool:
+        """Whether what is said here is heard."""
+        return self._handing_over is not None
+
+    def begin(self, inbound: Inbound, robot: str = "") -> ToolCall:
+        """Say something; what is said because of it is told to the call, until it is closed.
+
+        Args:
+            inbound: As `inbound` makes it.
+            robot: Whose order it is; empty for what orders nothing.
+
+        Raises:
+            MessengerFault: Nobody listens. Nothing was said.
+        """
+        call = ToolCall(inbound.sender, robot)
+        self.calls.open(inbound.message, call)
+        try:
+            self.hand_over(inbound)
+        except MessengerFault:
+            self.calls.close(call)
+            raise
+        return call
+
+    def begin_agreed(self, call: ToolCall, message: str, outbound: Outbound) -> Inbound:
+        """Begin what a person has agreed to: that alone is ever tapped for a program.
+
+        Returns:
+            The tap.
+        """
+        button = outbound.buttons[0][0]
+        inbound = self.inbound(call.address, "")
+        tapped = msgspec.structs.replace(
+            inbound, nonce=button.nonce, tap=inbound.message, under=message
+        )
+        self.calls.open(tapped.message, call)
+        self.hand_over(tapped)
+        return tapped
+
+    def inbound(self, address: Address, text: str, message: str = "") -> Inbound:
+        """Return a line of a program as a message that comes in now.
+
+        Args:
+            address: Of the program.
+            text: A line of the grammar.
+            message: What it is known by for ever: the same again is the same message. Left out, it
+                is a new one.
+        """
+        now_ns = self._clock.wall_ns()
+        return Inbound(
+            sender=address,
+            chat=Chat(self.platform, address.account),
+            message=message or self.next_id(),
+            text=text,
+            sent_ns=now_ns,
+            received_ns=now_ns,
+            listening_since_ns=self._since_ns,
+        )
+
+    def hand_over(self, inbound: Inbound) -> None:
+        """Hand a message over; one after another of a conversation is the pipeline's business.
+
+        Raises:
+            MessengerFault: Nobody listens.
+        """
+        if self._handing_over is None or self._receive is None:
+            raise MessengerFault(NOT_RUNNING)
+        self._handing_over.create_task(_received(self._receive, inbound))
+
+    def next_id(self) -> str:
+        """Return the id of a new message."""
+        return f"{self._run_id}-{next(self._serial)}"
+
+    # ---- the gateway's side: contracts.messenger.Messenger ----
+
+    async def run(self, receive: Receive) -> None:
+        """Listen until cancelled. See the contract."""
+        self._since_ns = self._clock.wall_ns()
+        try:
+            async with asyncio.TaskGroup() as group:
+                self._receive, self._handing_over = receive, group
+                await self._listen()
+        except ExceptionGroup as several:
+            raise several.exceptions[0] from None
+        finally:
+            self._receive = self._handing_over = None
+
+    async def _listen(self) -> None:
+        """Listen for programs until cancelled; here somebody else does."""
+        await asyncio.Event().wait()
+
+    async def send(self, outbound: Outbound) -> str:
+        """Tell the call because of which it is said; what no call waits for, the next one."""
+        if outbound.attachment is not None:
+            raise MessengerFault("A program is sent no files.")
+        message = self.next_id()
+        if not self._tell(message, outbound):
+            self.unsolicited.put(outbound.chat.id, outbound.text)
+        return message
+
+    async def edit(self, message: str, outbound: Outbound) -> None:
+        """Tell how it is now, likewise."""
+        self._tell(message, outbound)
+
+    def _tell(self, message: str, outbound: Outbound) -> bool:
+        call = self.calls[outbound.cause] if outbound.cause else None
+        if call is None or call.address.account != outbound.chat.id:
+            return False
+        call.told(message, outbound)
+        return True
+
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:  # noqa: ARG002
+        """Refuse: a program keeps nothing in sight.
+
+        Raises:
+            MessengerFault: Always.
+        """
+        raise MessengerFault("A program keeps no message in sight.")
+
+    async def answer_tap(self, inbound: Inbound, text: str) -> None:
+        """Tell the call for which it was tapped why that is void; an empty text says nothing."""
+        call = self.calls[inbound.message]
+        if text and call is not None:
+            void = Outbound(chat=inbound.chat, text=text, state=AnswerState.NOT_DONE)
+            call.told(inbound.message, void)
+
+    def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:  # noqa: ARG002 - the contract
+        """Refuse: a program sends no files.
+
+        Raises:
+            MessengerFault: Always.
+        """
+        raise MessengerFault("A program sends no files.")
+
+
+async def _received(receive: Receive, inbound: Inbound) -> None:
+    await receive(inbound)

@@ -1,0 +1,182 @@
+"""Orders over REST: like any other, given once, refused in the words of the chat."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import pytest
+
+from rosic.core.policy.roles import SkillPrecondition
+from tests.api.served import problem, served
+from tests.gateway.test_rights import rules
+
+MOVE = {"skill": "move", "arguments": {"distance": 0.1, "direction": "left"}}
+
+
+def move(**besides: Any) -> dict[str, Any]:  # noqa: ANN401 - JSON
+    return MOVE | besides
+
+
+async def test_an_order_is_done_and_its_stages_are_the_robots_own() -> None:
+    async with served() as place:
+        hal = await place.program("operator")
+        answer = await hal.post("/v1/robots/omni/orders", json=move(wait_s=30))
+        order = answer.json()
+        assert answer.status_code == 202
+        assert answer.headers["location"] == f"/v1/orders/{order['id']}"
+        assert (order["state"], order["who"], order["sent"]) == ("done", "Hal", "move, 0.10 m left")
+        assert order["arguments"] == {"direction": "left", "distance": 0.1, "speed": 0.25}
+        stages = [stage["stage"] for stage in order["stages"]]
+        assert stages == ["accepted", "sent", "received", "running"]
+        assert [s["at"] for s in order["stages"]] == sorted(s["at"] for s in order["stages"])
+        assert (await hal.get(answer.headers["location"])).json() == order
+        assert (await hal.get("/v1/orders?robot=omni")).json() == [order]
+        assert (await hal.get("/v1/orders?robot=kuka1")).json() == []
+
+
+async def test_the_same_key_is_the_same_order() -> None:
+    async with served() as place:
+        hal = await place.program("operator")
+        key = {"Idempotency-Key": "tuesday-1"}
+        answers = await asyncio.gather(
+            *(hal.post("/v1/robots/omni/orders", json=move(), headers=key) for _ in range(5))
+        )
+        ids = {answer.json()["id"] for answer in answers}
+        assert len(ids) == 1
+        done = await hal.post("/v1/robots/omni/orders", json=move(wait_s=30), headers=key)
+        assert done.json()["state"] == "done"
+        assert done.json()["id"] in ids
+        assert len((await hal.get("/v1/orders")).json()) == 1
+        other = {"skill": "move", "arguments": {"distance": 0.2}}
+        refused = await hal.post("/v1/robots/omni/orders", json=other, headers=key)
+        assert problem(refused) == (
+            409,
+            "repeated",
+            "That Idempotency-Key stands for another order. Nothing was done.",
+        )
+
+
+async def test_a_key_of_one_caller_is_nothing_to_another() -> None:
+    async with served() as place:
+        hal, sal = await place.program("operator"), await place.program("operator", name="Sal")
+        key = {"Idempotency-Key": "a"}
+        first = await hal.post("/v1/robots/omni/orders", json=move(wait_s=30), headers=key)
+        await hal.post("/v1/chat", json={"text": "/end omni"})
+        second = await sal.post("/v1/robots/kuka1/orders", json={"skill": "home"}, headers=key)
+        assert second.status_code == 202, second.text
+        assert first.json()["id"] != second.json()["id"]
+
+
+@pytest.mark.parametrize(
+    ("robot", "body", "expected"),
+    [
+        (
+            "omni",
+            {"skill": "move", "arguments": {"distance": 50}},
+            (422, "out-of-bounds", "omni: one move may be at most 5 m. Nothing was done."),
+        ),
+        (
+            "omni",
+            {"skill": "move", "arguments": {"distance": "far"}},
+            (422, "not-understood", 'distance: "far" is no such number.'),
+        ),
+        (
+            "omni",
+            {"skill": "move", "arguments": {"distance": 1, "height": 1}},
+            (
+                422,
+                "not-understood",
+                'There is no parameter "height" there. There are: direction, distance, speed.',
+            ),
+        ),
+        ("omni", {"skill": "move"}, (422, "not-understood", "distance has to be said, too.")),
+        (
+            "omni",
+            {"skill": "fly"},
+            (404, "not-found", "There is no such skill there that you may ask for."),
+        ),
+        (
+            "nobody",
+            {"skill": "move"},
+            (404, "not-found", "There is no such robot here, as far as you may see."),
+        ),
+        ("omni", {"skill": 7}, (400, "not-understood", "skill: Expected `str`, got `int`")),
+    ],
+)
+async def test_what_cannot_be_done_is_refused_in_a_sentence(
+    robot: str, body: dict[str, Any], expected: tuple[int, str, str]
+) -> None:
+    async with served() as place:
+        hal = await place.program("operator")
+        for path in (f"/v1/robots/{robot}/orders", f"/v1/robots/{robot}/orders/check"):
+            assert problem(await hal.post(path, json=body)) == expected
+        assert (await hal.get("/v1/orders")).json() == []
+
+
+async def test_whoever_only_looks_orders_nothing() -> None:
+    async with served() as place:
+        eve = await place.program("viewer")
+        for path in ("/v1/robots/omni/orders", "/v1/robots/omni/orders/check"):
+            status, code, _ = problem(await eve.post(path, json=move()))
+            assert (status, code) == (403, "not-permitted")
+
+
+async def test_a_check_says_what_would_be_and_does_nothing() -> None:
+    async with served(rules=rules(SkillPrecondition(scopes=("omni:*",), confirm=True))) as place:
+        hal = await place.program("operator")
+        checked = await hal.post("/v1/robots/omni/orders/check", json=move())
+        assert checked.json() == {
+            "allowed": False,
+            "sent": "move, 0.10 m left",
+            "arguments": {"direction": "left", "distance": 0.1, "speed": 0.25},
+            "needs": ["confirmation"],
+        }
+        assert (await hal.get("/v1/orders")).json() == []
+        assert place.gateway.rooms.organiser.holder("omni") is None
+
+
+async def test_what_a_person_must_confirm_is_begun_once_they_have() -> None:
+    async with served(rules=rules(SkillPrecondition(scopes=("omni:*",), confirm=True))) as place:
+        hal = await place.program("operator")
+        asked = (await hal.post("/v1/robots/omni/orders", json=move())).json()
+        assert asked["state"] == "asked"
+        assert asked["text"].startswith("A person has to confirm that first.")
+        await place.until(lambda: place.chat.told)
+        question = place.chat.told[-1]
+        agree = question.outbound.buttons[0][0]
+        place.chat.tap(agree, under=question.message, account=question.outbound.chat.id)
+        await place.until(lambda: list(place.server.context.feed.newest()))
+        orders = (await hal.get("/v1/orders")).json()
+        done = (await hal.get(f"/v1/orders/{asked['id']}?wait_s=30")).json()
+        assert [order["id"] for order in orders] == [done["id"]]
+        assert done["state"] == "done"
+
+
+async def test_a_stop_is_given_whatever_it_names_and_stays() -> None:
+    async with served() as place:
+        hal = await place.program("operator")
+        going = await hal.post(
+            "/v1/robots/omni/orders", json={"skill": "move", "arguments": {"distance": 5}}
+        )
+        stopped = await hal.post("/v1/stop", json={"robots": ["omni", "nobody"]})
+        assert stopped.json()["at_rest"] is True
+        assert place.gateway.rooms.stops["kuka1"].latched
+        order = (await hal.get(f"/v1/orders/{going.json()['id']}?wait_s=10")).json()
+        assert order["state"] == "cancelled"
+        assert problem(await hal.post("/v1/robots/omni/orders", json=move()))[1] == "robot-stopped"
+
+
+async def test_an_order_is_cancelled_and_nothing_is_latched() -> None:
+    async with served() as place:
+        hal = await place.program("operator")
+        going = await hal.post(
+            "/v1/robots/omni/orders", json={"skill": "move", "arguments": {"distance": 5}}
+        )
+        order = going.json()["id"]
+        await place.until(lambda: place.gateway.rooms.linker.presence("omni").doing)
+        answer = await hal.post(f"/v1/orders/{order}/cancel")
+        assert answer.status_code == 202
+        assert (await hal.get(f"/v1/orders/{order}?wait_s=10")).json()["state"] == "cancelled"
+        again = await hal.post("/v1/robots/omni/orders", json=move(wait_s=30))
+        assert again.json()["state"] == "done"
