@@ -180,3 +180,17 @@ async def test_an_order_is_cancelled_and_nothing_is_latched() -> None:
         assert (await hal.get(f"/v1/orders/{order}?wait_s=10")).json()["state"] == "cancelled"
         again = await hal.post("/v1/robots/omni/orders", json=move(wait_s=30))
         assert again.json()["state"] == "done"
+
+
+async def test_what_others_asked_is_read_by_whoever_may_read_the_history() -> None:
+    async with served() as place:
+        hal, eve = await place.program("operator"), await place.program("viewer", name="Eve")
+        await hal.post("/v1/robots/omni/orders", json=move(wait_s=30))
+        [seen] = (await eve.get("/v1/orders")).json()
+        assert (seen["who"], seen["state"], seen["sent"], seen["arguments"], seen["note"]) == (
+            "Hal",
+            "done",
+            "",
+            {},
+            "",
+        )

@@ -244,9 +244,20 @@ class ApiContext(NamedTuple):
             if entry.robot in visible and robot in {"", entry.robot}:
                 yield entry
 
+    def oversees(self, caller: ApiCaller, robot: RobotId) -> bool:
+        """Whether somebody may read what others ask of a robot."""
+        containers = self.kernel.containers
+        return containers is not None and containers.may_oversee(caller.principal, robot)
+
     def shown(self, entry: OrderEntry, caller: ApiCaller, text: str = "") -> OrderOut:
-        """Return an order as it is shown to somebody."""
+        """Return an order as it is shown to somebody.
+
+        What exactly others have asked, and what was said of it, is shown to whoever may read the
+        history of that robot; that there is an order, whose, and how far it is, to everybody who
+        may see the robot.
+        """
         read = partial(in_language, catalogue=self.languages.of(caller.principal))
+        whole = entry.principal == caller.principal or self.oversees(caller, entry.robot)
         return OrderOut(
             id=entry.id,
             robot=entry.robot,
@@ -255,11 +266,11 @@ class ApiContext(NamedTuple):
             over=entry.is_over,
             who=self.kernel.rooms.authoriser.directory.name(entry.principal),
             n=entry.n,
-            sent=read(entry.words),
-            arguments=entry.arguments,
+            sent=read(entry.words) if whole else "",
+            arguments=entry.arguments if whole else {},
             stages=tuple(StageOut(each.stage, moment(each.at_ns)) for each in entry.stages),
             fraction=entry.fraction,
-            note=read(entry.note),
+            note=read(entry.note) if whole else "",
             code=entry.code,
             ended=moment(entry.ended_ns) if entry.ended_ns else None,
             text=text,

@@ -304,8 +304,8 @@ class LiveControl:
         controls = LiveControls(SampleGate(order.cid, ranges, order.arguments), self._clock)
         units = {parameter.name: parameter.unit for parameter in compiled.numbers}
         if not self._orders:
-            self._executor.watch_orders(self)
-            self._executor.hear_ends(self._look, wanted=True)
+            self._executor.watching.watch_orders(self)
+            self._executor.watching.hear_ends(self._look, wanted=True)
         self._orders[order.cid] = LiveOrder(order, requester, controls, units)
         return self.relay
 
@@ -389,8 +389,8 @@ class LiveControl:
         if not live.ended.done():
             live.ended.set_result(outcome)
         if not self._orders:
-            self._executor.watch_orders(self, wanted=False)
-            self._executor.hear_ends(self._look, wanted=False)
+            self._executor.watching.watch_orders(self, wanted=False)
+            self._executor.watching.hear_ends(self._look, wanted=False)
 
     # ---- what a profile says ----
 

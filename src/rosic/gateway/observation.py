@@ -102,11 +102,11 @@ class RobotObserver:
             current = self._rooms.linker.current(robot)
             if current is not None:
                 self._step(current, TURN, note=UNDER_WAY)
-        self._executor.watch_orders(self)
+        self._executor.watching.watch_orders(self)
 
     def close(self) -> None:
         """Follow nothing any more."""
-        self._executor.watch_orders(self, wanted=False)
+        self._executor.watching.watch_orders(self, wanted=False)
         self.robots.clear()
 
     # ---- what moves ----
