@@ -187,11 +187,15 @@ class Listener:
 
 
 class EventStream:
-    """Everybody who listens, and whoever looks at robots for them."""
+    """Tells everybody who listens, and looks at robots for them.
+
+    Attributes:
+        listeners: Who listens.
+    """
 
     def __init__(self, context: ApiContext, speech: CallerRequests) -> None:
         self._context, self._speech = context, speech
-        self._listeners: set[Listener] = set()
+        self.listeners: set[Listener] = set()
         self._looking: asyncio.Task[None] | None = None
         self._run = f"{context.kernel.machine_clock.wall_ns():x}"
         context.feed.changed.connect(self._order_changed)
@@ -207,14 +211,14 @@ class EventStream:
 
     async def serve(self, connection: WebSocket[Any, Any, Any], caller: ApiCaller) -> None:
         """Serve one connection until either side leaves."""
-        own = sum(other.caller.principal == caller.principal for other in self._listeners)
+        own = sum(other.caller.principal == caller.principal for other in self.listeners)
         await connection.accept()
-        if len(self._listeners) >= LISTENERS_AT_MOST or own >= EACH_AT_MOST:
+        if len(self.listeners) >= LISTENERS_AT_MOST or own >= EACH_AT_MOST:
             await connection.close(SLOW, MANY)
             return
         listener = Listener(caller)
         listener.put("hello", Hello(self._context.me(caller), self._run))
-        self._listeners.add(listener)
+        self.listeners.add(listener)
         self._look_on()
         try:
             async with asyncio.TaskGroup() as group:
@@ -230,7 +234,7 @@ class EventStream:
             with contextlib.suppress(Exception):
                 await connection.close(code, why)
         finally:
-            self._listeners.discard(listener)
+            self.listeners.discard(listener)
 
     async def _hear(
         self,
@@ -296,7 +300,7 @@ class EventStream:
                 listener.put(f"message {message.id}", MessageEvent(message))
 
     def _order_changed(self, entry: OrderEntry) -> None:
-        for listener in self._listeners:
+        for listener in self.listeners:
             if "orders" in listener.topics and entry.robot in self._context.visible(
                 listener.caller
             ):
@@ -304,7 +308,7 @@ class EventStream:
                 listener.put(f"order {entry.id}", OrderEvent(shown))
 
     def _said(self, account: str, message: PageMessage) -> None:
-        for listener in self._listeners:
+        for listener in self.listeners:
             address = listener.caller.address
             if "chat" in listener.topics and (address.platform, address.account) == (PAGE, account):
                 listener.put(f"message {message.id}", MessageEvent(message))
@@ -315,8 +319,8 @@ class EventStream:
 
     async def _look(self) -> None:
         """Look at robots while anybody listens, a few in each step."""
-        while self._listeners:
-            listening = [each for each in self._listeners if "robots" in each.topics]
+        while self.listeners:
+            listening = [each for each in self.listeners if "robots" in each.topics]
             if listening:
                 await self._look_at_all(listening)
             await asyncio.sleep(LOOK_S)

@@ -62,6 +62,7 @@ class ApiServer:
     Attributes:
         context: What the routes work with.
         port: On which it listens.
+        stream: Tells what happens, as it happens.
     """
 
     def __init__(
@@ -83,7 +84,7 @@ class ApiServer:
             kernel, settings, program, page, programs, callers, languages, feed
         )
         self._speech = CallerRequests(self.context)
-        self._stream = EventStream(self.context, self._speech)
+        self.stream = EventStream(self.context, self._speech)
         self.port = settings.listen.port
         self._uvicorn: _Uvicorn | None = None
 
@@ -107,7 +108,7 @@ class ApiServer:
             finally:
                 server.force_exit = True
                 await server.shutdown(sockets=[listener])
-                await self._stream.close()
+                await self.stream.close()
                 await self._speech.close()
 
     def _config(self) -> uvicorn.Config:
@@ -177,7 +178,7 @@ class ApiServer:
         return self.context
 
     def _events(self) -> EventStream:
-        return self._stream
+        return self.stream
 
     def _calls(self) -> CallerRequests:
         return self._speech

@@ -1,0 +1,166 @@
+"""What happens, over a WebSocket: robots, orders, one's own conversation, and stops."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from rosic.api.events import Pong
+from tests.api.served import served
+from tests.pace import pace
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from websockets.asyncio.client import ClientConnection
+
+
+async def told(
+    connection: ClientConnection, event: str, holds: Callable[[dict[str, Any]], object] = bool
+) -> dict[str, Any]:
+    """Return the next event of a kind that is as wanted, whatever else is told before."""
+    async with asyncio.timeout(60 * pace()):
+        while True:
+            found: dict[str, Any] = json.loads(await connection.recv())
+            if found["event"] == event and holds(found):
+                return found
+
+
+async def everything(connection: ClientConnection) -> None:
+    """Take whatever comes until the connection ends."""
+    async with asyncio.timeout(60 * pace()):
+        while True:
+            await connection.recv()
+
+
+async def says(connection: ClientConnection, **message: Any) -> None:  # noqa: ANN401 - JSON
+    await connection.send(json.dumps(message))
+
+
+async def test_whoever_listens_sees_the_robots_and_an_order_come_and_end() -> None:
+    async with served() as place:
+        eve, hal = await place.program("viewer", name="Eve"), await place.program("operator")
+        async with place.listening(eve) as connection:
+            hello = json.loads(await connection.recv())
+            assert (hello["event"], hello["me"]["name"]) == ("hello", "Eve")
+            await says(connection, op="subscribe", topics=["robots", "orders"])
+            seen = {
+                (await told(connection, "robot"))["robot"]["id"]
+                for _ in place.gateway.rooms.profiles
+            }
+            assert seen == set(place.gateway.rooms.profiles)
+            body = {"skill": "move", "arguments": {"distance": 0.3}}
+            placed = (await hal.post("/v1/robots/omni/orders", json=body)).json()
+            moves = await told(connection, "robot", lambda e: e["robot"]["presence"]["doing"])
+            assert (moves["robot"]["id"], moves["robot"]["holder"]) == ("omni", "Hal")
+            ended = await told(connection, "order", lambda e: e["order"]["over"])
+            assert (ended["order"]["id"], ended["order"]["state"]) == (placed["id"], "done")
+
+
+async def test_what_does_not_change_is_not_told_again() -> None:
+    async with served() as place:
+        eve = await place.program("viewer")
+        async with place.listening(eve) as connection:
+            await says(connection, op="subscribe", topics=["robots"])
+            for _ in place.gateway.rooms.profiles:
+                await told(connection, "robot")
+            await says(connection, op="ping", id="1")
+            assert (await told(connection, "pong"))["id"] == "1"
+            await asyncio.sleep(1.0)
+            await says(connection, op="ping", id="2")
+            news = []
+            while (event := json.loads(await connection.recv()))["event"] != "pong":
+                news.append(event)
+            reporting = {r for r, p in place.gateway.rooms.profiles.items() if p.telemetry}
+            assert {event["robot"]["id"] for event in news} <= reporting
+            assert reporting < set(place.gateway.rooms.profiles)
+
+
+async def test_a_person_reads_their_conversation_and_nobody_elses() -> None:
+    async with served() as place:
+        ada, bo = await place.person("Ada"), await place.person("Bo")
+        async with place.listening(ada) as hers, place.listening(bo) as his:
+            for connection in (hers, his):
+                await says(connection, op="subscribe", topics=["chat"])
+            await ada.post("/v1/chat", json={"text": "status omni"})
+            own = await told(hers, "message", lambda e: e["message"]["own"])
+            answer = await told(hers, "message", lambda e: not e["message"]["own"])
+            assert own["message"]["text"] == "status omni"
+            assert answer["message"]["text"].startswith("omni:")
+            await bo.post("/v1/chat", json={"text": "hello"})
+            assert (await told(his, "message"))["message"]["text"] == "hello"
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        '{"op": "stop", "robots": ["omni"], "id": "7"}',
+        '{"op": "stop", "robots": ["nobody"], "id": "7"}',
+        '{"op": "stop", "more": 1, "id": "7"}',
+        '{"op": "stop", "robots": 7}',
+        '{"op": "stop", "robots": [',
+    ],
+)
+async def test_a_stop_is_given_however_badly_it_is_written(message: str) -> None:
+    async with served() as place:
+        hal = await place.program("operator")
+        async with place.listening(hal) as connection:
+            await connection.send(message)
+            stopped = await told(connection, "stop")
+            assert stopped["stop"]["at_rest"] is True
+            assert place.gateway.rooms.stops["omni"].latched
+
+
+@pytest.mark.parametrize(
+    "message", ["", "{}", "[]", '{"op": "dance"}', '{"op": "subscribe"}', "x" * 70_000]
+)
+async def test_what_cannot_be_read_is_answered_and_the_connection_stays(message: str) -> None:
+    async with served() as place:
+        hal = await place.program("operator")
+        async with place.listening(hal) as connection:
+            await connection.send(message)
+            problem = (await told(connection, "problem"))["problem"]
+            assert problem["detail"] == "That is no message of this protocol."
+            await says(connection, op="ping")
+            await told(connection, "pong")
+            assert not any(stop.latched for stop in place.gateway.rooms.stops.values())
+
+
+async def test_nobody_listens_without_a_key() -> None:
+    async with served() as place:
+        with pytest.raises(InvalidStatus) as refused:
+            async with place.listening(place.http):
+                pass
+        assert refused.value.response.status_code == 403
+
+
+async def test_a_session_that_ends_ends_its_connection() -> None:
+    async with served() as place:
+        ada = await place.person("Ada")
+        async with place.listening(ada) as connection:
+            await told(connection, "hello")
+            await ada.delete("/v1/sessions/current")
+            with pytest.raises(ConnectionClosed) as closed:
+                await everything(connection)
+            assert closed.value.rcvd is not None
+            assert closed.value.rcvd.code == 4401
+            assert closed.value.rcvd.reason == "Sign in first: write /signin in your own chat."
+
+
+async def test_whoever_takes_nothing_is_dropped_and_nobody_waits_for_them() -> None:
+    async with served() as place:
+        ada, bo = await place.person("Ada"), await place.person("Bo")
+        async with place.listening(ada) as connection:
+            await told(connection, "hello")
+            [listener] = place.server.stream.listeners
+            for number in range(5_000):  # more than is kept, and nothing of it is taken meanwhile
+                listener.put(f"pong {number}", Pong(str(number)))
+            with pytest.raises(ConnectionClosed) as closed:
+                await everything(connection)
+            assert closed.value.rcvd is not None
+            assert closed.value.rcvd.code == 1013
+        assert (await bo.get("/v1/robots")).status_code == 200
