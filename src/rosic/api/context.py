@@ -94,14 +94,22 @@ class ApiContext(NamedTuple):
         roles = () if person is None else person.roles
         return IdentityOut(caller.principal, caller.name, kind, roles, language)
 
-    async def begin_session(self, fact: Fact) -> None:
+    async def write(self, facts: tuple[Fact, ...]) -> None:
+        """Let facts be so, once they are on disk.
+
+        Raises:
+            RecordUnavailable: They cannot be written down. Nothing changed.
+        """
+        async with self.kernel.changes.turn() as turn:
+            await turn.write(facts)
+
+    async def begin_session(self, *facts: Fact) -> None:
         """Let a session begin; what is over goes.
 
         Raises:
             RecordUnavailable: It cannot be written down, so nobody is signed in by it.
         """
-        async with self.kernel.changes.turn() as turn:
-            await turn.write((fact,))
+        await self.write(facts)
         self.kernel.changes.note(self.kernel.access.page_sessions.due())
 
     async def end_session(self, token: Secret) -> None:

@@ -37,6 +37,8 @@ from rosic.core.identity import PAGE
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from rosic.core.secret import Secret
+
 LISTED_AT_MOST = 200
 Api = NamedDependency[SkipValidation[ApiContext]]
 Speech = NamedDependency[SkipValidation[CallerRequests]]
@@ -170,6 +172,11 @@ async def sign_in(api: Api, data: JSONBody[SignIn]) -> Response[IdentityOut]:
     """Begin a session with a code from one's own chat: write /signin there."""
     token, fact = api.kernel.access.page_sessions.redeem(data.code)
     await api.begin_session(fact)
+    return signed_in(api, token)
+
+
+def signed_in(api: ApiContext, token: Secret) -> Response[IdentityOut]:
+    """Return the answer that signs a browser in."""
     caller = api.callers.known_by(token, by_cookie=True)
     answer = Response(api.me(caller), status_code=HTTP_201_CREATED)
     answer.set_cookie(

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from litestar import Request, Response
     from litestar.connection import ASGIConnection
+    from litestar.handlers import HTTPRouteHandler
 
     from rosic.api.page_messenger import PageMessenger
     from rosic.api.settings import ApiSettings
@@ -148,10 +149,23 @@ class ApiServer:
             ) from error
         return listener
 
+    def _passkeys(self) -> tuple[tuple[HTTPRouteHandler, ...], dict[str, Provide]]:
+        """Return the routes of passkeys, and what they work with; nothing without their library."""
+        try:
+            from rosic.api.passkey_routes import ROUTES as PASSKEYS  # noqa: PLC0415 - an extra
+            from rosic.api.passkeys import PasskeyCeremonies  # noqa: PLC0415 - an extra
+        except ImportError:
+            return (), {}
+        kernel = self.context.kernel
+        ceremonies = PasskeyCeremonies(kernel.access, self._settings, kernel.site.name)
+        return PASSKEYS, {"ceremonies": Provide(lambda: ceremonies, sync_to_thread=False)}
+
     def _application(self) -> Litestar:
+        passkeys, ceremonies = self._passkeys()
         return Litestar(
-            route_handlers=[Router("/v1", route_handlers=[*ROUTES, events])],
+            route_handlers=[Router("/v1", route_handlers=[*ROUTES, *passkeys, events])],
             dependencies={
+                **ceremonies,
                 "api": Provide(self._api, sync_to_thread=False),
                 "stream": Provide(self._events, sync_to_thread=False),
                 "speech": Provide(self._calls, sync_to_thread=False),

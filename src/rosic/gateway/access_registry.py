@@ -20,6 +20,8 @@ from rosic.authoriser.keys import KeyRing
 from rosic.authoriser.locks import AccountLocks
 from rosic.authoriser.page_sessions import KIND as PAGE_SESSION
 from rosic.authoriser.page_sessions import PageSessions
+from rosic.authoriser.passkeys import KIND as PASSKEY
+from rosic.authoriser.passkeys import Passkeys
 from rosic.authoriser.program_keys import KIND as KEY_SECRET
 from rosic.authoriser.program_keys import ProgramKeys
 from rosic.authoriser.security_report import SecurityReports
@@ -94,8 +96,8 @@ class AccessRegistry:
     Attributes:
         changes: Through which every change goes.
         note: Writes down what is so already, and waits for no disk.
-        enrolment, keys, programs, page_sessions, locks, two_factor, misuse, counters, time,
-            security, waiting, access_requests: The books.
+        enrolment, keys, programs, page_sessions, passkeys, locks, two_factor, misuse, counters,
+            time, security, waiting, access_requests: The books.
         calendar: Whose time it is.
         forget_newcomer: Erases what was kept of somebody who was not let in; nothing is kept
             before it is bound.
@@ -115,6 +117,7 @@ class AccessRegistry:
         self.time, self.counters = self.keys.time, self.keys.counters
         self.programs = ProgramKeys(self.keys, authoriser.directory, entropy)
         self.page_sessions = PageSessions(self.time, entropy, self.counters, authoriser.has_access)
+        self.passkeys = Passkeys(self.time, entropy)
         self.changes = Transactions(store, self.time)
         self.note = store.note
         self.locks = AccountLocks(self.time)
@@ -177,6 +180,7 @@ class AccessRegistry:
             "totp": self.two_factor.apply,
             KEY_SECRET: self.programs.apply,
             PAGE_SESSION: self.page_sessions.apply,
+            PASSKEY: self.passkeys.apply,
             WAITING: self.waiting.apply,
             WISH: self.wishes.apply,
             ACCESS_REQUEST: self.access_requests.apply,

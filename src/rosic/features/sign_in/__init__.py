@@ -21,4 +21,5 @@ def setup(kernel: Kernel) -> SignInFeature:
     """Let people sign in on the page."""
     SignInCommands(kernel.access, kernel.shared.page_url.find).register(kernel.commands)
     kernel.erasure.join(records=kernel.access.page_sessions.end_all)
+    kernel.erasure.join(records=kernel.access.passkeys.end_all)
     return SignInFeature()
