@@ -5,6 +5,7 @@ Plain ASGI, so that it holds for whatever is mounted behind it: REST, WebSockets
 
 from __future__ import annotations
 
+import asyncio
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import urlsplit
@@ -12,11 +13,13 @@ from urllib.parse import urlsplit
 import msgspec
 
 from rosic.api.problems import PROBLEM, Problem, problem
+from rosic.api.read_rates import headers_of
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, MutableMapping
     from typing import TypeAlias
 
+    from rosic.api.read_rates import ReadQuota
     from rosic.api.settings import ApiSettings
 
     Scope: TypeAlias = MutableMapping[str, Any]
@@ -32,10 +35,13 @@ SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 SITES: Final = frozenset({"same-origin", "none"})
 LOCAL_NAMES: Final = ("localhost", "127.0.0.1", "::1")
 POLICY_VIOLATION: Final = 1008
+ALLOWANCE: Final = "rosic-allowance"
+"""Under which a request's state holds what its caller may still read."""
 
 WRONG_HOST: Final = "This gateway is not reached by that name."
 WRONG_ORIGIN: Final = "A page of another site may not ask this. Nothing was done."
 NO_ORIGIN: Final = "A browser has to say which page asks. Nothing was done."
+TOO_SLOW: Final = "That came too slowly. Nothing was done."
 TOO_LARGE: Final = "That is more than is taken here. Nothing was done."
 
 CONTENT_POLICY: Final = (
@@ -62,10 +68,12 @@ class AccessChecks:
         app: What is behind.
         settings: By which names we are reached, and whether by TLS.
         cookie: Name of the cookie by which browsers show a session.
+        read_policy: How often a caller may read, as its header says it.
     """
 
-    def __init__(self, app: App, settings: ApiSettings, cookie: str) -> None:
+    def __init__(self, app: App, settings: ApiSettings, cookie: str, read_policy: bytes) -> None:
         self._app, self._cookie = app, cookie.encode()
+        self._read_policy, self._limits = read_policy, settings.limits
         named = urlsplit(settings.url).hostname
         own = (
             (*LOCAL_NAMES, settings.listen.host)
@@ -88,8 +96,10 @@ class AccessChecks:
         if scope["type"] == "websocket":
             await self._app(scope, receive, send)
             return
-        most = FILE_BYTES if scope["path"].startswith(FILES_PATH) else BODY_BYTES
-        await self._app(scope, _bounded(receive, most), self._dressed(send))
+        is_file = scope["path"].startswith(FILES_PATH)
+        most = FILE_BYTES if is_file else BODY_BYTES
+        within_s = self._limits.file_s if is_file else self._limits.body_s
+        await self._app(scope, _bounded(receive, most, within_s), self._dressed(scope, send))
 
     def _refusal(self, scope: Scope, headers: dict[bytes, bytes]) -> Problem | None:
         host = headers.get(b"host", b"").decode("latin-1")
@@ -117,10 +127,12 @@ class AccessChecks:
             return NO_ORIGIN
         return ""
 
-    def _dressed(self, send: Send) -> Send:
+    def _dressed(self, scope: Scope, send: Send) -> Send:
         async def dressed(message: MutableMapping[str, Any]) -> None:
             if message["type"] == "http.response.start":
-                message["headers"] = [*message.get("headers", ()), *self._headers]
+                allowance: ReadQuota | None = scope["state"].get(ALLOWANCE)
+                told = () if allowance is None else headers_of(allowance, self._read_policy)
+                message["headers"] = [*message.get("headers", ()), *self._headers, *told]
             await send(message)
 
         return dressed
@@ -138,13 +150,23 @@ def _hostname(host: str) -> str:
         return ""
 
 
-def _bounded(receive: Receive, most: int) -> Receive:
-    """Return what receives no more than so many bytes: a body need not say how long it is."""
-    got = 0
+def _bounded(receive: Receive, most: int, within_s: float) -> Receive:
+    """Return what receives no more than so many bytes, in no more than so many seconds.
+
+    A body need not say how long it is, and may come a byte at a time.
+    """
+    got, more, until_s = 0, True, asyncio.get_running_loop().time() + within_s
 
     async def bounded() -> MutableMapping[str, Any]:
-        nonlocal got
-        message = await receive()
+        nonlocal got, more
+        if not more:  # what comes now is that the client has left, whenever that is
+            return await receive()
+        try:
+            async with asyncio.timeout_at(until_s):
+                message = await receive()
+        except TimeoutError:
+            raise BodyDeadlineExceeded from None
+        more = bool(message.get("more_body"))
         got += len(message.get("body", b""))
         if got > most:
             raise BodyLimitExceeded
@@ -155,6 +177,10 @@ def _bounded(receive: Receive, most: int) -> Receive:
 
 class BodyLimitExceeded(Exception):
     """A body is longer than is taken; it was not read to its end."""
+
+
+class BodyDeadlineExceeded(Exception):
+    """A body takes longer than is waited for it; it was not read to its end."""
 
 
 async def _refuse(scope: Scope, send: Send, why: Problem, headers: Headers) -> None:

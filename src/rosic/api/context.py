@@ -119,8 +119,11 @@ class ApiContext(NamedTuple):
     # ---- robots ----
 
     def visible(self, caller: ApiCaller) -> frozenset[RobotId]:
-        """Return the robots that somebody may see."""
-        return self.kernel.rooms.organiser.visible(caller.principal)
+        """Return the robots that somebody may see; whoever is locked out sees none."""
+        organiser = self.kernel.rooms.organiser
+        if caller.principal in organiser.locked:
+            return frozenset()
+        return organiser.visible(caller.principal)
 
     def profile(self, caller: ApiCaller, robot: str) -> Profile:
         """Return a robot that somebody may see.

@@ -11,7 +11,7 @@ from litestar.params import FromPath, JSONBody, SkipValidation
 from litestar.status_codes import HTTP_200_OK, HTTP_201_CREATED, HTTP_204_NO_CONTENT
 
 from rosic.api.passkeys import PasskeyCeremonies
-from rosic.api.routes import Api, Who, signed_in
+from rosic.api.routes import OPEN, Api, Who, signed_in
 from rosic.api.schemas import IdentityOut, moment
 from rosic.core.i18n import said
 from rosic.errors import NotFound
@@ -105,6 +105,7 @@ async def remove(api: Api, caller: Who, passkey: FromPath[str]) -> None:
     status_code=HTTP_200_OK,
     summary="Sign in with a passkey: what it takes",
     tags=["sessions"],
+    opt={OPEN: True},
 )
 async def sign_in_options(ceremonies: Ceremonies) -> dict[str, Any]:
     """Return the options of ``navigator.credentials.get``."""
@@ -116,6 +117,7 @@ async def sign_in_options(ceremonies: Ceremonies) -> dict[str, Any]:
     status_code=HTTP_201_CREATED,
     summary="Sign in with a passkey",
     tags=["sessions"],
+    opt={OPEN: True},
 )
 async def sign_in(
     api: Api, ceremonies: Ceremonies, data: JSONBody[CredentialIn]

@@ -40,6 +40,8 @@ if TYPE_CHECKING:
     from rosic.core.secret import Secret
 
 LISTED_AT_MOST = 200
+OPEN = "open"
+"""Said of a route that answers whoever asks; every other one asks first who that is."""
 Api = NamedDependency[SkipValidation[ApiContext]]
 Speech = NamedDependency[SkipValidation[CallerRequests]]
 Stream = NamedDependency[SkipValidation[EventStream]]
@@ -167,7 +169,13 @@ async def conversation(api: Api, caller: Who) -> list[PageMessage]:
     return list(said)
 
 
-@post("/sessions", status_code=HTTP_201_CREATED, summary="Sign in", tags=["sessions"])
+@post(
+    "/sessions",
+    status_code=HTTP_201_CREATED,
+    summary="Sign in",
+    tags=["sessions"],
+    opt={OPEN: True},
+)
 async def sign_in(api: Api, data: JSONBody[SignIn]) -> Response[IdentityOut]:
     """Begin a session with a code from one's own chat: write /signin there."""
     token, fact = api.kernel.access.page_sessions.redeem(data.code)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import logging
+import resource
 import socket
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Final
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final, cast
 
 import uvicorn
 from litestar import Litestar, Router
@@ -15,22 +17,34 @@ from litestar.openapi import OpenAPIConfig
 from litestar.openapi.plugins import JsonRenderPlugin
 
 from rosic import __version__
-from rosic.api.access_checks import TOO_LARGE, AccessChecks, BodyLimitExceeded
+from rosic.api.access_checks import (
+    ALLOWANCE,
+    SAFE,
+    TOO_LARGE,
+    TOO_SLOW,
+    AccessChecks,
+    BodyDeadlineExceeded,
+    BodyLimitExceeded,
+)
 from rosic.api.callers import ApiCaller, CallerDirectory
+from rosic.api.connections import IdleConnections, LimitedHttp, LimitedSocket
 from rosic.api.context import ApiContext
 from rosic.api.events import EventStream
 from rosic.api.order_feed import OrderFeed
 from rosic.api.ordering import CallerRequests, RefusedOrder
 from rosic.api.problems import answer, problem, problem_of
-from rosic.api.routes import ROUTES, events
-from rosic.errors import ConfigurationError, RosicError
+from rosic.api.read_rates import ReadRates, asking_from
+from rosic.api.routes import OPEN, ROUTES, events
+from rosic.errors import ConfigurationError, RosicError, Unrecognised
 
 if TYPE_CHECKING:
+    import asyncio
     from collections.abc import Iterator
+    from typing import TypeAlias
 
     from litestar import Request, Response
     from litestar.connection import ASGIConnection
-    from litestar.handlers import HTTPRouteHandler
+    from litestar.handlers import BaseRouteHandler, HTTPRouteHandler
 
     from rosic.api.page_messenger import PageMessenger
     from rosic.api.settings import ApiSettings
@@ -39,10 +53,12 @@ if TYPE_CHECKING:
     from rosic.gateway.programs import ProgramService
     from rosic.messengers.program.messenger import ProgramMessenger
 
-CONNECTIONS_AT_MOST: Final = 1_000
+    _Request: TypeAlias = ASGIConnection[Any, Any, Any, Any]
+
 CLOSE_WITHIN_S: Final = 1
-KEEP_ALIVE_S: Final = 20
 CALLER: Final = "rosic-caller"
+CHECKS: Final = "/check"
+"""What only looks what an order would come to counts as a read."""
 FAILED: Final = "Something went wrong here. It is not known what was done; please look."
 NOT_HERE: Final = "There is nothing at this address."
 WRONG_METHOD: Final = "That cannot be done at this address."
@@ -64,6 +80,7 @@ class ApiServer:
         context: What the routes work with.
         port: On which it listens.
         stream: Tells what happens, as it happens.
+        app: What answers, behind the checks.
     """
 
     def __init__(
@@ -87,12 +104,19 @@ class ApiServer:
         self._speech = CallerRequests(self.context)
         self.stream = EventStream(self.context, self._speech)
         self.port = settings.listen.port
+        self._rates = ReadRates(kernel.machine_clock, settings.limits.reads)
+        self.app = self._application()
         self._uvicorn: _Uvicorn | None = None
 
     @property
     def listens(self) -> bool:
         """Whether it listens now."""
         return self._uvicorn is not None and self._uvicorn.started
+
+    @property
+    def connections(self) -> int:
+        """How many connections there are now."""
+        return 0 if self._uvicorn is None else len(self._uvicorn.server_state.connections)
 
     async def run(self) -> None:
         """Listen until cancelled.
@@ -113,22 +137,25 @@ class ApiServer:
                 await self._speech.close()
 
     def _config(self) -> uvicorn.Config:
-        settings = self._settings
-        app = AccessChecks(self._application(), settings, self.context.callers.cookie)
+        settings, limits = self._settings, self._settings.limits
+        cookie = self.context.callers.cookie
+        app = AccessChecks(self.app, settings, cookie, self._rates.policy)
+        silent = IdleConnections(limits, _connections_at_most(limits.connections))
         return uvicorn.Config(
             app,
             log_config=None,
+            log_level=logging.ERROR,  # it would name whole addresses, and whatever nonsense comes
             access_log=False,
             interface="asgi3",
             lifespan="off",
-            ws="websockets-sansio",
+            http=cast("type[asyncio.Protocol]", partial(LimitedHttp, silent)),
+            ws=cast("type[asyncio.Protocol]", partial(LimitedSocket, limits)),
             ws_max_size=1 << 20,
-            limit_concurrency=CONNECTIONS_AT_MOST,
             server_header=False,
             date_header=True,
             proxy_headers=bool(settings.proxies),
             forwarded_allow_ips=list(settings.proxies),
-            timeout_keep_alive=KEEP_ALIVE_S,
+            timeout_keep_alive=int(limits.idle_s),
             timeout_graceful_shutdown=CLOSE_WITHIN_S,
             ssl_certfile=settings.certificate or None,
             ssl_keyfile=settings.private_key or None,
@@ -161,21 +188,27 @@ class ApiServer:
         return PASSKEYS, {"ceremonies": Provide(lambda: ceremonies, sync_to_thread=False)}
 
     def _application(self) -> Litestar:
+        def known(request: _Request, handler: BaseRouteHandler) -> None:
+            self._recognise(request, handler)  # a router copies what it is given; no function
+
         passkeys, ceremonies = self._passkeys()
         return Litestar(
-            route_handlers=[Router("/v1", route_handlers=[*ROUTES, *passkeys, events])],
+            route_handlers=[
+                Router("/v1", route_handlers=[*ROUTES, *passkeys, events], guards=[known])
+            ],
             dependencies={
                 **ceremonies,
                 "api": Provide(self._api, sync_to_thread=False),
                 "stream": Provide(self._events, sync_to_thread=False),
                 "speech": Provide(self._calls, sync_to_thread=False),
-                "caller": Provide(self._caller, sync_to_thread=False),
+                "caller": Provide(_caller, sync_to_thread=False),
             },
             exception_handlers={
                 Exception: self._failed,
                 RosicError: self._refused,
                 RefusedOrder: _refused_by_rooms,
                 BodyLimitExceeded: _too_large,
+                BodyDeadlineExceeded: _too_slow,
                 ValidationException: _invalid,
                 HTTPException: _http,
             },
@@ -197,13 +230,31 @@ class ApiServer:
     def _calls(self) -> CallerRequests:
         return self._speech
 
-    def _caller(self, request: ASGIConnection[Any, Any, Any, Any]) -> ApiCaller:
+    def _recognise(self, request: _Request, handler: BaseRouteHandler) -> None:
+        """Let nobody further who is not known, and nobody who reads too often.
+
+        It stands before every route that does not say that it is open, before anything is read.
+        """
+        if handler.opt.get(OPEN):
+            return
         headers = request.headers
-        caller = self.context.callers.identify(
-            headers.get("authorization", ""), headers.get("cookie", "")
-        )
+        try:
+            caller = self.context.callers.identify(
+                headers.get("authorization", ""), headers.get("cookie", "")
+            )
+        except Unrecognised:
+            host = "" if request.client is None else request.client.host
+            self._count(request, asking_from(host))
+            raise
         request.scope["state"][CALLER] = caller
-        return caller
+        if request.scope.get("method", "GET") in SAFE or request.url.path.endswith(CHECKS):
+            self._count(request, caller.principal)
+
+    def _count(self, request: _Request, who: str) -> None:
+        left, refused = self._rates.take(who)
+        request.scope["state"][ALLOWANCE] = left
+        if refused is not None:
+            raise refused
 
     def _refused(self, request: Request[Any, Any, Any], error: RosicError) -> Response[bytes]:
         caller: ApiCaller | None = request.scope["state"].get(CALLER)
@@ -223,6 +274,10 @@ def _too_large(_request: Request[Any, Any, Any], _error: BodyLimitExceeded) -> R
     return answer(problem("too-large", TOO_LARGE, status=413))
 
 
+def _too_slow(_request: Request[Any, Any, Any], _error: BodyDeadlineExceeded) -> Response[bytes]:
+    return answer(problem("too-slow", TOO_SLOW, status=408))
+
+
 def _invalid(_request: Request[Any, Any, Any], error: ValidationException) -> Response[bytes]:
     return answer(problem("not-understood", _what_is_wrong(error), status=400))
 
@@ -237,6 +292,17 @@ def _http(_request: Request[Any, Any, Any], error: HTTPException) -> Response[by
     detail = {404: NOT_HERE, 405: WRONG_METHOD}.get(error.status_code, error.detail)
     code = {404: "not-found", 405: "not-allowed"}.get(error.status_code, "not-understood")
     return answer(problem(code, detail, status=error.status_code))
+
+
+def _connections_at_most(wanted: int) -> int:
+    """Return how many are let in: half of the files that may be open are for everything else."""
+    files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    return min(wanted, files // 2)
+
+
+def _caller(request: ASGIConnection[Any, Any, Any, Any]) -> ApiCaller:
+    caller: ApiCaller = request.scope["state"][CALLER]
+    return caller
 
 
 class _Uvicorn(uvicorn.Server):

@@ -7,6 +7,8 @@ from typing import Final
 
 import msgspec
 
+from rosic.core.rate_limit import RateLimit
+
 LISTEN: Final = "127.0.0.1:8765"
 PORT_MOST: Final = 65_535
 
@@ -44,6 +46,28 @@ def parse_listen(text: str) -> HostPort:
     return HostPort(host, number)
 
 
+class ServingLimits(msgspec.Struct, frozen=True, kw_only=True):
+    """What clients may take of the gateway.
+
+    Attributes:
+        connections: At a time; the oldest that asks nothing gives way to whoever comes.
+        head_s, body_s, file_s: So long the head, the body, the file of a request may take.
+        idle_s: So long a connection may ask nothing more.
+        head_bytes: Of one request.
+        stalled_s: So long a client may take nothing of what it is sent.
+        reads: Of one caller; orders and stops do not count.
+    """
+
+    connections: int = 1_000
+    head_s: float = 10.0
+    body_s: float = 30.0
+    file_s: float = 300.0
+    idle_s: float = 20.0
+    head_bytes: int = 32_768
+    stalled_s: float = 10.0
+    reads: RateLimit = RateLimit(burst=200.0, per_s=20.0)
+
+
 class ApiSettings(msgspec.Struct, frozen=True, kw_only=True):
     """How the API is served.
 
@@ -56,6 +80,7 @@ class ApiSettings(msgspec.Struct, frozen=True, kw_only=True):
             counts.
         without_tls: It was said twice that a public address is served without TLS.
         metrics: Where Prometheus and probes are answered; None: nowhere.
+        limits: What clients may take.
     """
 
     listen: HostPort
@@ -66,6 +91,7 @@ class ApiSettings(msgspec.Struct, frozen=True, kw_only=True):
     proxies: tuple[str, ...] = ()
     without_tls: bool = False
     metrics: HostPort | None = None
+    limits: ServingLimits = ServingLimits()
 
     @property
     def reached_at(self) -> str:

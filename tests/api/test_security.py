@@ -1,0 +1,203 @@
+"""Every route that could change something, asked by whoever must not: refused, whatever it is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from litestar.routes import HTTPRoute, WebSocketRoute
+from websockets.asyncio.client import connect
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from rosic.api.access_checks import SAFE
+from rosic.core.identity import OPERATOR
+from rosic.core.records import Fact
+from rosic.stores.memory import MemoryStore
+from tests.api.served import ServedGateway, problem, served
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import httpx
+
+    from rosic.core.records import Record
+
+NAMES = {"robot": "omni", "order": "00", "person": "x", "file": "x", "request": "x"}
+SIGNS_IN = frozenset(
+    {
+        ("POST", "/v1/sessions"),
+        ("POST", "/v1/sessions/passkey"),
+        ("POST", "/v1/sessions/passkey/options"),
+    }
+)
+"""Whoever signs in shows a code or a passkey instead of a key."""
+SPEAKS = frozenset({("POST", "/v1/chat"), ("DELETE", "/v1/sessions/current")})
+"""Whatever is said passes the rooms, which refuse it in an answer; everybody may sign out."""
+STOPS = frozenset({("POST", "/v1/stop"), ("POST", "/v1/robots/{robot:str}/stop")})
+"""Whoever sees a robot may stop it; what they do not see stays as it is."""
+
+
+def routes(place: ServedGateway) -> Iterator[tuple[str, str]]:
+    """Yield method and path of everything that the application serves."""
+    for route in place.server.app.routes:
+        if isinstance(route, HTTPRoute):
+            yield from ((method, route.path) for method in sorted(route.methods))
+        elif isinstance(route, WebSocketRoute):
+            yield "WS", route.path
+
+
+def unsafe(place: ServedGateway) -> list[tuple[str, str]]:
+    found = [(method, path) for method, path in routes(place) if method not in SAFE | {"WS"}]
+    assert len(found) >= 8
+    return found
+
+
+def filled(path: str) -> str:
+    """Return a path with a name of the demo in place of each parameter."""
+    parts = (part.strip("{}").partition(":")[0] for part in path.split("/"))
+    return "/".join(NAMES.get(part, part) for part in parts)
+
+
+def session(browser: httpx.AsyncClient) -> dict[str, str]:
+    return {"Cookie": "; ".join(f"{k}={v}" for k, v in browser.cookies.items())}
+
+
+async def test_a_page_of_another_site_changes_nothing_with_the_session_of_its_visitor() -> None:
+    store = CountingStore()
+    async with served(store=store) as place:
+        ada = await place.person("Ada")
+        own = session(ada)
+        foreign: dict[str, tuple[dict[str, str], int, str]] = {
+            "no origin": (own, 403, "wrong-origin"),
+            "foreign origin": (own | {"Origin": "http://evil.example"}, 403, "wrong-origin"),
+            "no page at all": (own | {"Origin": "null"}, 403, "wrong-origin"),
+            "other port": (own | {"Origin": "http://127.0.0.1:1"}, 403, "wrong-origin"),
+            "cross-site": (
+                own | {"Origin": place.url, "Sec-Fetch-Site": "cross-site"},
+                403,
+                "wrong-origin",
+            ),
+            "same-site": (
+                own | {"Origin": place.url, "Sec-Fetch-Site": "same-site"},
+                403,
+                "wrong-origin",
+            ),
+            "foreign host": (
+                own | {"Origin": "http://evil.example", "Host": "evil.example"},
+                421,
+                "wrong-host",
+            ),
+            "rebound": (own | {"Host": f"evil.example:{place.server.port}"}, 421, "wrong-host"),
+        }
+        before = store.count
+        for method, path in unsafe(place):
+            for name, (headers, status, code) in foreign.items():
+                answer = await place.http.request(method, filled(path), headers=headers, json={})
+                assert problem(answer)[:2] == (status, code), (name, method, path)
+        assert store.count == before
+        assert not place.gateway.rooms.stops["omni"].latched
+        assert (await ada.get("/v1/me")).status_code == 200
+
+
+async def test_whoever_shows_no_good_key_changes_nothing() -> None:
+    async with served() as place:
+        over = await place.key("admin", name="Over")
+        await revoke(place, over)
+        shown: dict[str, dict[str, str]] = {
+            "no key": {},
+            "an ended key": {"Authorization": f"Bearer {over}"},
+            "a wrong key": {"Authorization": f"Bearer {over}x"},
+            "no kind of key": {"Authorization": over},
+            "a broken key": {"Authorization": "Bearer rosic_"},
+            "an empty session": {"Cookie": "rosic-session=", "Origin": place.url},
+            "a wrong session": {"Cookie": "rosic-session=x", "Origin": place.url},
+        }
+        for method, path in unsafe(place):
+            if (method, path) in SIGNS_IN:
+                continue
+            for name, headers in shown.items():
+                for body in (b"{}", b"{"):
+                    answer = await place.http.request(
+                        method, filled(path), headers=headers, content=body
+                    )
+                    assert problem(answer)[:2] == (401, "unrecognised"), (name, method, path)
+        assert not place.gateway.rooms.stops["omni"].latched
+
+
+async def test_a_key_for_another_robot_changes_nothing_of_this_one() -> None:
+    async with served() as place:
+        secret = await place.key(scopes=("kuka1:read", "kuka1:home"), name="Kay")
+        kay = place.client({"Authorization": f"Bearer {secret}"})
+        bodies: dict[str, Any] = {
+            "orders": {"skill": "move", "arguments": {"distance": 0.1}},
+            "check": {"skill": "move", "arguments": {"distance": 0.1}},
+        }
+        for method, path in unsafe(place):
+            body = bodies.get(path.rpartition("/")[2], {})
+            answer = await kay.request(method, filled(path), json=body)
+            if (method, path) in STOPS | SPEAKS | SIGNS_IN:
+                continue
+            assert 400 <= answer.status_code < 500, (method, path, answer.text)
+        assert not place.gateway.rooms.stops["omni"].latched
+        assert place.gateway.rooms.organiser.holder("omni") is None
+        assert not list(place.server.context.feed.newest())
+        said = await kay.post("/v1/chat", json={"text": "omni move 0.1 m"})
+        assert said.json()["state"] == "not-done"
+
+
+async def test_no_get_changes_anything() -> None:
+    store = CountingStore()
+    async with served(store=store) as place:
+        hal = await place.program("admin")
+        before = store.count
+        seen = 0
+        for method, path in routes(place):
+            if method == "GET":
+                answer = await hal.get(filled(path))
+                assert answer.status_code < 500, (path, answer.text)
+                seen += 1
+        assert seen >= 8
+        assert store.count == before
+
+
+async def test_a_websocket_is_opened_for_nobody_who_must_not() -> None:
+    async with served() as place:
+        ada = await place.person("Ada")
+        own = session(ada)["Cookie"]
+        over = await place.key("admin", name="Over")
+        await revoke(place, over)
+        wrong: dict[str, tuple[dict[str, str], str | None]] = {
+            "no key": ({}, None),
+            "an ended key": ({"Authorization": f"Bearer {over}"}, None),
+            "no origin": ({"Cookie": own}, None),
+            "foreign origin": ({"Cookie": own}, "http://evil.example"),
+            "cross-site": ({"Cookie": own, "Sec-Fetch-Site": "cross-site"}, place.url),
+            "foreign host": ({"Cookie": own, "Host": "evil.example"}, "http://evil.example"),
+        }
+        found = [path for method, path in routes(place) if method == "WS"]
+        assert found
+        for path in found:
+            for name, (headers, origin) in wrong.items():
+                url = place.url.replace("http", "ws", 1) + filled(path)
+                with pytest.raises((InvalidStatus, ConnectionClosed)):
+                    async with connect(url, additional_headers=headers, origin=origin) as opened:  # type: ignore[arg-type]
+                        assert not await opened.recv(), (name, path)
+
+
+async def revoke(place: ServedGateway, secret: str) -> None:
+    access = place.gateway.access
+    key = secret.split("_")[1]
+    await access.changes.take_away(access.keys.revoke(key, OPERATOR).records)
+
+
+class CountingStore(MemoryStore):
+    """Counts what is written, besides what a gateway writes on its own."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.count = 0
+
+    async def write(self, *records: Record) -> None:
+        own = (isinstance(one, Fact) and one.kind in {"tally", "high-water"} for one in records)
+        self.count += len(records) - sum(own)
+        await super().write(*records)
