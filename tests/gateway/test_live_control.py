@@ -9,7 +9,8 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.order import OrderEnding
-from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules, SkillPrecondition
+from rosic.core.policy.roles import DEFAULT_ROLES, Grant, Role, RoleRules, SkillPrecondition
+from rosic.core.records import Fact
 from rosic.core.robot.profile import Busy
 from rosic.core.sample_gate import CONTROLS_SILENT, LIVE_TIME_OVER, SampleVerdict
 from rosic.errors import Expired, NotUnderstood, RobotBusy
@@ -268,11 +269,14 @@ async def test_a_right_that_is_gone_ends_it_and_says_why() -> None:
         assert driven(place) == [0.5, 0.0]
 
 
-def regrant(place: Place, account: str, role: str) -> None:
-    """Give somebody another role; what is under way is not looked at because of it."""
-    policy = place.gateway.authority
-    policy.grants_book.set_roles(person(place, account), (role,))
-    policy.renew(person(place, account))
+def regrant(place: Place, account: str, role: str, *grants: Grant) -> None:
+    """Give somebody other rights; what is under way is not looked at because of it."""
+    policy, who = place.gateway.authority, person(place, account)
+    policy.grants_book.set_roles(who, (role,))
+    for record in policy.grants_book.give(who, grants, ""):
+        if isinstance(record, Fact):
+            policy.grants_book.apply(record)
+    policy.renew(who)
 
 
 async def test_a_clock_of_whoever_steers_that_is_set_forward_ends_it() -> None:
@@ -312,6 +316,30 @@ async def test_our_own_clock_on_the_wall_does_not_matter() -> None:
         await steers.hold(0.2, linear=0.3)
         place.clock.jump_wall(1.5)
         assert all(result.taken for result in await steers.hold(0.2, linear=0.3))
+
+
+async def test_our_own_clock_on_the_wall_that_is_set_back_ends_it() -> None:
+    """Nothing new moves then until somebody has looked: an order whose rights count by it, too."""
+    async with steered() as place:
+        steers = await hand(place)
+        await steers.hold(0.2, linear=0.3)
+        place.clock.jump_wall(-60)
+        assert steers.put(linear=0.3).verdict is OVER
+        assert (await steers.input.ended()).ending is OrderEnding.CANCELLED
+        assert driven(place) == [0.3, 0.0]
+
+
+async def test_a_right_that_ends_by_the_clock_ends_it() -> None:
+    async with steered() as place:
+        ends_ns = place.clock.wall_ns() + 1_000_000_000
+        regrant(place, VI, "viewer", Grant(id="g1", role="operator", expires_ns=ends_ns))
+        steers = await hand(place, VI)
+        results = await steers.hold(2.0, linear=0.3)
+        assert results[10].taken
+        assert results[-1].verdict is OVER
+        outcome = await steers.input.ended()
+        assert outcome.ending is OrderEnding.CANCELLED
+        assert driven(place) == [0.3, 0.0]
 
 
 async def test_two_people_at_once_are_told() -> None:

@@ -9,6 +9,7 @@ and is worked out anew when the policy has moved. Nothing here reaches a robot b
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from msgspec.structs import replace
@@ -27,7 +28,7 @@ from rosic.core.sample_gate import (
     SampleGate,
     is_finite_number,
 )
-from rosic.errors import Expired, NotUnderstood, OutOfBounds, Refusal, RobotBusy
+from rosic.errors import Expired, NotUnderstood, OrderVoid, OutOfBounds, Refusal, RobotBusy
 from rosic.linker.linker import PolicyMoved
 from rosic.linker.robot_queue import not_live
 
@@ -299,10 +300,13 @@ class LiveControl:
 
     def begin(self, order: Order, requester: Requester) -> Dispatch:
         """Know an order that was claimed; it may be opened from now on. Return what relays it."""
-        compiled = self._compiled(order.robot, order.skill.id)
-        ranges = live_ranges(compiled, self._shown(order.robot), ())
+        ranges: tuple[LiveRange, ...] = ()
+        units: dict[str, Unit] = {}
+        with suppress(Refusal):  # said when it is relayed: here, its claim would have no end
+            compiled = self._compiled(order.robot, order.skill.id)
+            ranges = live_ranges(compiled, self._shown(order.robot), ())
+            units = {parameter.name: parameter.unit for parameter in compiled.numbers}
         controls = LiveControls(SampleGate(order.cid, ranges, order.arguments), self._clock)
-        units = {parameter.name: parameter.unit for parameter in compiled.numbers}
         if not self._orders:
             self._executor.watching.watch_orders(self)
             self._executor.watching.hear_ends(self._look, wanted=True)
@@ -316,7 +320,9 @@ class LiveControl:
             PolicyMoved: At once. It is admitted once more.
             OrderVoid: At once or awaited. The robot has not moved.
         """
-        live = self._orders[order.cid]
+        live = self._orders.get(order.cid)
+        if live is None:
+            raise OrderVoid(NOT_BEGUN.note)
         live.relay(order)
         self._confine(live)
         return self._rooms.linker.dispatch(order, tell, live.controls)

@@ -304,13 +304,15 @@ class SimulatedRobot:
     async def execute_live(self, order: Order, tell: Tell, controls: LiveControls) -> Outcome:
         """Carry out one live order."""
         machine, clock = self.machine, self._clock
-        if not self.online or not isinstance(machine, Omni):
-            controls.leave()
-            raise RobotOffline(
-                said("{shown} is not there. Nothing was sent.", shown=self.profile.shown)
-            )
         self._controls = controls
         try:
+            if not self.online:
+                raise RobotOffline(
+                    said("{shown} is not there. Nothing was sent.", shown=self.profile.shown)
+                )
+            if not isinstance(machine, Omni):
+                sentence = said("{robot} is driven by no velocity.", robot=self.profile.shown)
+                return Outcome(OrderEnding.REFUSED, sentence, code="robot-declined")
             end = await controls.begin(self.profile.watchdog_s or machine.watchdog_s)
             if end is not None:
                 return never_steered(end)
