@@ -61,6 +61,7 @@ def check_bounded(gate: SampleGate, asked: dict[str, float], clamped: tuple[str,
         assert one.low <= value <= one.high
         assert abs(value) <= abs(wanted), "never faster than was asked"
         assert value * wanted >= 0, "never the other way"
+        assert isinstance(value, int) == one.integer
         assert (one.name in clamped) == (value != wanted)
 
 
@@ -84,6 +85,7 @@ def test_whatever_comes_only_what_is_young_in_order_and_bounded_steers(
     gate, now_ns, number, last = a_gate(), START_NS, 0, -10
     gate.measure(START_NS + apart_ns, START_NS)  # the clocks are known to be so far apart
     silent_since_ns: int | None = None
+    clamped = 0
     for past_ns, took_ns, step, some, order in arriving:
         now_ns += past_ns
         number += step
@@ -100,12 +102,14 @@ def test_whatever_comes_only_what_is_young_in_order_and_bounded_steers(
             sent_ns = now_ns - took_ns
             silent_since_ns = sent_ns if silent_since_ns is None else max(silent_since_ns, sent_ns)
             check_bounded(gate, some, result.clamped)
+            clamped += bool(result.clamped)
         if order == b"one":
             last = max(last, number) if ended_before is None else last
     assert gate.values["side"] == "left"
     assert gate.values["duration"] == 0.1
     assert sum(gate.counts.values()) == len(arriving)
     assert len(gate.counts) == len(SampleVerdict), "nothing that grows"
+    assert gate.clamped == clamped
 
 
 @given(st.integers(0, 4 * LATE_NS), st.floats(0.05, 2.0))
@@ -209,3 +213,47 @@ def test_of_a_sample_with_one_bad_value_nothing_counts(value: object) -> None:
     result = gate.take(LiveSample(b"one", bad, 0, 2), START_NS)  # type: ignore[arg-type]
     assert result.verdict is SampleVerdict.NO_NUMBER
     assert gate.values["linear"] == 0.5
+
+
+def test_before_any_sample_everything_that_is_steered_is_zero() -> None:
+    gate = SampleGate(b"one", RANGES, {"linear": 0.5, "side": "left"})
+    assert gate.values == {"linear": 0.0, "angular": 0.0, "gear": 0, "side": "left"}
+
+
+@pytest.mark.parametrize(("watchdog_s", "allowed_s"), [(0.2, 0.2), (5.0, LATE_S)])
+def test_the_shorter_of_both_times_counts(watchdog_s: float, allowed_s: float) -> None:
+    allowed_ns = int(allowed_s * SECOND_NS)
+    gate = a_gate(watchdog_s=watchdog_s)
+    gate.measure(0, START_NS)
+    assert gate.take(LiveSample(b"one", {}, -allowed_ns, 1), START_NS).taken, "not a moment less"
+    late = a_gate(watchdog_s=watchdog_s)
+    late.measure(0, START_NS)
+    sample = LiveSample(b"one", {}, -allowed_ns - 1, 1)
+    assert late.take(sample, START_NS).verdict is SampleVerdict.LATE
+    assert gate.look(START_NS) is None
+    assert gate.look(START_NS + 1) is LiveEnd.SILENT
+
+
+def test_a_clock_that_is_asked_once_samples_have_come_tells_nothing() -> None:
+    gate = a_gate()
+    gate.take(LiveSample(b"one", {}, 0, 1), START_NS)
+    gate.measure(10 * LATE_NS, START_NS)
+    assert gate.take(LiveSample(b"one", {}, 0, 2), START_NS).taken
+
+
+def test_a_name_is_said_as_far_as_it_can_be_read() -> None:
+    gate = a_gate()
+    long = gate.take(LiveSample(b"one", {"x" * 9_000: 1.0}, 0, 1), START_NS)
+    assert long.sentence == f"{'x' * 40} cannot be steered."
+    no_number = SampleGate(b"one", (LiveRange("y" * 50, -1, 1),), {})
+    no_number.begin(START_NS, watchdog_s=0.5)
+    said = no_number.take(LiveSample(b"one", {"y" * 50: nan}, 0, 1), START_NS).sentence
+    assert said == f"{'y' * 40} is no finite number."
+
+
+def test_wider_bounds_hold_for_what_was_said_before() -> None:
+    gate = a_gate()
+    gate.confine((LiveRange("linear", -0.2, 0.2), RANGES[1], RANGES[2]))
+    assert gate.take(LiveSample(b"one", {"linear": 0.8}, 0, 1), START_NS).clamped == ("linear",)
+    gate.confine(RANGES)
+    assert gate.values["linear"] == 0.8

@@ -38,7 +38,7 @@ OF_LIVE = (
     Fault(
         name="I2 a clock may be set forward a little, again and again",
         file="core/sample_gate.py",
-        guard="            self._slack_ns -= ahead_ns\n",
+        guard="        self._slack_ns -= ahead_ns\n",
         without="",
         caught_by=(f"{GATE}::test_a_clock_that_runs_ahead_by_more_than_that_steers_nothing",),
     ),

@@ -11,7 +11,8 @@ more than `LATE_S` in all: a clock that is set forward makes nothing young again
 from __future__ import annotations
 
 import enum
-from math import isfinite, trunc
+from math import trunc
+from sys import float_info
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeGuard
 
 from rosic.core.i18n import said
@@ -29,6 +30,9 @@ FIRST_WITHIN_S: Final = 2.0
 """For so long the first sample is waited for, once the robot's turn has come; nothing moves yet."""
 LIVE_MOST_S: Final = 10.0 * MINUTE_S
 """Nobody drives for longer without beginning anew, whatever comes of their controls."""
+
+LARGEST: Final = float_info.max
+NAMED_AT_MOST: Final = 40
 
 CONTROLS_SILENT: Final = "controls-silent"
 """The code of an outcome that ended because nothing came of the controls any more."""
@@ -148,7 +152,7 @@ class SampleGate:
             fixed: Its arguments that no sample changes.
         """
         self.order = order
-        self.values: dict[str, Argument] = {**fixed, **{one.name: 0.0 for one in ranges}}
+        self.values: dict[str, Argument] = {**fixed}
         self.counts = dict.fromkeys(SampleVerdict, 0)
         self.clamped = 0
         self.end: LiveEnd | None = None
@@ -157,6 +161,7 @@ class SampleGate:
         self._sequence: int | None = None
         self._offset_ns: int | None = None
         self._slack_ns = self._late_ns
+        self._asked: Mapping[str, float] = {}
         self.confine(ranges)
 
     def confine(self, ranges: tuple[LiveRange, ...], most_s: float = LIVE_MOST_S) -> None:
@@ -171,9 +176,7 @@ class SampleGate:
         self.ranges = ranges
         self._most_ns = int(min(LIVE_MOST_S, most_s) * SECOND_NS)
         self._by_name = {one.name: one for one in ranges}
-        for one in ranges:
-            value = self.values.get(one.name, 0.0)
-            self.values[one.name] = _within(one, value if isinstance(value, int | float) else 0.0)
+        self._put(self._asked)
 
     def measure(self, theirs_ns: int, asked_ns: int) -> None:
         """Take in what the sender's clock showed when it was asked, before any sample.
@@ -271,21 +274,24 @@ class SampleGate:
         ahead_ns = theirs_ns + self._offset_ns - now_ns
         if ahead_ns > self._slack_ns:
             return None
-        if ahead_ns > 0:  # what told how far the clocks are apart was slower than this
-            self._offset_ns -= ahead_ns
-            self._slack_ns -= ahead_ns
-        return theirs_ns + self._offset_ns
+        if ahead_ns <= 0:
+            return now_ns + ahead_ns
+        self._offset_ns -= ahead_ns  # what told how far the clocks are apart was slower than this
+        self._slack_ns -= ahead_ns
+        return now_ns
 
     def _unfit(self, values: Mapping[str, float]) -> SampleResult | None:
         for name, value in values.items():
             if name not in self._by_name:
-                sentence = said("{name} cannot be steered.", name=str(name)[:40])
+                sentence = said("{name} cannot be steered.", name=str(name)[:NAMED_AT_MOST])
                 return SampleResult(SampleVerdict.UNFIT, (), sentence)
             if not is_finite_number(value):
                 return _no_number(name)
         return None
 
     def _put(self, values: Mapping[str, float]) -> tuple[str, ...]:
+        """Bring values within the ranges, and let them count; return which were changed."""
+        self._asked = values
         clamped: tuple[str, ...] = ()
         for one in self.ranges:
             value = values.get(one.name, 0.0)
@@ -309,12 +315,9 @@ def is_finite_number(value: object) -> TypeGuard[float]:
     """Whether something is a number that can be sent."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
-    try:
-        return isfinite(value)
-    except OverflowError:  # a whole number that no float can hold
-        return False
+    return abs(value) <= LARGEST  # not so of what is no number, nor of what no float can hold
 
 
 def _no_number(name: str) -> SampleResult:
-    sentence = said("{name} is no finite number.", name=name[:40])
+    sentence = said("{name} is no finite number.", name=name[:NAMED_AT_MOST])
     return SampleResult(SampleVerdict.NO_NUMBER, (), sentence)
