@@ -127,3 +127,8 @@ async def hand(place: Place, account: str = ADA) -> Hand:
 def said(place: Place) -> str:
     """Return everything that was told there."""
     return "\n".join(told.outbound.text for told in place.chat.told)
+
+
+def driven(place: Place, name: str = "linear") -> list[float]:
+    """Return what omni was driven with; it is sent zero at the end."""
+    return [float(values.get(name, 0.0)) for values in place.robot("omni").steered]
