@@ -14,7 +14,6 @@ from litestar import Litestar, Router
 from litestar.di import Provide
 from litestar.exceptions import HTTPException, ValidationException
 from litestar.openapi import OpenAPIConfig
-from litestar.openapi.plugins import JsonRenderPlugin
 
 from rosic import __version__
 from rosic.api.access_checks import (
@@ -29,6 +28,7 @@ from rosic.api.access_checks import (
 from rosic.api.callers import ApiCaller, CallerDirectory
 from rosic.api.connections import IdleConnections, LimitedHttp, LimitedSocket
 from rosic.api.context import ApiContext
+from rosic.api.description import DescribedProblems
 from rosic.api.events import EventStream
 from rosic.api.order_feed import OrderFeed
 from rosic.api.ordering import CallerRequests, RefusedOrder
@@ -216,7 +216,7 @@ class ApiServer:
                 title="ROSIC",
                 version=__version__,
                 path="/v1/openapi",
-                render_plugins=[JsonRenderPlugin(path="/openapi.json")],
+                render_plugins=[DescribedProblems("/openapi.json")],
             ),
             logging_config=None,
         )

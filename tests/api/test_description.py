@@ -1,0 +1,94 @@
+"""The API does what its description says, whatever it is sent (schemathesis)."""
+
+from __future__ import annotations
+
+import asyncio
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+import pytest
+import schemathesis
+from hypothesis import HealthCheck, Phase, given, settings
+from schemathesis.checks import not_a_server_error
+from schemathesis.specs.openapi.checks import (
+    content_type_conformance,
+    response_schema_conformance,
+    status_code_conformance,
+)
+
+from rosic.api.settings import ApiSettings, ServingLimits
+from rosic.core.rate_limit import RateLimit
+from tests.api.served import ANYWHERE, served
+from tests.pace import pace
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+CHECKS = [
+    not_a_server_error,
+    status_code_conformance,
+    content_type_conformance,
+    response_schema_conformance,
+]
+OFTEN = ApiSettings(listen=ANYWHERE, limits=ServingLimits(reads=RateLimit(burst=1e6, per_s=1e6)))
+A_FEW, MANY = 5, 300
+SHORT_S, LONG_S = 40.0, 1_800.0
+
+
+def ask(
+    url: str, described: dict[str, Any], headers: Mapping[str, str], examples: int, within_s: float
+) -> list[str]:
+    """Ask every operation with so many generated requests. Return those that were asked."""
+    asked, until_s = [], monotonic() + within_s * pace()
+    for found in schemathesis.openapi.from_dict(described).get_all_operations():
+        operation: Any = found.ok()  # type: ignore[union-attr]
+        if monotonic() > until_s:
+            break
+
+        @settings(
+            max_examples=examples,
+            phases=[Phase.explicit, Phase.generate],
+            derandomize=True,
+            database=None,
+            suppress_health_check=list(HealthCheck),
+        )
+        @given(case=operation.as_strategy())
+        def one(case: Any) -> None:  # noqa: ANN401 - untyped there
+            answer = case.call(base_url=url, headers=dict(headers), timeout=90 * pace())
+            case.validate_response(answer, checks=CHECKS)
+
+        one()
+        asked.append(operation.label)
+    return asked
+
+
+async def run(examples: int, within_s: float) -> None:
+    async with served(OFTEN) as place:
+        hal = await place.program("admin")
+        described = (await hal.get("/v1/openapi/openapi.json")).json()
+        headers = {"Authorization": hal.headers["authorization"]}
+        asked = await asyncio.to_thread(ask, place.url, described, headers, examples, within_s)
+        every = sum(len(path) for path in described["paths"].values())
+        assert len(asked) == every
+
+
+async def test_it_answers_whatever_it_is_sent_as_its_description_says() -> None:
+    await run(A_FEW, SHORT_S)
+
+
+@pytest.mark.campaign
+async def test_it_answers_much_more_as_its_description_says() -> None:
+    await run(MANY, LONG_S)
+
+
+async def test_every_route_says_how_it_refuses() -> None:
+    async with served() as place:
+        described = (await place.http.get("/v1/openapi/openapi.json")).json()
+        assert described["openapi"].startswith("3.1")
+        for path, operations in described["paths"].items():
+            for method, operation in operations.items():
+                refused = {s for s in operation["responses"] if s.startswith(("4", "5"))}
+                assert {"400", "401", "403", "404", "409", "413", "422", "429", "503"} <= refused
+                for status in refused:
+                    content = operation["responses"][status]["content"]
+                    assert list(content) == ["application/problem+json"], (path, method)
