@@ -14,7 +14,14 @@ import sys
 
 import pytest
 
-CROWDED = ("tests/real/", "tests/journeys/", "tests/cli/", "tests/conformance/")
+CROWDED = (
+    "tests/api/",
+    "tests/cli/",
+    "tests/conformance/",
+    "tests/console/",
+    "tests/journeys/",
+    "tests/real/",
+)
 AT_MOST = 5
 """With more than so many it is not the machine."""
 LAST_RESORT_S = 600
