@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import sqlite3
 import stat
 import subprocess
+import sys
 import time
 from contextlib import closing
 from pathlib import Path
@@ -91,6 +93,25 @@ def test_it_ends_by_itself_after_its_time(tmp_path: Path) -> None:
         done = rosic("record", "-c", tmp_path / "rosic.toml", "--for", "2s", file)
         assert done.status == 0
         assert {"/omni/state", "/kuka1/state"} <= read(file.read_bytes()).keys()
+
+
+def test_what_the_page_reads_it_with_reads_it(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs/howto/record-and-replay.md").read_text()
+    [script] = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    with gateway(write_config(tmp_path)) as running:
+        process = recording(tmp_path, tmp_path / "night.mcap")
+        moved(running)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60 * pace())
+    done = subprocess.run(  # noqa: S603 - our own page
+        [sys.executable, "-c", script],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+        env=environment(),
+    )
+    assert '"stage":"done"' in done.stdout
 
 
 def test_a_gateway_that_is_killed_leaves_a_file_that_is_read(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from tests.planted.faults_of_live import OF_LIVE
 from tests.planted.faults_of_orders import OF_ORDERS
 from tests.planted.faults_of_programs import OF_PROGRAMS
 from tests.planted.faults_of_reading import OF_READING
+from tests.planted.faults_of_recording import OF_RECORDING
 from tests.planted.faults_of_scheduling import OF_SCHEDULING
 from tests.planted.faults_of_telling import OF_TELLING
 from tests.planted.messenger_faults import MESSENGER_FAULTS
@@ -44,5 +45,6 @@ ALL = (
     *OF_INTERPRETING,
     *OF_SCHEDULING,
     *OF_PROGRAMS,
+    *OF_RECORDING,
     *MESSENGER_FAULTS,
 )

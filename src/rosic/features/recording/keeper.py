@@ -11,7 +11,7 @@ import hashlib
 import logging
 from contextlib import suppress
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.container.file_types import SORTS
 from rosic.container.files import PART_BYTES, Recorded, parts_of
@@ -22,6 +22,7 @@ from rosic.features.recording import messages as words
 
 if TYPE_CHECKING:
     from rosic.container.files import StoredFile
+    from rosic.contracts.recording import Recorder
     from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.commands import CommandContext
@@ -125,11 +126,8 @@ class RecordingKeeper:
             return None
         try:
             parts = [part async for part in parts_of(self._containers.container_store, file)]
-            content = b"" if self._recorder is None else b"".join(parts)
-            whole = b""
-            if content and self._recorder is not None:
-                whole = await asyncio.to_thread(self._recorder.repair, content)
-            if whole:
+            whole = await asyncio.to_thread(_repaired, self._recorder, parts)
+            if whole.pieces:
                 await self._replace(begun, whole)
                 return self._kept(begun.owner, file)
         except RecordUnavailable:
@@ -138,18 +136,17 @@ class RecordingKeeper:
         await self.drop(file)
         return None
 
-    async def _replace(self, begun: StoredFile, whole: bytes) -> None:
+    async def _replace(self, begun: StoredFile, whole: _Repaired) -> None:
         """Let a repaired file be in place of what was there of it, all at once."""
         files, owner, file = self._containers.files, begun.owner, begun.id
-        pieces = [whole[at : at + PART_BYTES] for at in range(0, len(whole), PART_BYTES)]
-        digest = hashlib.sha256(whole).digest()
+        count = len(whole.pieces)
         async with self._containers.changes.turn() as turn:
             if not files.knows(file):
                 return
             # The parts that are too many go first; a part of the same number is replaced.
-            gone = files.drop(file)[1 + len(pieces) :]
-            kept = (files.part(owner, file, n, piece) for n, piece in enumerate(pieces))
-            finished = files.finish(file, begun.name, MCAP, len(whole), digest, len(pieces))
+            gone = files.drop(file)[1 + count :]
+            kept = (files.part(owner, file, n, piece) for n, piece in enumerate(whole.pieces))
+            finished = files.finish(file, begun.name, MCAP, whole.size, whole.digest, count)
             await turn.write((*gone, *kept, *finished))
 
     async def restore(self) -> None:
@@ -174,3 +171,18 @@ class RecordingKeeper:
 
     def _kept(self, owner: PrincipalId, file: str) -> StoredFile | None:
         return next((one for one in self._containers.files.of(owner) if one.id == file), None)
+
+
+class _Repaired(NamedTuple):
+    """A whole file in pieces; none: nothing could be read."""
+
+    pieces: tuple[bytes, ...]
+    size: int
+    digest: bytes
+
+
+def _repaired(recorder: Recorder | None, parts: list[bytes]) -> _Repaired:
+    """Make a whole file of parts; on a thread, as it may be large."""
+    whole = b"" if recorder is None or not parts else recorder.repair(b"".join(parts))
+    pieces = tuple(whole[at : at + PART_BYTES] for at in range(0, len(whole), PART_BYTES))
+    return _Repaired(pieces, len(whole), hashlib.sha256(whole).digest())
