@@ -20,6 +20,7 @@ from rosic.config.plugins import robot_factory
 from rosic.config.profiles import known_units
 from rosic.core.identity import OPERATOR, Address
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
+from rosic.foxglove.recorder import recorder
 from rosic.messengers.memory import MemoryMessenger
 from rosic.rendering.renderer import renderer
 from rosic.stores.memory import MemoryStore
@@ -139,6 +140,7 @@ async def served(
         units=known_units(),
         face=face_of(),
         renderer=renderer(),
+        recorder=recorder(),
     )
     book = rules or RoleRules(roles=DEFAULT_ROLES)
     robots = profiles or tuple(fleet())

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 BODY_BYTES: Final = 262_144
 FILE_BYTES: Final = 25_000_000
 FILES_PATH: Final = "/v1/files"
+KEYED_PATHS: Final = frozenset({"/foxglove"})
+"""What shows and changes nothing, to programs that can show a key in an address alone."""
 SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 SITES: Final = frozenset({"same-origin", "none"})
 LOCAL_NAMES: Final = ("localhost", "127.0.0.1", "::1")
@@ -106,6 +108,7 @@ class AccessChecks:
         if _hostname(host) not in self._hosts:
             return problem("wrong-host", WRONG_HOST, status=HTTPStatus.MISDIRECTED_REQUEST)
         safe = scope["type"] == "http" and scope["method"] in SAFE
+        safe = safe or _is_keyed(scope)
         if not safe and (why := self._foreign(headers, host)):
             return problem("wrong-origin", why, status=HTTPStatus.FORBIDDEN)
         length = headers.get(b"content-length", b"0")
@@ -141,6 +144,18 @@ class AccessChecks:
 _READ: Final = frozenset(
     {b"host", b"origin", b"sec-fetch-site", b"cookie", b"authorization", b"content-length"}
 )
+
+
+def _is_keyed(scope: Scope) -> bool:
+    """Whether the address itself holds the key that counts, and no cookie does: whatever page asks.
+
+    No page has such a key by itself, as it has a cookie.
+    """
+    if scope["type"] != "websocket" or scope["path"] not in KEYED_PATHS:
+        return False
+    return any(
+        part.startswith(b"key=") and part != b"key=" for part in scope["query_string"].split(b"&")
+    )
 
 
 def _hostname(host: str) -> str:

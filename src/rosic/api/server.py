@@ -30,6 +30,7 @@ from rosic.api.connections import IdleConnections, LimitedHttp, LimitedSocket
 from rosic.api.context import ApiContext
 from rosic.api.description import DescribedProblems
 from rosic.api.events import EventStream
+from rosic.api.foxglove import FoxgloveConnections, foxglove
 from rosic.api.order_feed import OrderFeed
 from rosic.api.ordering import CallerRequests, RefusedOrder
 from rosic.api.problems import answer, problem, problem_of
@@ -103,6 +104,7 @@ class ApiServer:
         )
         self._speech = CallerRequests(self.context)
         self.stream = EventStream(self.context, self._speech)
+        self._connections = FoxgloveConnections(self.context)
         self.port = settings.listen.port
         self._rates = ReadRates(kernel.machine_clock, settings.limits.reads)
         self.app = self._application()
@@ -194,7 +196,8 @@ class ApiServer:
         passkeys, ceremonies = self._passkeys()
         return Litestar(
             route_handlers=[
-                Router("/v1", route_handlers=[*ROUTES, *passkeys, events], guards=[known])
+                Router("/v1", route_handlers=[*ROUTES, *passkeys, events], guards=[known]),
+                foxglove,
             ],
             dependencies={
                 **ceremonies,
@@ -202,6 +205,7 @@ class ApiServer:
                 "stream": Provide(self._events, sync_to_thread=False),
                 "speech": Provide(self._calls, sync_to_thread=False),
                 "caller": Provide(_caller, sync_to_thread=False),
+                "connections": Provide(self._foxglove, sync_to_thread=False),
             },
             exception_handlers={
                 Exception: self._failed,
@@ -226,6 +230,9 @@ class ApiServer:
 
     def _events(self) -> EventStream:
         return self.stream
+
+    def _foxglove(self) -> FoxgloveConnections:
+        return self._connections
 
     def _calls(self) -> CallerRequests:
         return self._speech

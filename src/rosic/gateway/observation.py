@@ -35,7 +35,9 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.core.robot.view import Content, View, ViewKind
     from rosic.gateway.components import Components
+    from rosic.gateway.container_context import ContainerContext
     from rosic.gateway.order_execution import OrderExecutor
+    from rosic.organiser.organiser import Organiser
 
 UNDER_WAY: Final = "it was under way already"
 FRAME_BYTES: Final = 300_000
@@ -58,6 +60,20 @@ class ObservationRights(NamedTuple):
     principal: PrincipalId
     sees: Callable[[RobotId], bool]
     oversees: Callable[[RobotId], bool]
+
+
+def observation_rights(
+    organiser: Organiser, containers: ContainerContext | None, principal: PrincipalId
+) -> ObservationRights:
+    """Return what somebody may see."""
+
+    def sees(robot: RobotId) -> bool:
+        return principal not in organiser.locked and robot in organiser.visible(principal)
+
+    def oversees(robot: RobotId) -> bool:
+        return containers is not None and containers.may_oversee(principal, robot)
+
+    return ObservationRights(principal, sees, oversees)
 
 
 class RobotObserver:
@@ -102,11 +118,11 @@ class RobotObserver:
             current = self._rooms.linker.current(robot)
             if current is not None:
                 self._step(current, TURN, note=UNDER_WAY)
-        self._executor.watching.watch_orders(self)
+        self._executor.watching.observe(self)
 
     def close(self) -> None:
         """Follow nothing any more."""
-        self._executor.watching.watch_orders(self, wanted=False)
+        self._executor.watching.observe(self, wanted=False)
         self.robots.clear()
 
     # ---- what moves ----
@@ -155,10 +171,6 @@ class RobotObserver:
     def accepted(self, order: Order) -> None:
         """Hear that an order is decided and on disk."""
         self._step(order, OrderStage.ACCEPTED.value)
-
-    def began(self, order: Order) -> None:
-        """Hear that an order is handed to its robot now."""
-        self._step(order, TURN)
 
     def reported(self, order: Order, report: StageReport) -> None:
         """Hear how far an order is, by what was sent and by what the robot's side says."""

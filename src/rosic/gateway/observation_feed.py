@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.robot.observation import PresenceObservation, ViewObservation
 from rosic.core.robot.view import ViewKind
+from rosic.core.time_units import SECOND_NS
 from rosic.gateway.scheduling import go_round
 
 if TYPE_CHECKING:
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
 LOOK_EVERY_S: Final = 0.1
 SHOW_EVERY_S: Final = {ViewKind.MAP: 2.0, ViewKind.PICTURE: 0.2}
 STEPS_AT_MOST: Final = 1_000
-HEARD_AT_MOST: Final = 100
-"""Frames of the other end that wait; whoever sends more before they are read has gone wrong."""
+HEARD_AT_MOST: Final = 500
+"""Frames of the other end in a second; whoever sends more has gone wrong."""
 
 
 class ObservationFeed:
@@ -48,6 +49,7 @@ class ObservationFeed:
         self._newest: dict[tuple[str, RobotId], Observation] = {}
         self._steps: deque[Observation] = deque(maxlen=STEPS_AT_MOST)
         self._heard: deque[Frame] = deque()
+        self._since_ns = self._count = 0
         self._shows: dict[tuple[RobotId, ViewKind], asyncio.Task[None]] = {}
         self._news = asyncio.Event()
 
@@ -63,7 +65,11 @@ class ObservationFeed:
 
     def hear(self, frame: Frame) -> None:
         """Take in what the other end says."""
-        if len(self._heard) >= HEARD_AT_MOST:
+        now_ns = self._clock.monotonic_ns()
+        if now_ns - self._since_ns >= SECOND_NS:
+            self._since_ns, self._count = now_ns, 0
+        self._count += 1
+        if self._count > HEARD_AT_MOST:
             self.overflowed = True
         else:
             self._heard.append(frame)

@@ -65,9 +65,10 @@ class OrderWatcherRegistry:
         others = tuple(other for other in self.watchers if other is not watcher)
         self.watchers = (*others, watcher) if wanted else others
 
-    def observe(self, observer: OrderObserver) -> None:
-        """Let somebody hear of every step of every order from now on."""
-        self.observers = (*self.observers, observer)
+    def observe(self, observer: OrderObserver, *, wanted: bool = True) -> None:
+        """Let somebody hear of every step of every order from now on; not wanted: no more."""
+        others = tuple(other for other in self.observers if other is not observer)
+        self.observers = (*others, observer) if wanted else others
 
     def hear_ends(self, hear: Callable[[RobotId], None], *, wanted: bool) -> None:
         """Call somebody with the robot whenever an order has ended; not wanted: no more."""

@@ -106,8 +106,8 @@ async def test_what_is_recorded_is_what_the_robot_did(graph: RosGraph, tmp_path:
     speed_m_s = (underway[-1][1] - underway[0][1]) / (underway[-1][0] - underway[0][0]) * 1e9
     assert speed_m_s == pytest.approx(SPEED_M_S, rel=0.15)
     steps = {one["stage"]: one for one in found["/omni/orders"]}
-    assert _ns(steps["turn"]) < underway[0][0] < underway[-1][0] < _ns(steps["done"])
-    assert steps["turn"]["arguments"]["distance"] == 1.0
+    assert _ns(steps["sent"]) < underway[0][0] < underway[-1][0] < _ns(steps["done"])
+    assert steps["sent"]["arguments"]["distance"] == 1.0
     assert any(not one.get("at_rest", True) for one in found["/omni/state"])
     assert found["/omni/state"][-1]["at_rest"]
 

@@ -15,7 +15,7 @@ from rosic.core.robot.profile import Presence, Profile, RobotId
 from rosic.core.robot.view import Drawing, OccupancyMap, ViewKind
 
 TURN: Final = "turn"
-"""The stage of an order that is handed to its robot now; the others are those of `OrderStage`."""
+"""The stage of an order that was under way when somebody began to look; else see `OrderStage`."""
 
 
 class OrderObservation(msgspec.Struct, frozen=True, kw_only=True):

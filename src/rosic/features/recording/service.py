@@ -13,7 +13,7 @@ from rosic.core.robot.observation import NoticeObservation, recorded_robot
 from rosic.core.robot.view import ViewKind
 from rosic.errors import NotPermitted, RecordUnavailable, TooManyRequests
 from rosic.features.recording import messages as words
-from rosic.gateway.observation import ObservationRights, RobotObserver
+from rosic.gateway.observation import ObservationRights, RobotObserver, observation_rights
 from rosic.gateway.scheduling import go_round, sleep_or_wake
 
 if TYPE_CHECKING:
@@ -190,15 +190,8 @@ class RecordingService:
         """Return what somebody may see; whoever owns the machine sees everything."""
         if principal == OPERATOR:
             return ObservationRights(OPERATOR, lambda _robot: True, lambda _robot: True)
-        organiser, containers = self._kernel.rooms.organiser, self._kernel.containers
-
-        def sees(robot: RobotId) -> bool:
-            return principal not in organiser.locked and robot in organiser.visible(principal)
-
-        def oversees(robot: RobotId) -> bool:
-            return containers is not None and containers.may_oversee(principal, robot)
-
-        return ObservationRights(principal, sees, oversees)
+        kernel = self._kernel
+        return observation_rights(kernel.rooms.organiser, kernel.containers, principal)
 
     def begin(
         self, principal: PrincipalId, robots: Sequence[RobotId], write: WritePart, most_bytes: int
