@@ -32,6 +32,7 @@ class Need(NamedTuple):
 
 
 NEEDS: Final = (
+    Need("chromium", "chromium", "the page in a browser"),
     Need("gcc", "gcc", "ROS 2 interfaces, and tests under another date"),
     Need("g++", "g++", "ROS 2 interfaces"),
     Need("zsh", "zsh", "completion in zsh"),

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from websockets.asyncio.client import ClientConnection
 
     from rosic.api.server import ApiServer
+    from rosic.contracts.adapter import RobotFactory
     from rosic.contracts.store import Store
     from rosic.core.robot.profile import Profile
 
@@ -121,6 +122,7 @@ async def served(
     rules: RoleRules | None = None,
     profiles: tuple[Profile, ...] = (),
     store: Store | None = None,
+    robots_of: Callable[[str], RobotFactory] = robot_factory,
 ) -> AsyncIterator[ServedGateway]:
     """Yield a gateway whose API listens, until the test is over."""
     clock = SystemClock()
@@ -132,7 +134,7 @@ async def served(
     )
     parts = GatewayParts(
         messengers=(chat, *api.messengers),
-        robot_factory=robot_factory,
+        robot_factory=robots_of,
         store=store or MemoryStore(),
         latch=MemoryLatch(),
         clock=clock,

@@ -65,6 +65,7 @@ FOREIGN_NAMES = (
     ),
     re.compile(r"[\"']Authorization[\"']|\bAuthorization:|[\"']Unauthorized[\"']|</?center>"),
     re.compile(r"\bauthorization[\"']|\bHTTPStatus\.UNAUTHORIZED\b"),  # of HTTP
+    re.compile(r"\bcolor-scheme\b|\bprefers-color-scheme\b"),  # of browsers
     re.compile(r"\binitializer="),
     re.compile(r"\.initialize\(\)|[\"']initialize[\"']"),  # of MCP
     re.compile(r"\bcreate_initialization_options\b"),  # of its library

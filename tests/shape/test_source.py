@@ -72,7 +72,8 @@ def published() -> dict[str, str]:
         path: text
         for path, text in texts().items()
         if (path.startswith(PUBLISHED) or ("/" not in path and path.endswith(".md")))
-        and not path.endswith(("/LICENSE", "/lexicon.toml"))  # somebody else's words
+        and not path.endswith(("/LICENSE", "/lexicon.toml", ".css"))  # somebody else's words
+        and "/console/static/vendor/" not in path
     }
 
 

@@ -10,11 +10,13 @@ import asyncio
 import contextlib
 import logging
 from collections import OrderedDict
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
 import msgspec
 from litestar.exceptions import WebSocketDisconnect
 
+from rosic.api.jog import Jog, JogControl, JogEvent, JogSessions
 from rosic.api.page_messenger import PageMessage
 from rosic.api.problems import Problem, problem, problem_of
 from rosic.api.schemas import IdentityOut, Name, OrderOut, RobotOut, StopIn, StopOut
@@ -45,6 +47,8 @@ MESSAGE_BYTES: Final = 65_536
 ENDED: Final = 4401
 SLOW: Final = 1013
 BAD: Final = 1008
+ABILITIES: Final = ("jog",)
+"""For a page that may be older or newer than this gateway."""
 MANY: Final = "Too many connections listen already. Close one first."
 NOT_READ: Final = "That is no message of this protocol."
 TOO_SLOW: Final = "You take too little of what happens, so you are told nothing more. Come again."
@@ -80,7 +84,7 @@ class Ping(msgspec.Struct, frozen=True, tag="ping", tag_field="op"):
     id: str = ""
 
 
-Said: TypeAlias = Subscribe | StopRequest | Ping
+Said: TypeAlias = Subscribe | StopRequest | Ping | Jog
 _read: Callable[[str], Said] = msgspec.json.Decoder(Said).decode
 
 
@@ -92,10 +96,12 @@ class Hello(msgspec.Struct, frozen=True, tag="hello", tag_field="event"):
 
     Attributes:
         run: Another one after the gateway was restarted.
+        abilities: What may be said here besides.
     """
 
     me: IdentityOut
     run: str
+    abilities: tuple[str, ...] = ABILITIES
 
 
 class RobotEvent(msgspec.Struct, frozen=True, tag="robot", tag_field="event"):
@@ -142,7 +148,17 @@ class ProblemEvent(msgspec.Struct, frozen=True, tag="problem", tag_field="event"
     id: str = ""
 
 
-Event = Hello | RobotEvent | RobotGone | OrderEvent | MessageEvent | StopEvent | Pong | ProblemEvent
+Event = (
+    Hello
+    | RobotEvent
+    | RobotGone
+    | OrderEvent
+    | MessageEvent
+    | StopEvent
+    | Pong
+    | JogEvent
+    | ProblemEvent
+)
 _encode = msgspec.json.Encoder().encode
 
 
@@ -197,6 +213,7 @@ class EventStream:
         self._context, self._speech = context, speech
         self.listeners: set[Listener] = set()
         self._looking: asyncio.Task[None] | None = None
+        self._jog = JogControl(context)
         self._run = f"{context.kernel.machine_clock.wall_ns():x}"
         context.feed.changed.connect(self._order_changed)
         context.page.news.connect(self._said)
@@ -224,9 +241,11 @@ class EventStream:
             async with asyncio.TaskGroup() as group:
                 telling = group.create_task(self._tell(connection, listener))
                 checking = group.create_task(self._check(listener))
+                jogs = JogSessions(self._jog, caller, partial(_tell_of_jog, listener), group)
                 try:
-                    await self._hear(connection, listener, group)
+                    await self._hear(connection, listener, group, jogs)
                 finally:
+                    jogs.close()
                     telling.cancel()
                     checking.cancel()
         except* _Left as left:
@@ -241,13 +260,17 @@ class EventStream:
         connection: WebSocket[Any, Any, Any],
         listener: Listener,
         group: asyncio.TaskGroup,
+        jogs: JogSessions,
     ) -> None:
         with contextlib.suppress(WebSocketDisconnect):
             async for text in connection.iter_data("text"):
-                self._heard(text, listener, group)
+                heard = _said_in(text)
+                if isinstance(heard, Jog):
+                    jogs.take(heard)
+                else:
+                    self._heard(heard, listener, group)
 
-    def _heard(self, text: str, listener: Listener, group: asyncio.TaskGroup) -> None:
-        heard = _said_in(text)
+    def _heard(self, heard: Said | None, listener: Listener, group: asyncio.TaskGroup) -> None:
         if isinstance(heard, StopRequest):
             group.create_task(self._stop(listener, heard))
         elif isinstance(heard, Subscribe):
@@ -357,6 +380,10 @@ def _said_in(text: str) -> Said | None:
     except (msgspec.MsgspecError, UnicodeError):
         pass
     return StopRequest() if '"stop"' in text[:MESSAGE_BYTES] else None
+
+
+def _tell_of_jog(listener: Listener, event: JogEvent) -> None:
+    listener.put(f"jog {event.robot}", event)
 
 
 def _tell_of(listener: Listener, shown: RobotOut) -> None:

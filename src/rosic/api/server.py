@@ -40,13 +40,14 @@ from rosic.errors import ConfigurationError, RosicError, Unrecognised
 
 if TYPE_CHECKING:
     import asyncio
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from typing import TypeAlias
 
     from litestar import Request, Response
     from litestar.connection import ASGIConnection
     from litestar.handlers import BaseRouteHandler, HTTPRouteHandler
 
+    from rosic.api.access_checks import App
     from rosic.api.page_messenger import PageMessenger
     from rosic.api.settings import ApiSettings
     from rosic.gateway.delivery.translation import ChatLanguages
@@ -76,6 +77,7 @@ class ApiServer:
         messengers: By which programs and people on the page speak; the gateway listens to them.
         programs: What a caller may see and ask for.
         languages: In which somebody is told things.
+        pages: Puts the files of the page before the API; None: there is no page.
 
     Attributes:
         context: What the routes work with.
@@ -91,8 +93,9 @@ class ApiServer:
         messengers: tuple[ProgramMessenger, PageMessenger],
         programs: ProgramService,
         languages: ChatLanguages,
+        pages: Callable[[App], App] | None = None,
     ) -> None:
-        self._settings = settings
+        self._settings, self._pages = settings, pages
         feed = OrderFeed(kernel.machine_clock)
         kernel.pipeline.executor.watching.observe(feed)
         callers = CallerDirectory(
@@ -141,7 +144,10 @@ class ApiServer:
     def _config(self) -> uvicorn.Config:
         settings, limits = self._settings, self._settings.limits
         cookie = self.context.callers.cookie
-        app = AccessChecks(self.app, settings, cookie, self._rates.policy)
+        served: App = self.app
+        if self._pages is not None:
+            served = self._pages(served)
+        app = AccessChecks(served, settings, cookie, self._rates.policy)
         silent = IdleConnections(limits, _connections_at_most(limits.connections))
         return uvicorn.Config(
             app,

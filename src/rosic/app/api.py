@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
+from rosic.config.plugins import LANGUAGES, catalogue
+from rosic.console.pages import ConsolePages
 from rosic.errors import ConfigurationError, how_to_install
 from rosic.gateway.programs import ProgramService
 
@@ -52,4 +55,8 @@ class GatewayApi:
         gateway.kernel.shared.page_url.provide(self._settings.reached_at)
         programs = ProgramService(gateway.rooms, gateway.access.programs)
         messengers = (self._program, self._page)
-        return self._server(gateway.kernel, self._settings, messengers, programs, gateway.languages)
+        languages = {code: found for code in LANGUAGES if (found := catalogue(code)) is not None}
+        pages = partial(ConsolePages, catalogues=languages)
+        return self._server(
+            gateway.kernel, self._settings, messengers, programs, gateway.languages, pages
+        )

@@ -7,7 +7,9 @@ import logging
 import sys
 from typing import TYPE_CHECKING, Any
 
+from rosic.api.settings import LISTEN, ApiSettings, parse_listen
 from rosic.app.admin.dispatch import AdminDispatcher
+from rosic.app.api import GatewayApi
 from rosic.app.closing import close_in_time, console_of, mind_console, on_signals, read_at
 from rosic.app.features import command_table
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
@@ -26,7 +28,9 @@ from rosic.stores.memory import MemoryStore
 from rosic.stores.stop_latch import MemoryLatch
 
 if TYPE_CHECKING:
+    from rosic.api.server import ApiServer
     from rosic.contracts.clock import Clock, Entropy
+    from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import Profile
 
 FLEET = ("kuka1", "omni", "yumi", "cf1", "cf2", "cf3")
@@ -46,6 +50,7 @@ GREETING = said(
     "Tab completes; Ctrl-C brings all to rest; Ctrl-D leaves."
 )
 
+PAGE = said("The page is at {url}\nThe code in it is good for 5 minutes, once.")
 LATE = said("Still under way after {seconds:.0f} s; going on.")
 AT_THE_END = said("At the end:")
 LEFT = said("Left. Nothing was kept. For real robots: rosic init, then rosic run")
@@ -85,7 +90,9 @@ class DemoScript:
             self._messenger.show(read_at(self._messenger, self._gateway, late))
 
 
-async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: int) -> int:
+async def demonstrate(
+    clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: int, console: bool = False
+) -> int:
     """Run the demonstration until input ends or somebody leaves. Return the exit status.
 
     With a script instead of a person, each line's orders end before the next line is read, and
@@ -94,7 +101,8 @@ async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: 
     profiles = fleet()
     messenger = TerminalMessenger(clock=clock, plain=plain, locale=own_locale())
     messenger.know(profiles, command_table())
-    gateway = gateway_of(profiles, messenger, clock, entropy)
+    api = GatewayApi(ApiSettings(listen=parse_listen(LISTEN)), clock) if console else None
+    gateway = gateway_of(profiles, messenger, clock, entropy, api)
     await gateway.open()
     script = None if is_terminal(sys.stdin) else DemoScript(gateway, messenger, clock)
     if script is not None:
@@ -107,7 +115,12 @@ async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: 
         took_s = (clock.monotonic_ns() - begun_ns) / 1e9
         greeting = filled(GREETING, took_s=took_s, fleet=", ".join(FLEET))
         messenger.show(in_language(greeting, of_locale(messenger.locale)))
-        await _until_over(gateway, messenger, script)
+        server = None if api is None else api.server_of(gateway)
+        if server is not None:
+            code = gateway.access.page_sessions.offer(_whoever_sits_here(gateway))
+            page = filled(PAGE, url=f"{server.context.settings.reached_at}/#code={code.reveal()}")
+            messenger.show(in_language(page, of_locale(messenger.locale)))
+        await _until_over(gateway, messenger, script, server)
         await _take_leave(gateway, messenger, script=script is not None)
     finally:
         await close_in_time(gateway, CLOSE_WITHIN_S)
@@ -127,14 +140,22 @@ def fleet() -> list[Profile]:
     return profiles
 
 
+def _whoever_sits_here(gateway: Gateway) -> PrincipalId:
+    return next(each.id for each in gateway.rooms.authoriser.directory.people() if each.name == YOU)
+
+
 def gateway_of(
-    profiles: list[Profile], messenger: TerminalMessenger, clock: Clock, entropy: Entropy
+    profiles: list[Profile],
+    messenger: TerminalMessenger,
+    clock: Clock,
+    entropy: Entropy,
+    api: GatewayApi | None = None,
 ) -> Gateway:
     """Make the gateway. Its one person may do everything, and is whoever started it."""
     address = Address(messenger.platform, messenger.account)
     you = ConfiguredPerson(name=YOU, addresses=(address,), roles=("admin",))
     parts = GatewayParts(
-        messengers=(messenger,),
+        messengers=(messenger, *(api.messengers if api is not None else ())),
         robot_factory=robot_factory,
         store=MemoryStore(),
         latch=MemoryLatch(),
@@ -165,7 +186,10 @@ async def _take_leave(gateway: Gateway, messenger: TerminalMessenger, *, script:
 
 
 async def _until_over(
-    gateway: Gateway, messenger: TerminalMessenger, script: DemoScript | None
+    gateway: Gateway,
+    messenger: TerminalMessenger,
+    script: DemoScript | None,
+    server: ApiServer | None = None,
 ) -> None:
     """Listen until the input ends, somebody leaves, or a signal comes."""
     left = asyncio.Event()
@@ -179,13 +203,17 @@ async def _until_over(
     listening = asyncio.create_task(gateway.run())
     ended = asyncio.create_task(messenger.ended.wait())
     tasks: list[asyncio.Task[Any]] = [listening, ended]
+    if server is not None:
+        serving = asyncio.create_task(server.run())
+        serving.add_done_callback(lambda _: leave())
+        tasks.append(serving)
     if console is not None:
         tasks.append(asyncio.create_task(mind_console(console, gateway, leave, ())))
     await asyncio.wait((listening, ended), return_when=asyncio.FIRST_COMPLETED)
     try:
-        if listening.done():
-            listening.result()
-        elif script is not None and not messenger.gone:
+        for task in (each for each in tasks if each is not ended and each.done()):
+            task.result()
+        if not listening.done() and script is not None and not messenger.gone:
             await script.end(left)
     finally:
         for task in tasks:

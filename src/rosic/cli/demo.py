@@ -40,6 +40,7 @@ def run(arguments: Sequence[str]) -> int:
     )
     parser.add_argument("play", nargs="?", choices=tuple(NAMES), metavar="NAME")
     parser.add_argument("--plain", action="store_true", help="no colours, no prompt that redraws")
+    parser.add_argument("--console", action="store_true", help="also a page for your browser")
     parser.add_argument("--fast", action="store_true", help="a play, four times as fast")
     parser.add_argument(
         "--interactive", action="store_true", help="a play without its script: you act in it"
@@ -58,8 +59,16 @@ def run(arguments: Sequence[str]) -> int:
         if options.fast or options.interactive or options.stay or options.role:
             parser.error(f"say which play: {', '.join(NAMES)}")
         return asyncio.run(
-            demonstrate(SystemClock(), SystemEntropy(), plain=options.plain, begun_ns=begun_ns())
+            demonstrate(
+                SystemClock(),
+                SystemEntropy(),
+                plain=options.plain,
+                begun_ns=begun_ns(),
+                console=options.console,
+            )
         )
+    if options.console:
+        parser.error("a play has no page: rosic demo --console")
     return _play(options)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
+from rosic.api.settings import LISTEN, ApiSettings, parse_listen
 from rosic.app import runtime
 from rosic.app.admin.api import ALL, AS_JSON, NOTHING, AdminRequest, AdminVerb
 from rosic.app.builder import secrets_of
@@ -130,9 +131,16 @@ def run(arguments: Sequence[str]) -> int:
     keep_memory_private()  # before there is a secret in it
     parser = argparse.ArgumentParser(prog="rosic run", description=RUN_ABOUT)
     parser.add_argument("-c", "--config", metavar="FILE", default=CONFIG)
+    parser.add_argument(
+        "--console",
+        action="store_true",
+        help=f"serve the page on {LISTEN}, if nothing else is said",
+    )
     parser.add_argument("--begin-anew", action="store_true", help=BEGIN_ANEW)
     options = parser.parse_args(arguments)
     config = replace(load_config(options.config), begin_anew=options.begin_anew)
+    if options.console and config.api is None:
+        config = replace(config, api=ApiSettings(listen=parse_listen(LISTEN)))
     others = tuple(open_to_others((*config.files, config.data)))
     for found in others:
         if found.everybody:

@@ -1,0 +1,80 @@
+// The conversation on the page: what could be typed in a chat, and buttons to tap.
+
+import { html, useEffect, useRef, useState } from "./lib.js";
+import { ask, useStore } from "./store.js";
+import { t } from "./texts.js";
+
+function time(ns) {
+  return new Date(ns / 1e6).toLocaleTimeString(document.documentElement.lang, {
+    hour: "2-digit",
+    minute: "2-digit",
+    hourCycle: "h23",
+  });
+}
+
+function Message({ message, onTap }) {
+  return html`<li class=${message.own ? "own" : `theirs ${message.state}`}>
+    <p class="who">${message.own ? t("You") : "ROSIC"} <time>${time(message.sent_ns)}</time></p>
+    <p class="text">${message.text}</p>
+    ${message.file && html`<p class="quiet small">${message.file.name}</p>`}
+    ${message.buttons.map(
+      (row) => html`<div class="buttons">
+        ${row.map(
+          (button) => html`<button type="button" onClick=${() => onTap(message.id, button.nonce)}>
+            ${button.label}
+          </button>`,
+        )}
+      </div>`,
+    )}
+  </li>`;
+}
+
+/** The conversation, and a line to write. */
+export function Chat() {
+  const { messages, link } = useStore();
+  const [line, write] = useState("");
+  const [why, tell] = useState("");
+  const end = useRef(null);
+  const all = [...messages.values()];
+  const newest = all.length ? `${all[all.length - 1].id} ${all[all.length - 1].changed}` : "";
+  useEffect(() => {
+    const there = end.current;
+    if (there) there.scrollTop = there.scrollHeight;
+  }, [newest]);
+
+  async function say(event) {
+    event.preventDefault();
+    const text = line.trim();
+    if (!text) return;
+    write("");
+    const answer = await ask("POST", "/v1/chat", { text, wait_s: 0 });
+    tell(answer.why);
+    if (!answer.ok) write((now) => now || text);
+  }
+
+  async function tap(message, button) {
+    const answer = await ask("POST", "/v1/chat", { message, button, wait_s: 0 });
+    tell(answer.why);
+  }
+
+  return html`<div class="chat">
+    <ol class="messages" ref=${end} tabindex="0" aria-live="polite" aria-label=${t("Conversation")}>
+      ${all.length === 0 &&
+      html`<li class="hint quiet">${t("Write as you would in your messenger: omni move 0.5 m left. help says what there is.")}</li>`}
+      ${all.map((each) => html`<${Message} key=${each.id} message=${each} onTap=${tap} />`)}
+    </ol>
+    <p class="why" role="alert">${why}</p>
+    <form class="say" onSubmit=${say}>
+      <label class="hidden" for="line">${t("Message")}</label>
+      <input
+        id="line"
+        autocomplete="off"
+        maxlength="4096"
+        placeholder=${t("Message")}
+        value=${line}
+        onInput=${(event) => write(event.target.value)}
+      />
+      <button type="submit" class="main" disabled=${link !== "up"}>${t("Send")}</button>
+    </form>
+  </div>`;
+}

@@ -1,0 +1,67 @@
+// Drive: the forms of a robot, the conversation, and live control where the gateway has it.
+
+import { Chat } from "./chat.js";
+import { Jog } from "./jog.js";
+import { html, useState } from "./lib.js";
+import { Orders } from "./orders.js";
+import { connection, doing, Pill } from "./robots.js";
+import { Skills } from "./skills.js";
+import { useStore } from "./store.js";
+import { t } from "./texts.js";
+
+/** One robot at a time. */
+export function Drive({ robot: wanted, onRobot }) {
+  const { robots, abilities } = useStore();
+  const [skills, know] = useState([]);
+  const all = [...robots.values()];
+  const robot = robots.get(wanted) || all[0];
+  if (!robot) {
+    return html`<section class="panel"><p class="quiet">${t("You may see no robot here.")}</p></section>`;
+  }
+  const [kind, words] = connection(robot);
+  const streamed = skills.filter((skill) => skill.streams);
+  return html`<div class="drive">
+    <section class="panel choose" aria-label=${t("Robot")}>
+      <label class="field big">
+        ${t("Robot")}
+        <select
+          value=${robot.id}
+          onChange=${(event) => {
+            know([]);
+            onRobot(event.target.value);
+          }}
+        >
+          ${all.map((each) => html`<option value=${each.id}>${each.name}</option>`)}
+        </select>
+      </label>
+      <p class="row">
+        <${Pill} kind=${kind}>${words}<//>
+        ${robot.stopped && html`<${Pill} kind="bad">${t("stopped")}<//>`}
+        <span>${doing(robot)}</span>
+        <span class="quiet">${t("Held by")}: ${robot.holder || t("nobody")}</span>
+      </p>
+    </section>
+    <section class="panel forms" aria-labelledby="h-forms">
+      <h2 id="h-forms">${t("Orders")}</h2>
+      <${Skills} key=${robot.id} robot=${robot} onSkills=${know} />
+    </section>
+    <section class="panel jog" aria-labelledby="h-jog">
+      <h2 id="h-jog">${t("Live control")}</h2>
+      ${abilities.has("jog") && streamed.length
+        ? html`<${Jog} key=${robot.id} robot=${robot} skills=${streamed} />`
+        : html`<p class="quiet">
+            ${abilities.has("jog")
+              ? t("{robot} cannot be driven live.", { robot: robot.name })
+              : t("This gateway offers no live control.")}
+          </p>`}
+    </section>
+    <section class="panel talk" aria-labelledby="h-chat">
+      <h2 id="h-chat">${t("Conversation")}</h2>
+      <${Chat} />
+    </section>
+    <section class="panel commands" aria-labelledby="h-sent">
+      <h2 id="h-sent">${t("Commands sent to the robot, and received by it")}</h2>
+      <${Orders} robot=${robot.id} most=${8} />
+    </section>
+  </div>`;
+}

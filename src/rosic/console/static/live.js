@@ -1,0 +1,96 @@
+// Live: the panel of rates, connections, commands sent and commands received, as they happen.
+
+import { Camera, Telemetry } from "./charts.js";
+import { html, useState } from "./lib.js";
+import { PoseMap } from "./map.js";
+import { Orders } from "./orders.js";
+import { RobotCard } from "./robots.js";
+import { useStore } from "./store.js";
+import { number, t } from "./texts.js";
+
+const rate = (value) => (value === undefined ? "—" : number(value, 1));
+
+function bytes(value) {
+  if (value === undefined) return "—";
+  return value < 1000 ? `${number(value, 0)} B/s` : `${number(value / 1000, 1)} kB/s`;
+}
+
+function Rates() {
+  const { rates, robots } = useStore();
+  const messengers = rates ? rates.messengers : [];
+  return html`<div class="scroll" tabindex="0" role="region" aria-label=${t("Data rate")}>
+    <table class="rates">
+      <thead>
+        <tr>
+          <th scope="col">${t("Messenger or robot")}</th>
+          <th scope="col">${t("Sent")}</th>
+          <th scope="col">${t("Received")}</th>
+        </tr>
+      </thead>
+      <tbody>
+        ${messengers.map(
+          (each) => html`<tr key=${`m ${each.name}`}>
+            <th scope="row">${each.name}</th>
+            <td>${rate(each.out_per_s)} /s · ${bytes(each.out_bytes_s)}</td>
+            <td>${rate(each.in_per_s)} /s · ${bytes(each.in_bytes_s)}</td>
+          </tr>`,
+        )}
+        ${[...robots.values()].map((robot) => {
+          const each = rates?.robots.get(robot.id);
+          return html`<tr key=${`r ${robot.id}`}>
+            <th scope="row">${robot.name}</th>
+            <td>${each ? `${rate(each.sent_per_s)} /s` : "—"}</td>
+            <td>${each ? `${rate(each.received_per_s)} /s` : "—"}</td>
+          </tr>`;
+        })}
+      </tbody>
+    </table>
+  </div>`;
+}
+
+/** The page on the wall. */
+export function Live() {
+  const { robots } = useStore();
+  const [wanted, choose] = useState("");
+  const all = [...robots.values()];
+  const robot = robots.get(wanted) || all.find((each) => each.presence.pose) || all[0];
+  return html`<div class="live">
+    <section class="panel robots" aria-labelledby="h-robots">
+      <h2 id="h-robots">${t("Connection status")}</h2>
+      ${all.length
+        ? html`<ul class="cards">
+            ${all.map(
+              (each) =>
+                html`<${RobotCard}
+                  key=${each.id}
+                  robot=${each}
+                  chosen=${each.id === robot?.id}
+                  onChoose=${() => choose(each.id)}
+                />`,
+            )}
+          </ul>`
+        : html`<p class="quiet">${t("You may see no robot here.")}</p>`}
+    </section>
+    <section class="panel commands" aria-labelledby="h-commands">
+      <h2 id="h-commands">${t("Commands sent to the robot, and received by it")}</h2>
+      <${Orders} />
+    </section>
+    <section class="panel rate" aria-labelledby="h-rates">
+      <h2 id="h-rates">${t("Data rate")}</h2>
+      <${Rates} />
+    </section>
+    <section class="panel where" aria-labelledby="h-map">
+      <h2 id="h-map">${t("Map")}</h2>
+      <${PoseMap} />
+    </section>
+    ${robot &&
+    html`<section class="panel telemetry" aria-labelledby="h-telemetry">
+        <h2 id="h-telemetry">${t("Telemetry of {robot}", { robot: robot.name })}</h2>
+        <${Telemetry} key=${robot.id} robot=${robot} />
+      </section>
+      <section class="panel view" aria-labelledby="h-camera">
+        <h2 id="h-camera">${t("Camera of {robot}", { robot: robot.name })}</h2>
+        <${Camera} key=${robot.id} robot=${robot} />
+      </section>`}
+  </div>`;
+}

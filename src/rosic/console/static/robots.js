@@ -1,0 +1,77 @@
+// How a robot is shown: its connection, what it does, who has it.
+
+import { html } from "./lib.js";
+import { state } from "./store.js";
+import { number, t } from "./texts.js";
+
+/** Return [kind, words] of the connection of a robot, as far as it is known now. */
+export function connection(robot) {
+  if (state.link !== "up") return ["unknown", t("unknown: no connection to the gateway")];
+  const { online, age_s: age } = robot.presence;
+  if (online === true) return ["good", t("connected")];
+  if (online === null) return ["unknown", t("its link cannot tell")];
+  if (age === null) return ["bad", t("not connected")];
+  return ["bad", t("connection lost")];
+}
+
+/** A word with a sign before it, so that nothing is told by its colour alone. */
+export function Pill({ kind, children }) {
+  const sign = { good: "●", bad: "✕", warn: "▲", unknown: "?", quiet: "○" }[kind];
+  return html`<span class=${`pill ${kind}`}><span aria-hidden="true">${sign}</span> ${children}</span>`;
+}
+
+/** Return what a robot does, in words. */
+export function doing(robot) {
+  if (state.link !== "up") return "—";
+  const { doing: skill, at_rest: rest } = robot.presence;
+  if (skill) return skill;
+  if (rest === true) return t("at rest");
+  return rest === false ? t("moving") : "—";
+}
+
+/** Return a pose in words. */
+export function poseText(pose) {
+  if (!pose) return "—";
+  const turn = pose.yaw_rad === null ? "" : ` · ${number((pose.yaw_rad * 180) / Math.PI, 0)}°`;
+  const height = Math.abs(pose.z_m) > 0.005 ? ` · z ${number(pose.z_m)} m` : "";
+  return `x ${number(pose.x_m)} m · y ${number(pose.y_m)} m${height}${turn}`;
+}
+
+/** Return the charge of a robot in words and in [0, 1]; null where it tells none. */
+export function battery(robot) {
+  const value = robot.presence.values.battery;
+  if (typeof value !== "number") return null;
+  const unit = robot.units.battery || "";
+  const share = unit === "%" ? value / 100 : null;
+  return { text: `${number(value, 1)}\u00a0${unit}`.trim(), share };
+}
+
+/** A robot at a glance. */
+export function RobotCard({ robot, chosen, onChoose }) {
+  const [kind, words] = connection(robot);
+  const charge = battery(robot);
+  return html`<li class=${`robot ${kind} ${chosen ? "chosen" : ""}`}>
+    <div class="robot-head">
+      <button type="button" class="robot-name" aria-pressed=${chosen} onClick=${onChoose}>
+        ${robot.name}
+      </button>
+      <${Pill} kind=${kind}>${words}<//>
+    </div>
+    ${robot.stopped &&
+    html`<p class="robot-stopped"><${Pill} kind="bad">${t("stopped")}<//></p>`}
+    <dl class="facts">
+      <div><dt>${t("Does")}</dt><dd>${doing(robot)}</dd></div>
+      <div><dt>${t("Held by")}</dt><dd>${robot.holder || t("nobody")}</dd></div>
+      ${charge &&
+      html`<div>
+        <dt>${t("Battery")}</dt>
+        <dd>
+          ${charge.share !== null &&
+          html`<meter min="0" max="1" low="0.2" optimum="1" value=${charge.share} aria-label=${t("Battery")}></meter> `}
+          ${charge.text}
+        </dd>
+      </div>`}
+      <div><dt>${t("Place")}</dt><dd>${poseText(robot.presence.pose)}</dd></div>
+    </dl>
+  </li>`;
+}

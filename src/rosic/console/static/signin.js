@@ -1,0 +1,70 @@
+// Signing in: one field for the code that one's own chat gives.
+
+import { html, useEffect, useState } from "./lib.js";
+import { signIn, useStore } from "./store.js";
+import { t } from "./texts.js";
+
+let linked = "";
+
+/** Take a code out of the address: it is good once, and belongs into no history. */
+export function takeLinkedCode() {
+  const found = location.hash.match(/^#code=([^&]{1,64})$/);
+  if (!found) return;
+  linked = decodeURIComponent(found[1]);
+  history.replaceState(null, "", location.pathname);
+}
+
+/** What stands there while nobody is signed in. */
+export function SignIn() {
+  const { notice } = useStore();
+  const [code, write] = useState(linked);
+  const [why, tell] = useState("");
+  const [waits, wait] = useState(false);
+
+  async function enter(event) {
+    event?.preventDefault();
+    if (!code.trim()) return;
+    wait(true);
+    const refused = await signIn(code.trim());
+    if (refused) {
+      tell(refused);
+      wait(false);
+    }
+  }
+  useEffect(() => {
+    if (linked) enter();
+    linked = "";
+  }, []);
+
+  return html`<main class="sign-in" id="main">
+    <div class="panel">
+      <h1>ROSIC</h1>
+      ${notice && html`<p class="notice" role="status">${notice}</p>`}
+      <p>${t("Write /signin to ROSIC in your own chat. It answers with a code.")}</p>
+      <form onSubmit=${enter}>
+        <label for="code">${t("Code")}</label>
+        <input
+          id="code"
+          value=${code}
+          autocomplete="one-time-code"
+          autocapitalize="characters"
+          spellcheck="false"
+          maxlength="64"
+          required
+          autofocus
+          placeholder="XXXX-XXXX"
+          aria-describedby="why"
+          onInput=${(event) => write(event.target.value)}
+        />
+        <button type="submit" class="main" disabled=${waits}>${t("Sign in")}</button>
+      </form>
+      <p class="why" id="why" role="alert">${why}</p>
+      <p class="quiet">
+        ${t("No chat with ROSIC yet? Ask whoever runs it for an invitation. The code is good for 5 minutes, once; show it to nobody.")}
+      </p>
+      <p class="quiet">
+        ${t("To stop a robot now, write stop in your chat, or use the stop on the robot itself.")}
+      </p>
+    </div>
+  </main>`;
+}

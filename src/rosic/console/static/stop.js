@@ -1,0 +1,103 @@
+// STOP: always in view, on the space bar, and true when it says "at rest".
+
+import { html, newId, useEffect } from "./lib.js";
+import { ask, changed, listen, send, state, useStore } from "./store.js";
+import { t } from "./texts.js";
+
+const PONG_MS = 500;
+const ANSWER_MS = 20_000;
+
+/** Stop every robot that one may see: over the connection, and over REST if nothing answers. */
+export function stopAll() {
+  const id = newId();
+  state.stop = { id, phase: "stopping", text: "" };
+  const handed = send({ op: "stop", robots: [], id });
+  if (handed) {
+    send({ op: "ping", id: `after ${id}` });
+    const hears = listen("pong", (pong) => pong.id === `after ${id}` && answered());
+    const lost = listen("gone", () => answered() && byRest(id));
+    const late = setTimeout(() => answered() && byRest(id), PONG_MS);
+    let waits = true;
+    function answered() {
+      const first = waits;
+      waits = false;
+      clearTimeout(late);
+      hears();
+      lost();
+      return first;
+    }
+    const after = listen("gone", () => {
+      after();
+      if (state.stop?.id === id && state.stop.phase === "stopping") byRest(id);
+    });
+  } else byRest(id);
+  setTimeout(() => end(id, null, ""), ANSWER_MS);
+  changed();
+}
+
+async function byRest(id) {
+  const answer = await ask("POST", "/v1/stop", {});
+  if (answer.ok) end(id, answer.data.at_rest, answer.data.text);
+  else end(id, null, answer.status ? answer.why : t("The gateway does not answer."));
+}
+
+function end(id, atRest, text) {
+  if (state.stop?.id !== id || state.stop.phase !== "stopping") return;
+  state.stop = { id, phase: atRest === true ? "at-rest" : "not-confirmed", text };
+  changed();
+}
+
+listen("stop", ({ id, stop }) => end(id, stop.at_rest, stop.text));
+listen("problem", ({ id, problem }) => id && end(id, null, problem.detail));
+
+const TYPING = "input, textarea, [contenteditable]";
+
+function onKey(event) {
+  if (event.code !== "Space" || event.target.closest?.(TYPING) || event.isComposing) return;
+  event.preventDefault();
+  if (event.type === "keydown" && !event.repeat && state.phase === "signed-in") stopAll();
+}
+
+let pressedAt = -Infinity;
+
+function onPress(event) {
+  if (!event.isPrimary || event.button !== 0) return;
+  pressedAt = performance.now();
+  stopAll();
+}
+
+function onClick() {
+  if (performance.now() - pressedAt > 1000) stopAll(); // by a key, or by what reads the page aloud
+}
+
+/** The bar that is in view on every page. */
+export function StopBar() {
+  const { stop } = useStore();
+  useEffect(() => {
+    addEventListener("keydown", onKey, true);
+    addEventListener("keyup", onKey, true);
+    return () => {
+      removeEventListener("keydown", onKey, true);
+      removeEventListener("keyup", onKey, true);
+    };
+  }, []);
+  const said = {
+    stopping: t("Stopping …"),
+    "at-rest": t("At rest"),
+    "not-confirmed": t("Not confirmed: look!"),
+  };
+  return html`<section class="stopbar" aria-label=${t("Stop")}>
+    <p class=${`stop-said ${stop ? stop.phase : ""}`} role="status" aria-live="assertive">
+      ${stop && html`<strong>${said[stop.phase]}</strong> <span>${stop.text}</span>`}
+    </p>
+    <button
+      class="stop"
+      type="button"
+      aria-keyshortcuts="Space"
+      onPointerDown=${onPress}
+      onClick=${onClick}
+    >
+      <span class="stop-word">STOP</span> <span class="stop-how">${t("all robots · space bar")}</span>
+    </button>
+  </section>`;
+}

@@ -1,0 +1,126 @@
+"""A real Chromium in front of a page: at a desk, on a phone, on a wall."""
+
+from __future__ import annotations
+
+import json
+import os
+from contextlib import asynccontextmanager
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from playwright.async_api import async_playwright, expect
+
+from tests.pace import pace
+from tests.servers import needed
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from playwright.async_api import Browser, Page
+
+    from tests.api.served import ServedGateway
+
+DESK: Final = {"width": 1440, "height": 900}
+PHONE: Final = {"width": 390, "height": 844}
+WALL: Final = {"width": 2560, "height": 1440}
+PICTURES: Final = Path(__file__).parents[2] / "docs" / "pictures"
+AXE: Final = (files("axe_playwright_python") / "axe.min.js").read_text()
+QUIET_EXIT: Final = "Failed to load resource"
+"""What Chromium itself says of a status that the page asked for and understood."""
+
+
+@asynccontextmanager
+async def chromium() -> AsyncIterator[Browser]:
+    """Yield the distribution's browser."""
+    executable = needed("chromium")
+    async with async_playwright() as playwright:
+        browser = await playwright.chromium.launch(
+            executable_path=executable, args=["--no-sandbox", "--disable-gpu"]
+        )
+        try:
+            yield browser
+        finally:
+            await browser.close()
+
+
+class OpenPage:
+    """A page that somebody looks at.
+
+    Attributes:
+        page: As Playwright knows it.
+        wrong: What the browser complained of.
+        elsewhere: Addresses that were asked for and are not the gateway's.
+    """
+
+    def __init__(self, page: Page, place: ServedGateway) -> None:
+        self.page, self.place = page, place
+        self.wrong: list[str] = []
+        self.elsewhere: list[str] = []
+        page.set_default_timeout(30_000 * pace())
+        page.on("pageerror", lambda error: self.wrong.append(str(error)))
+        page.on("console", lambda said: self._complained(said.type, said.text))
+        page.on("request", lambda asked: self._asked(asked.url))
+        page.on("dialog", lambda dialog: self.wrong.append(f"dialog {dialog.message}"))
+
+    def _complained(self, kind: str, text: str) -> None:
+        if kind == "error" and QUIET_EXIT not in text and "WebSocket" not in text:
+            self.wrong.append(text)
+
+    def _asked(self, url: str) -> None:
+        if not url.startswith((self.place.url, "data:", "blob:")):
+            self.elsewhere.append(url)
+
+    async def sign_in(self, name: str = "Ada") -> None:
+        """Come in by a code that was typed."""
+        await self.page.goto(self.place.url)
+        await self.page.get_by_label("Code").fill(self.place.code(name))
+        await self.page.get_by_role("button", name="Sign in").click()
+        await self.connected()
+
+    async def connected(self) -> None:
+        """Wait until the page hears of robots."""
+        await expect(self.page.get_by_text("Gateway connected")).to_be_visible()
+
+    async def go(self, part: str) -> None:
+        """Look at another part."""
+        await self.page.evaluate("part => { location.hash = part; }", part)
+
+    async def say(self, line: str) -> None:
+        """Write something into the conversation."""
+        await self.page.get_by_label("Message").fill(line)
+        await self.page.get_by_role("button", name="Send").click()
+
+    async def violations(self) -> list[str]:
+        """Return what axe finds here that is serious or critical."""
+        await self.page.evaluate(f"() => {{ {AXE} }}")
+        found: dict[str, Any] = await self.page.evaluate("axe.run()")
+        return [
+            f"{each['id']}: {json.dumps([node['html'][:120] for node in each['nodes']])}"
+            for each in found["violations"]
+            if each["impact"] in {"serious", "critical"}
+        ]
+
+    async def picture(self, name: str, *, whole: bool = False) -> None:
+        """Draw what is seen into the docs, where they are drawn anew."""
+        if os.environ.get("ROSIC_PICTURES") == "draw":
+            await self.page.screenshot(path=PICTURES / f"console-{name}.png", full_page=whole)
+
+
+@asynccontextmanager
+async def opened(
+    browser: Browser,
+    place: ServedGateway,
+    size: dict[str, int],
+    **how: Any,  # noqa: ANN401
+) -> AsyncIterator[OpenPage]:
+    """Yield a page of somebody of whom the browser knows nothing yet."""
+    touch = size is PHONE
+    context = await browser.new_context(viewport=size, has_touch=touch, locale="en-GB", **how)  # type: ignore[arg-type]
+    try:
+        there = OpenPage(await context.new_page(), place)
+        yield there
+        assert there.wrong == []
+        assert there.elsewhere == []
+    finally:
+        await context.close()
