@@ -117,6 +117,11 @@ class Directory:
             return person.name
         return NOT_PEOPLE.get(principal, SOMEBODY)
 
+    def is_program(self, principal: PrincipalId) -> bool:
+        """Whether somebody is a program that is known here."""
+        person = self._people.get(principal)
+        return person is not None and person.is_program
+
     def people(self) -> Iterable[Principal]:
         """Return everybody."""
         return self._people.values()

@@ -126,6 +126,11 @@ class KeyRing:
         """Return somebody's newest good key."""
         return next((key for key in self.of(principal) if self.good(key.id)), None)
 
+    def issued_by(self, principal: PrincipalId) -> tuple[AuthorisationKey, ...]:
+        """Return the keys that somebody has given to others and that nobody took back."""
+        found = (key for key in self._keys.values() if key.issuer == principal)
+        return tuple(k for k in found if k.principal != principal and k.revoked_ns is None)
+
     def all(self) -> tuple[AuthorisationKey, ...]:
         """Return every key."""
         return tuple(self._keys.values())

@@ -6,6 +6,7 @@ digest of the secret that its program shows; whoever shows one speaks from the p
 
 from __future__ import annotations
 
+import re
 from base64 import urlsafe_b64encode
 from hashlib import blake2b
 from hmac import compare_digest
@@ -27,6 +28,7 @@ from rosic.core.language.sanitise import clean_name, drawn
 from rosic.core.policy.roles import Grant
 from rosic.core.records import Decided, Enrolled, Fact, KeyIssued, Letter, PersonRecord, Record
 from rosic.core.secret import Secret
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotUnderstood, Unrecognised
 
 if TYPE_CHECKING:
@@ -42,6 +44,7 @@ BEGINS: Final = "rosic"
 SECRET_BYTES: Final = 32
 """Nobody guesses that many: a digest without salt and without delay gives nothing away."""
 
+_SHOWN: Final = re.compile(rf"{BEGINS}_k[0-9a-f]{{8,64}}_[A-Za-z0-9_-]{{20,128}}")
 _encode_record = msgspec.msgpack.Encoder().encode
 
 
@@ -100,8 +103,13 @@ class ProgramKeys:
         principal = self._new_id("p")
         roles = given.roles if given.standing else ()
         addresses = (Address(PROGRAM, principal),)
+        lasts_s = given.lasts_s
         key = AuthorisationKey(
-            id=self._new_id("k"), principal=principal, issuer=by, issued_ns=now_ns
+            id=self._new_id("k"),
+            principal=principal,
+            issuer=by,
+            issued_ns=now_ns,
+            expires_ns=None if lasts_s is None else now_ns + int(lasts_s * SECOND_NS),
         )
         letter = Letter(principal, _encode_record(PersonRecord(shown, addresses)))
         secret, digest = self.secret_for(key.id)
@@ -148,6 +156,11 @@ class ProgramKeys:
 
     def _new_id(self, letter: str) -> str:
         return f"{letter}{self._entropy.token(RECORD_ID_BYTES).hex()}"
+
+
+def without_keys(text: str, instead: str) -> str:
+    """Return a text without secrets of programs: whoever reads it later could use them."""
+    return _SHOWN.sub(instead, text) if BEGINS in text else text
 
 
 def _digest(secret: Secret) -> bytes:

@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from rosic.authoriser.button_tokens import OPEN
+from rosic.authoriser.program_keys import without_keys
 from rosic.container.records import KeptAnswer
 from rosic.core.i18n import in_language, joined, said
 from rosic.core.language import clean, hears_stop
@@ -49,6 +50,7 @@ DO_IT, LEAVE_IT, PREVIOUS = said("Do it"), said("Leave it"), said("Previous")
 OFFERED_AT_MOST = 8
 ASKED_KEPT = 300
 """Letters of what was refused that are kept beside the refusal, sealed as it is."""
+NOT_KEPT = "(not kept)"
 STRANGERS = RateLimit(burst=5.0, per_s=0.2)
 STRANGERS_KEPT = 1_000
 AGAIN_NS = 10 * MINUTE_NS
@@ -255,9 +257,8 @@ class Replies:
     ) -> None:
         messenger, inbound, caller = message.messenger, message.inbound, message.caller
         plain = in_language(refusal.sentence, self._languages.of(caller.principal))
-        answer = KeptAnswer(
-            messenger.name, inbound.chat, reply_id(inbound), plain, clean(asked[:ASKED_KEPT])
-        )
+        kept = clean(without_keys(asked, NOT_KEPT)[:ASKED_KEPT])
+        answer = KeptAnswer(messenger.name, inbound.chat, reply_id(inbound), plain, kept)
         try:
             await self._container.refuse(cid, caller, refusal, answer)
         except Repeated:

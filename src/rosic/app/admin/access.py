@@ -15,13 +15,12 @@ from rosic.contracts.messenger import invite_link_of
 from rosic.core.i18n import joined
 from rosic.core.identity import OPERATOR
 from rosic.core.language import clean
-from rosic.core.policy.roles import Grant, chains
-from rosic.core.policy.scope import FLEET
-from rosic.core.policy.scope import GRANT as GIVES
+from rosic.core.policy.roles import Grant
 from rosic.core.policy.validation import grant_mistakes
 from rosic.core.records import Decided
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access.messages import how_to_join, noted
+from rosic.features.access.program_keys import check_for_robots_alone
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -163,14 +162,10 @@ class AccessAdmin:
             RecordUnavailable: Not written; nothing changed.
         """
         self._check(asked.roles, asked.robots, asked.limits)
-        rules = self._books.authority.rolebook.rulebook.roles
-        reached = (chain.last for role in asked.roles for chain in chains(rules, role))
-        scopes = [scope for role in reached for scope in role.scopes]
-        if any(s.startswith(f"{FLEET}:") or s.endswith(f":{GIVES}") for s in scopes):
-            raise NotUnderstood(keys_messages.NEVER_ADMIN)
         given = InvitedRights(
             roles=asked.roles, robots=asked.robots, limits=asked.limits, lasts_s=asked.lasts_s
         )
+        check_for_robots_alone(self._books.authority.rolebook.rulebook, given)
         async with self._access.changes.turn() as turn:
             made = self._access.programs.enrol(asked.name, given, OPERATOR)
             held = self._books.authority.grants_book.give(made.program.id, made.grants, OPERATOR)
@@ -318,7 +313,10 @@ class AccessAdmin:
         ended = [record for made in codes for record in invitations.withdraw(made.id, OPERATOR)]
         taken = self._books.authority.grants_book.take(person.id, OPERATOR)
         ahead = self._access.ahead(person.id)
-        return (*ended, *ahead, *taken, *self._keys_end(person))
+        given = self._access.keys.issued_by(person.id)
+        programs = (k for k in given if self._directory.is_program(k.principal))
+        made_by = [r for k in programs for r in self._access.keys.revoke(k.id, OPERATOR).records]
+        return (*ended, *ahead, *taken, *made_by, *self._keys_end(person))
 
     async def lock(self, name: str) -> str:
         """Lock somebody at once, whoever else is changing something; what they move stops.

@@ -20,6 +20,7 @@ from rosic.features.access.invite import INVITATION, InviteCommands
 from rosic.features.access.join import JoinHandler
 from rosic.features.access.newcomer_chat import NewcomerChat
 from rosic.features.access.profile_commands import AccountCommands, PendingRequests
+from rosic.features.access.program_keys import ProgramKeyCommands
 from rosic.features.access.revoke_lock import AccessNotices, RevokeLockCommands
 from rosic.features.access.roles import RoleCommands
 from rosic.features.access.second_factor import AUTHENTICATOR, SecondFactorCommands
@@ -130,6 +131,9 @@ def setup(kernel: Kernel) -> AccessFeature:
         granting,
         request_commands,
         RoleCommands(registry, admin_policy, policy.rolebook),
+        ProgramKeyCommands(
+            registry, admin_policy, access.programs, lambda: policy.rolebook.rulebook
+        ),
     )
     register_access_commands(kernel.commands, handlers, pipeline.confirmation)
     pipeline.hooks.newcomer.bind(joining.take)

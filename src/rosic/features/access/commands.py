@@ -23,6 +23,7 @@ from rosic.features.access.approve import ApprovalCommands
 from rosic.features.access.grant import GrantCommands
 from rosic.features.access.invite import InviteCommands
 from rosic.features.access.profile_commands import AccountCommands
+from rosic.features.access.program_keys import ProgramKeyCommands
 from rosic.features.access.revoke_lock import RevokeLockCommands
 from rosic.features.access.roles import RoleCommands
 from rosic.features.access.second_factor import SecondFactorCommands
@@ -122,6 +123,14 @@ COMMANDS: Final = (
         help=HelpEntry(HelpPage.SHARE, 120, HelpNeed.GRANT),
         menu=MenuEntry(230, MenuAudience.ADMINS),
     ),
+    Command(
+        name="key",
+        aliases=("schlüssel",),
+        typed=said("/key"),
+        summary=said("Keys for programs that ask over the API"),
+        explained=True,
+        help=HelpEntry(HelpPage.SHARE, 145, HelpNeed.GRANT),
+    ),
     Command(name="join", redacted_unless="", spoken=False),
 )
 
@@ -137,6 +146,7 @@ class AccessCommands(msgspec.Struct, frozen=True):
     granting: GrantCommands | None = None
     request_commands: AccessRequestCommands | None = None
     rolemaking: RoleCommands | None = None
+    program_keys: ProgramKeyCommands | None = None
 
 
 class AnswerRouter:
@@ -241,3 +251,5 @@ def register_access_commands(
         commands.register("ask", handlers.request_commands.ask)
     if handlers.rolemaking is not None:
         commands.register("role", handlers.rolemaking.role)
+    if handlers.program_keys is not None:
+        commands.register("key", handlers.program_keys.key)

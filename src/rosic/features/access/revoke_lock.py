@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from rosic.authoriser.enrolment_records import Applicant
-    from rosic.core.identity import Principal, PrincipalId
+    from rosic.core.identity import AuthorisationKey, Principal, PrincipalId
     from rosic.core.records import Record
     from rosic.features.access.admin_policy import AdminPolicy
     from rosic.features.access.context import AccessContext
@@ -98,7 +98,13 @@ class RevokeLockCommands:
             *self._registry.ahead(person.id),
             *self._registry.grants_book.take(person.id, by),
             *_all(keys.revoke(key.id, by).records for key in good),
+            *_all(keys.revoke(key.id, by).records for key in self._programs_of(person.id)),
         )
+
+    def _programs_of(self, principal: PrincipalId) -> list[AuthorisationKey]:
+        """Return the keys of programs that somebody has made: they end with whoever made them."""
+        given = self._registry.keys.issued_by(principal)
+        return [key for key in given if self._directory.is_program(key.principal)]
 
     def _is_open(self, applicant: Applicant | None) -> TypeGuard[Applicant]:
         """Whether somebody still waits for an admin; whoever waited too long is turned away."""

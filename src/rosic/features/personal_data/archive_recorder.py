@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar
 import msgspec
 
 from rosic.authoriser.invite_codes import without_these
+from rosic.authoriser.program_keys import without_keys
 from rosic.container.archive import NOBODY, MessageAuthor
 from rosic.contracts.messenger import AsksToConfirm, account_of
 from rosic.contracts.messenger_proxy import MessengerProxy
@@ -117,8 +118,12 @@ class ArchivingMessenger(MessengerProxy):
             self._store.note(*facts)
 
     def _without_codes(self, passed: P) -> P:
-        """Return a message without codes of invitations: whoever reads an export could use them."""
+        """Return a message without codes of invitations, and without keys of programs.
+
+        Whoever reads an export could use them.
+        """
         text = without_these(passed.text, self._codes_in(passed.text), NOT_KEPT)
+        text = without_keys(text, NOT_KEPT)
         return passed if text is passed.text else msgspec.structs.replace(passed, text=text)
 
     def _reader(self, chat: Chat) -> MessageAuthor:
