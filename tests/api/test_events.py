@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from rosic.api.events import Pong
+from rosic.api.event_schemas import Pong
 from tests.api.served import served
 from tests.pace import pace
 

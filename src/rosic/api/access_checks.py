@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 
 import msgspec
 
-from rosic.api.problems import PROBLEM, Problem, problem
+from rosic.api.problems import PROBLEM, problem
 from rosic.api.read_rates import headers_of
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from typing import TypeAlias
 
     from rosic.api.read_rates import ReadQuota
+    from rosic.api.schemas import Problem
     from rosic.api.settings import ApiSettings
 
     Scope: TypeAlias = MutableMapping[str, Any]

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 import msgspec
 from litestar.openapi.plugins import JsonRenderPlugin
 
-from rosic.api.problems import PROBLEM, Problem
+from rosic.api.problems import PROBLEM
+from rosic.api.schemas import Problem
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -11,15 +11,29 @@ import contextlib
 import logging
 from collections import OrderedDict
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import msgspec
 from litestar.exceptions import WebSocketDisconnect
 
+from rosic.api import event_schemas
+from rosic.api.event_schemas import (
+    ENDED,
+    Hello,
+    MessageEvent,
+    OrderEvent,
+    Ping,
+    Pong,
+    ProblemEvent,
+    RobotEvent,
+    RobotGone,
+    StopEvent,
+    StopRequest,
+    Subscribe,
+)
 from rosic.api.jog import Jog, JogControl, JogEvent, JogSessions
-from rosic.api.page_messenger import PageMessage
-from rosic.api.problems import Problem, problem, problem_of
-from rosic.api.schemas import IdentityOut, Name, OrderOut, RobotOut, StopIn, StopOut
+from rosic.api.problems import problem, problem_of
+from rosic.api.schemas import StopIn
 from rosic.core.identity import PAGE
 from rosic.errors import RosicError, Unrecognised
 
@@ -32,6 +46,7 @@ if TYPE_CHECKING:
     from rosic.api.context import ApiContext
     from rosic.api.order_feed import OrderEntry
     from rosic.api.ordering import CallerRequests
+    from rosic.api.schemas import PageMessage, RobotOut
     from rosic.core.robot.profile import RobotId
 
 LOOK_S: Final = 0.2
@@ -44,11 +59,8 @@ LISTENERS_AT_MOST: Final = 200
 EACH_AT_MOST: Final = 16
 """Connections of one caller."""
 MESSAGE_BYTES: Final = 65_536
-ENDED: Final = 4401
 SLOW: Final = 1013
 BAD: Final = 1008
-ABILITIES: Final = ("jog",)
-"""For a page that may be older or newer than this gateway."""
 MANY: Final = "Too many connections listen already. Close one first."
 NOT_READ: Final = "That is no message of this protocol."
 TOO_SLOW: Final = "You take too little of what happens, so you are told nothing more. Come again."
@@ -56,109 +68,10 @@ TOO_SLOW: Final = "You take too little of what happens, so you are told nothing 
 log = logging.getLogger("rosic.api")
 
 
-# ---- what a client says ----
-
-
-class Subscribe(
-    msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="subscribe", tag_field="op"
-):
-    """Tell me of these from now on, and how it is now; of nothing else."""
-
-    topics: tuple[Literal["robots", "orders", "chat"], ...]
-
-
-class StopRequest(msgspec.Struct, frozen=True, tag="stop", tag_field="op"):
-    """Stop robots, at once; all that I may see, if none is named.
-
-    Attributes:
-        id: Comes back with the answer.
-    """
-
-    robots: tuple[Name, ...] = ()
-    id: str = ""
-
-
-class Ping(msgspec.Struct, frozen=True, tag="ping", tag_field="op"):
-    """Answer at once."""
-
-    id: str = ""
-
-
 Said: TypeAlias = Subscribe | StopRequest | Ping | Jog
 _read: Callable[[str], Said] = msgspec.json.Decoder(Said).decode
 
-
-# ---- what a client is told ----
-
-
-class Hello(msgspec.Struct, frozen=True, tag="hello", tag_field="event"):
-    """The first event.
-
-    Attributes:
-        run: Another one after the gateway was restarted.
-        abilities: What may be said here besides.
-    """
-
-    me: IdentityOut
-    run: str
-    abilities: tuple[str, ...] = ABILITIES
-
-
-class RobotEvent(msgspec.Struct, frozen=True, tag="robot", tag_field="event"):
-    """A robot as it is now."""
-
-    robot: RobotOut
-
-
-class RobotGone(msgspec.Struct, frozen=True, tag="robot-gone", tag_field="event"):
-    """A robot is not there any more, or may not be seen any more."""
-
-    robot: str
-
-
-class OrderEvent(msgspec.Struct, frozen=True, tag="order", tag_field="event"):
-    """An order as it is now."""
-
-    order: OrderOut
-
-
-class MessageEvent(msgspec.Struct, frozen=True, tag="message", tag_field="event"):
-    """A message of one's own conversation as it is now."""
-
-    message: PageMessage
-
-
-class StopEvent(msgspec.Struct, frozen=True, tag="stop", tag_field="event"):
-    """What became of a stop."""
-
-    id: str
-    stop: StopOut
-
-
-class Pong(msgspec.Struct, frozen=True, tag="pong", tag_field="event"):
-    """The answer to a ping."""
-
-    id: str
-
-
-class ProblemEvent(msgspec.Struct, frozen=True, tag="problem", tag_field="event"):
-    """Something was not done."""
-
-    problem: Problem
-    id: str = ""
-
-
-Event = (
-    Hello
-    | RobotEvent
-    | RobotGone
-    | OrderEvent
-    | MessageEvent
-    | StopEvent
-    | Pong
-    | JogEvent
-    | ProblemEvent
-)
+Event: TypeAlias = event_schemas.Event | JogEvent
 _encode = msgspec.json.Encoder().encode
 
 

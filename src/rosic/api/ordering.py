@@ -13,7 +13,7 @@ from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
 from rosic.api.order_feed import order_id
-from rosic.api.problems import Problem, problem
+from rosic.api.problems import problem
 from rosic.api.schemas import AnswerOut, OrderOut, StopOut
 from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.i18n import said
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rosic.api.callers import ApiCaller
     from rosic.api.context import ApiContext
     from rosic.api.order_feed import OrderEntry
-    from rosic.api.schemas import ChatIn, OrderIn, StopIn
+    from rosic.api.schemas import ChatIn, OrderIn, Problem, StopIn
     from rosic.core.message import Inbound, Outbound
     from rosic.messengers.program.calls import ToolCall
 

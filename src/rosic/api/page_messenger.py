@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
+from rosic.api.schemas import PageButton, PageFile, PageMessage
 from rosic.core.identity import PAGE
-from rosic.core.message import AnswerState, Attachment, Outbound
+from rosic.core.message import Attachment, Outbound
 from rosic.core.signal import Signal
 from rosic.errors import MessageGone, MessengerFault
 from rosic.messengers.program.messenger import ProgramMessenger
@@ -29,45 +30,6 @@ MESSAGES_KEPT: Final = 200
 PEOPLE_KEPT: Final = 1_000
 FILES_KEPT: Final = 10
 FILE_BYTES: Final = 20_000_000
-
-
-class PageButton(msgspec.Struct, frozen=True):
-    """A button under a message: what is read on it, and what tapping it sends back."""
-
-    label: str
-    nonce: str
-
-
-class PageFile(msgspec.Struct, frozen=True):
-    """A file that came with a message."""
-
-    id: str
-    name: str
-    media_type: str
-    size: int
-
-
-class PageMessage(msgspec.Struct, frozen=True):
-    """One message of a conversation on the page.
-
-    Attributes:
-        sent_ns: Wall clock.
-        own: The person wrote it.
-        state: What an answer comes to; see `core.message.AnswerState`.
-        changed: How often it was edited.
-    """
-
-    id: str
-    sent_ns: int
-    text: str
-    own: bool = False
-    buttons: tuple[tuple[PageButton, ...], ...] = ()
-    state: str = AnswerState.FINAL.value
-    code: str = ""
-    reply_to: str = ""
-    file: PageFile | None = None
-    changed: int = 0
-    pinned: bool = False
 
 
 class Conversation:

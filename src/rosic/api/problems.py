@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 from litestar import Response
 
+from rosic.api.schemas import Problem
 from rosic.core.i18n import plain
 from rosic.errors import Refusal, RosicError, TooManyRequests
 
@@ -40,28 +41,6 @@ _STATUS: Final[Mapping[str, HTTPStatus]] = {
     "messenger-fault": HTTPStatus.SERVICE_UNAVAILABLE,
 }
 """What is not named is what cannot be processed as it stands: 409."""
-
-
-class Problem(msgspec.Struct, frozen=True, omit_defaults=True):
-    """Why something was not done.
-
-    Attributes:
-        type: A reference to what this kind of problem is: ``/problems/robot-busy``.
-        title: The same for all problems of a kind.
-        status: Of HTTP.
-        detail: The sentence that the chat would say, in the language of whoever asks.
-        code: Stable name of the kind: ``robot-busy``.
-        offers: Lines that would be accepted instead.
-        retry_after_s: Seconds until trying again may succeed.
-    """
-
-    type: str
-    title: str
-    status: int
-    detail: str
-    code: str
-    offers: tuple[str, ...] = ()
-    retry_after_s: float | None = None
 
 
 def status_of(code: str) -> HTTPStatus:

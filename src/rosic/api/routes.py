@@ -18,7 +18,6 @@ from rosic.api.callers import ApiCaller
 from rosic.api.context import ApiContext
 from rosic.api.events import EventStream
 from rosic.api.ordering import CallerRequests
-from rosic.api.page_messenger import PageMessage
 from rosic.api.schemas import (
     AnswerOut,
     ChatIn,
@@ -26,6 +25,7 @@ from rosic.api.schemas import (
     IdentityOut,
     OrderIn,
     OrderOut,
+    PageMessage,
     RobotOut,
     SignIn,
     SkillOut,

@@ -217,10 +217,71 @@ class AnswerOut(msgspec.Struct, frozen=True):
     besides: tuple[str, ...] = ()
 
 
+class PageButton(msgspec.Struct, frozen=True):
+    """A button under a message: what is read on it, and what tapping it sends back."""
+
+    label: str
+    nonce: str
+
+
+class PageFile(msgspec.Struct, frozen=True):
+    """A file that came with a message."""
+
+    id: str
+    name: str
+    media_type: str
+    size: int
+
+
+class PageMessage(msgspec.Struct, frozen=True):
+    """One message of a conversation on the page.
+
+    Attributes:
+        sent_ns: Wall clock.
+        own: The person wrote it.
+        state: What an answer comes to; see `core.message.AnswerState`.
+        changed: How often it was edited.
+    """
+
+    id: str
+    sent_ns: int
+    text: str
+    own: bool = False
+    buttons: tuple[tuple[PageButton, ...], ...] = ()
+    state: str = "final"
+    code: str = ""
+    reply_to: str = ""
+    file: PageFile | None = None
+    changed: int = 0
+    pinned: bool = False
+
+
 class SignIn(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A code from one's own chat."""
 
     code: Annotated[str, msgspec.Meta(min_length=1, max_length=64)]
+
+
+class Problem(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Why something was not done.
+
+    Attributes:
+        type: A reference to what this kind of problem is: ``/problems/robot-busy``.
+        title: The same for all problems of a kind.
+        status: Of HTTP.
+        detail: The sentence that the chat would say, in the language of whoever asks.
+        code: Stable name of the kind: ``robot-busy``.
+        offers: Lines that would be accepted instead.
+        retry_after_s: Seconds until trying again may succeed.
+    """
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    code: str
+    offers: tuple[str, ...] = ()
+    retry_after_s: float | None = None
 
 
 def moment(at_ns: int) -> str:

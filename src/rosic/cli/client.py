@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app.admin.control_client import NotRunning, ask_gateway
+from rosic.cli import remote
 from rosic.config.toml_source import read_toml
 from rosic.core.language.time_tokens import TimeTokens, UnclearTime
 from rosic.errors import ConfigurationError, OutOfBounds, Refusal
@@ -30,12 +31,32 @@ CONFIG = "rosic.toml"
 DATA = "rosic-data"
 
 
+class AssumedFile(str):
+    """The name of a file that nobody has named."""
+
+    __slots__ = ()
+
+
 def add_where(parser: argparse.ArgumentParser) -> None:
     """Let a command be told which gateway is meant."""
     parser.add_argument(
-        "-c", "--config", metavar="FILE", default=CONFIG, help=f"the gateway's file ({CONFIG})"
+        "-c",
+        "--config",
+        metavar="FILE",
+        default=AssumedFile(CONFIG),
+        help=f"the gateway's file ({CONFIG})",
     )
     parser.add_argument("--data", metavar="FOLDER", help="its data folder, instead of the file")
+
+
+def elsewhere(options: argparse.Namespace) -> str:
+    """Return where the gateway is that is meant; empty: on this machine.
+
+    Raises:
+        OutOfBounds: One here and one elsewhere are named.
+    """
+    named = options.data is not None or not isinstance(options.config, AssumedFile)
+    return remote.url_of(options, here=named)
 
 
 def data_of(options: argparse.Namespace) -> Path:

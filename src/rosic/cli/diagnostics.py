@@ -16,8 +16,9 @@ from rosic.app.admin.history import AT_MOST, HistoryParameters
 from rosic.app.config import Config, load_config
 from rosic.app.setup import DiagnosticFinding, FindingVerdict, examine
 from rosic.app.setup.check import check_all
-from rosic.cli.client import CONFIG, add_where, joined, looked_up, printed, seconds
-from rosic.errors import ConfigurationError
+from rosic.cli import remote
+from rosic.cli.client import CONFIG, add_where, elsewhere, joined, looked_up, printed, seconds
+from rosic.errors import ConfigurationError, OutOfBounds
 from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
@@ -74,7 +75,15 @@ def history(arguments: Sequence[str]) -> int:
     )
     parser.add_argument("--json", action="store_true", help="one list, for programs")
     add_where(parser)
+    remote.add_gateway(parser)
     options = parser.parse_args(joined(arguments, ("--since",)))
+    if url := elsewhere(options):
+        if options.person or options.since is not None:
+            raise OutOfBounds("A gateway elsewhere shows its newest orders: name a robot at most.")
+        robot = options.robot
+        return remote.run_there(
+            options, url, lambda there: remote.history(there, robot, json=options.json)
+        )
     asked = HistoryParameters(
         robot=options.robot,
         person=options.person,

@@ -17,7 +17,8 @@ from rosic.app.config import Config, load_config
 from rosic.app.logging import keep_memory_private, log_to_standard_error
 from rosic.app.runtime import face_of
 from rosic.app.service import GatewayService
-from rosic.cli.client import CONFIG, add_where, ask, begun_ns, changed, data_of
+from rosic.cli import remote
+from rosic.cli.client import CONFIG, add_where, ask, begun_ns, changed, data_of, elsewhere
 from rosic.cli.people import show
 from rosic.config.plugins import of_locale
 from rosic.config.secrets import open_to_others
@@ -42,7 +43,12 @@ def status(arguments: Sequence[str]) -> int:
     parser.add_argument("robots", metavar="ROBOT", nargs="*")
     parser.add_argument("--json", action="store_true", help="one list, for programs")
     add_where(parser)
+    remote.add_gateway(parser)
     options = parser.parse_args(arguments)
+    if url := elsewhere(options):
+        return remote.run_there(
+            options, url, lambda there: remote.status(there, options.robots, json=options.json)
+        )
     body = AS_JSON if options.json else NOTHING
     return ask(data_of(options), AdminRequest(AdminVerb.STATUS, tuple(options.robots), body))
 
@@ -59,7 +65,10 @@ def stop(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="rosic stop", description=STOP_ABOUT)
     parser.add_argument("robots", metavar="ROBOT", nargs="*")
     add_where(parser)
+    remote.add_gateway(parser)
     options = parser.parse_args(arguments)
+    if url := elsewhere(options):
+        return remote.run_there(options, url, lambda there: remote.stop(there, options.robots))
     return ask(data_of(options), AdminRequest(AdminVerb.STOP, tuple(options.robots)))
 
 
@@ -79,9 +88,14 @@ def resume(arguments: Sequence[str]) -> int:
     parser.add_argument("robots", metavar="ROBOT", nargs="*", help="a robot, or a group")
     parser.add_argument(ALL, action="store_true", dest="everything", help="every stopped one")
     add_where(parser)
+    remote.add_gateway(parser)
     options = parser.parse_args(arguments)
     if options.everything and options.robots:
         raise OutOfBounds(f"Name robots, or say {ALL}.")
+    if url := elsewhere(options):
+        whom = ["all"] if options.everything else options.robots
+        line = " ".join(["resume", *whom])
+        return remote.run_there(options, url, lambda there: remote.say(there, line))
     names = (ALL,) if options.everything else tuple(options.robots)
     return ask(data_of(options), AdminRequest(AdminVerb.RESUME, names))
 

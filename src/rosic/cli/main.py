@@ -60,6 +60,8 @@ COMMANDS: dict[str, Subcommand] = {
     "resume": Subcommand(
         "rosic.cli.gateway:resume", "let stopped robots of the running gateway go on"
     ),
+    "order": Subcommand("rosic.cli.remote:order", "give an order to a gateway elsewhere"),
+    "orders": Subcommand("rosic.cli.remote:orders", "the orders of a gateway elsewhere"),
     "people": Subcommand("rosic.cli.people:people", "who is known, with which roles"),
     "invite": Subcommand("rosic.cli.people:invite", "a code that lets one person in, once"),
     "lock": Subcommand("rosic.cli.people:lock", "keep somebody out for now; what they move stops"),
