@@ -72,8 +72,8 @@ async def test_somebody_signs_in_by_their_chat_and_orders_by_form_and_by_line(
         await there.say("omni turn left 20")
         await expect(page.locator(".messages")).to_contain_text("turn, 20 deg left")
         await expect(page.locator("table.orders tbody tr").first).to_contain_text("done")
-        assert await there.violations() == []
         await there.picture(f"drive-{name}", whole=size is DESK)
+        assert await there.violations() == []
 
 
 @SIZES
@@ -114,6 +114,7 @@ async def test_stop_is_handed_over_at_once_and_true_when_it_says_at_rest(
                 await page.keyboard.press("Space")
             else:
                 await button.tap()
+            await place.until(lambda: len(STOPPED_AT) >= 6)
             await expect(page.locator(".stop-said strong")).to_have_text("At rest")
             pressed_s = await page.evaluate("window.pressed") / 1000
             assert {robot for robot, _ in STOPPED_AT} >= {"omni", "kuka1", "yumi", "cf1"}
@@ -181,8 +182,8 @@ async def test_what_was_sent_and_not_received_stands_out() -> None:
         await there.say("kuka1 grasp force=20")
         await there.go("live")
         await expect(there.page.locator("table.orders")).to_contain_text("grasp, 20 N")
-        assert await there.violations() == []
         await there.picture("mismatch")
+        assert await there.violations() == []
 
 
 async def test_a_pulled_cable_is_said_within_two_seconds() -> None:
@@ -319,8 +320,8 @@ async def test_in_german_and_in_the_dark_and_on_the_wall() -> None:
         await expect(page.get_by_text("Vom Roboter empfangen")).to_be_visible()
         await expect(page.locator("table.orders tbody tr")).to_have_count(3)
         await expect(page.locator("table.orders tbody tr").last).to_contain_text("fertig")
-        assert await there.violations() == []
         await there.picture("live-wall-dark")
+        assert await there.violations() == []
 
 
 async def test_the_live_page_at_the_desk_and_on_the_phone() -> None:
@@ -336,10 +337,9 @@ async def test_the_live_page_at_the_desk_and_on_the_phone() -> None:
         await expect(there.page.locator("table.orders tbody tr")).to_contain_text(["done"])
         await there.go("live")
         await expect(there.page.locator("table.orders tbody tr")).to_have_count(3)
-        assert await there.violations() == []
         await there.picture("live-desk", whole=True)
         await there.page.set_viewport_size(PHONE)  # type: ignore[arg-type]
-        assert await there.violations() == []
         wide = await there.page.evaluate("document.documentElement.scrollWidth")
         assert wide <= PHONE["width"]
         await there.picture("live-phone")
+        assert await there.violations() == []

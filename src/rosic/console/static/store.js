@@ -148,6 +148,7 @@ let socket = null;
 let run = "";
 let tries = 0;
 let missed = 0; // counted, not timed: a page that stood still itself has missed nothing
+let looked = 0;
 let asked = [];
 let retry = 0;
 
@@ -199,7 +200,9 @@ setInterval(() => {
   if (!socket) return;
   if (missed > MISSED_AT_MOST) gone(0, "");
   else send({ op: "ping", id: "" });
-  missed += 1;
+  const late = performance.now() - looked > 2 * PING_MS;
+  looked = performance.now();
+  if (!late) missed += 1;
 }, PING_MS);
 
 function subscribe(topics) {
