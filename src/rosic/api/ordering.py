@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.api.order_feed import order_id
 from rosic.api.problems import problem
-from rosic.api.schemas import AnswerOut, OrderOut, StopOut
+from rosic.api.schemas import AnswerOut, ChatIn, OrderOut, StopOut
 from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.i18n import said
 from rosic.core.identity import PAGE
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rosic.api.callers import ApiCaller
     from rosic.api.context import ApiContext
     from rosic.api.order_feed import OrderEntry
-    from rosic.api.schemas import ChatIn, OrderIn, Problem, StopIn
+    from rosic.api.schemas import OrderIn, Problem, StopIn
     from rosic.core.message import Inbound, Outbound
     from rosic.messengers.program.calls import ToolCall
 
@@ -247,6 +247,18 @@ class CallerRequests:
             return AnswerOut(sentence, AnswerState.GOES_ON.value)
         finally:
             messenger.calls.close(call)
+
+    async def command(self, caller: ApiCaller, line: str) -> AnswerOut:
+        """Say one line, and return its answer.
+
+        Raises:
+            RefusedOrder: It was refused; the problem says why. Nothing was changed by it.
+            MessengerFault: Nobody listens. Nothing was done.
+        """
+        answer = await self.say(caller, ChatIn(text=line))
+        if answer.state == AnswerState.NOT_DONE.value:
+            raise RefusedOrder(problem(answer.code or "order-void", answer.text))
+        return answer
 
     def _said(self, caller: ApiCaller, wanted: ChatIn) -> ToolCall:
         context = self._context

@@ -35,6 +35,7 @@ from rosic.api.order_feed import OrderFeed
 from rosic.api.ordering import CallerRequests, RefusedOrder
 from rosic.api.problems import answer, problem, problem_of
 from rosic.api.read_rates import ReadRates, asking_from
+from rosic.api.resource_routes import ROUTES as RESOURCES
 from rosic.api.routes import OPEN, ROUTES, events
 from rosic.errors import ConfigurationError, RosicError, Unrecognised
 
@@ -202,7 +203,9 @@ class ApiServer:
         passkeys, ceremonies = self._passkeys()
         return Litestar(
             route_handlers=[
-                Router("/v1", route_handlers=[*ROUTES, *passkeys, events], guards=[known]),
+                Router(
+                    "/v1", route_handlers=[*ROUTES, *RESOURCES, *passkeys, events], guards=[known]
+                ),
                 foxglove,
             ],
             dependencies={

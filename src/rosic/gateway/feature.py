@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
     from rosic.gateway.container_context import ContainerContext
     from rosic.gateway.delivery.notifier import Notifier
+    from rosic.gateway.observed_state import OpenAlerts, TelemetryHistory
     from rosic.gateway.order_services import AlertTasks, OrderServices
     from rosic.gateway.pipeline import Pipeline
     from rosic.gateway.policy_service import PolicyEnforcer
@@ -149,6 +150,8 @@ class SharedParts:
         robot_adder: Adds robots while the gateway runs.
         alarm_news: Tells what an alarm says: of which robot, in which words, and whether it begins.
         page_url: Where the page is, if there is one.
+        telemetry: What robots reported in the last minutes.
+        alerts: Which alarms are open.
         grants_ended: Tells of the rights that have just ended by the clock.
         file_offers: Return what may be done with a file that somebody has sent, as buttons.
     """
@@ -161,6 +164,8 @@ class SharedParts:
         self.robot_tasks: Provided[RobotTasks] = Provided("tasks for robots")
         self.engaged: Provided[Callable[[RobotId], bool]] = Provided("who helps whom")
         self.page_url: Provided[str] = Provided("a page")
+        self.telemetry: Provided[TelemetryHistory] = Provided("what robots reported")
+        self.alerts: Provided[OpenAlerts] = Provided("open alarms")
         self.robot_adder: Provided[RobotAdder] = Provided("adding robots")
         self.alarm_news: Signal[[RobotId, str, bool]] = Signal()
         self.grants_ended: Signal[[Sequence[tuple[PrincipalId, Grant]]]] = Signal()

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["AlertFeature", "read_rules", "setup"]
 
 NEEDS: Final = ("alert_tasks",)
+PROVIDES: Final = ("alerts",)
 
 
 class AlertFeature(Feature):
@@ -79,6 +80,7 @@ def setup(kernel: Kernel) -> AlertFeature:
         watch_reactions(messenger, partial(reacting.reacted, messenger))
     absences = OfflineNotices(rooms, kernel.pipeline.executor, reach, clock)
     kernel.pipeline.executor.watching.still_moves.connect(absences.still_moves)
+    kernel.shared.alerts.provide(alerting)
     AlertCommands(alerting, rooms, changes).register(kernel.commands)
     broken_stops = StopViolations(rooms, orders.reach, clock, circles)
     return AlertFeature(alerting, reacting, absences, broken_stops, rooms.vocabularies)

@@ -21,12 +21,13 @@ from rosic.features.alerts import messages as words
 from rosic.features.alerts.active_alerts import ActiveAlert, AlertLog, AlertOccurrence, unpacked
 from rosic.features.alerts.notifications import AlertNotifications
 from rosic.features.alerts.recipients import AlertNews, NewsKind
+from rosic.gateway.observed_state import OpenAlert
 from rosic.gateway.scheduling import go_round
 from rosic.gateway.transactions import WriteBehind
 from rosic.organiser.calendar_messages import length
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
     from rosic.core.alerts.rule import AlertRule
@@ -312,6 +313,17 @@ class AlertEvaluator:
         if len(rules) > LISTED_AT_MOST:
             return grouped_messages.you_saw(rules, self.shown)
         return words.you_saw([words.one(rule, self.shown(rule), "", "") for rule in rules])
+
+    def open_now(self, robots: Collection[RobotId]) -> tuple[OpenAlert, ...]:
+        """Return the open alarms of some robots, the newest first."""
+        found = []
+        for robot in robots:
+            for following in self.following.get(robot, ()):
+                if (alarm := following.alarm) is not None:
+                    now = following.now(self._assess(robot, self._rooms.linker.presence(robot)))
+                    name = following.rule.alert.name
+                    found.append(OpenAlert(robot, name, alarm.at_ns, now, alarm.by))
+        return tuple(sorted(found, key=lambda alert: -alert.at_ns))
 
     def seen_before(self, following: ActiveRule) -> str:
         """Return that somebody else was faster, who has seen it."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MediaFeature", "setup"]
 
-PROVIDES: Final = ("camera",)
+PROVIDES: Final = ("camera", "telemetry")
 
 
 class MediaFeature(Feature):
@@ -91,4 +91,5 @@ def setup(kernel: Kernel) -> MediaFeature:
     register_commands(kernel.commands, media)
     pipeline.hooks.view_buttons.bind(partial(view_buttons, media))
     kernel.shared.camera.provide(DashboardCamera(media))
+    kernel.shared.telemetry.provide(media.sampler)
     return MediaFeature(media, pipeline.executor)

@@ -155,6 +155,15 @@ class TelemetrySampler:
         self._open: dict[RobotId, RobotTrack] = {}
         self._following: asyncio.Task[None] | None = None
 
+    def names(self, robot: RobotId) -> tuple[str, ...]:
+        """Return the values of a robot that were ever a number."""
+        return self.samples.names(robot)
+
+    def values(self, robot: RobotId, name: str) -> tuple[tuple[float, float], ...]:
+        """Return how many seconds ago which value was reported, the oldest first."""
+        now_s = self._clock.monotonic_ns() / 1e9
+        return tuple((-at_s, x) for at_s, x in self.samples.points(robot, name, now_s))
+
     def add_robot(self, profile: Profile) -> None:
         """Sample what a robot reports, from the next round on."""
         if profile.telemetry:

@@ -1,0 +1,323 @@
+"""The routes of what there is beside orders: telemetry, times, people, alarms, files, the past.
+
+What changes something is said as a line, like whatever else is said: the same rights, the same
+sentences, the same record.
+"""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Annotated, Final
+from urllib.parse import quote
+
+from litestar import Response, delete, get, post
+from litestar.params import FromPath, JSONBody, QueryParameter
+from litestar.response import Stream as StreamedResponse
+from litestar.status_codes import HTTP_200_OK, HTTP_201_CREATED
+
+from rosic.api.resource_schemas import (
+    AlertOut,
+    BookingIn,
+    BookingOut,
+    FileOut,
+    HistoryEntryOut,
+    PersonOut,
+    SampleOut,
+    TelemetryOut,
+)
+from rosic.api.routes import Api, Speech, Who
+from rosic.api.schemas import AnswerOut, moment
+from rosic.container.files import pieces_of
+from rosic.core.history import HistoryQuery
+from rosic.core.i18n import in_language, said
+from rosic.core.time_units import DAY_NS, MINUTE_NS, SECOND_NS
+from rosic.errors import NotFound, NotPermitted, NotUnderstood
+from rosic.organiser.calendar_messages import bookable
+
+if TYPE_CHECKING:
+    from rosic.api.callers import ApiCaller
+    from rosic.api.context import ApiContext
+    from rosic.container.files import StoredFile
+    from rosic.core.slot import BookedSlot
+    from rosic.gateway.container_context import ContainerContext
+
+WEEK_NS: Final = 7 * DAY_NS
+SPAN_NS: Final = 62 * DAY_NS
+LISTED_AT_MOST: Final = 1_000
+NO_MOMENT: Final = said("That is no time: write it as 2027-02-01T14:00:00Z.")
+NO_MINUTE: Final = said("A booking begins at a full minute.")
+SPAN: Final = said("Ask for at most 62 days at once, the earlier day first.")
+UNKNOWN_BOOKING: Final = said("There is no such booking, as far as you may see.")
+UNKNOWN_FILE: Final = said("You keep no such file here.")
+NO_RECORD: Final = said("This record cannot be looked into.")
+PEOPLE_ONLY: Final = said("Who is known here is shown to whoever looks after people.")
+Robot = Annotated[str, QueryParameter(name="robot", max_length=64)]
+Moment = Annotated[str, QueryParameter(max_length=40)]
+
+
+@get("/robots/{robot:str}/telemetry", summary="How a value was lately", tags=["robots"])
+async def telemetry(
+    api: Api,
+    caller: Who,
+    robot: FromPath[str],
+    value: Annotated[str, QueryParameter(name="value", max_length=64)] = "",
+    since_s: Annotated[float, QueryParameter(name="since_s", ge=0, le=86_400)] = 3_600.0,
+) -> TelemetryOut:
+    """Return what a robot has reported of a value, as far as it is kept; none: which there are."""
+    profile = api.profile(caller, robot)
+    shared = api.kernel.shared.telemetry.find()
+    names = () if shared is None else tuple(shared.names(robot))
+    told = shared.values(robot, value) if shared is not None and value in names else ()
+    now_ns = api.kernel.machine_clock.wall_ns()
+    samples = tuple(
+        SampleOut(moment(now_ns - int(ago_s * SECOND_NS)), number)
+        for ago_s, number in told
+        if ago_s <= since_s
+    )
+    known = profile.telemetry.get(value)
+    return TelemetryOut(robot, value, "" if known is None else known.unit, names, samples)
+
+
+# ---- bookings ----
+
+
+@get("/bookings", summary="Whose time it is", tags=["bookings"])
+async def bookings(
+    api: Api,
+    caller: Who,
+    robot: Robot = "",
+    begin: Annotated[str, QueryParameter(name="from", max_length=40)] = "",
+    end: Annotated[str, QueryParameter(name="to", max_length=40)] = "",
+) -> list[BookingOut]:
+    """Return the times of robots that the caller may see; of the week to come, if none is said."""
+    if robot:
+        api.profile(caller, robot)
+    from_ns = _read(begin) if begin else api.kernel.clock.wall_ns()
+    to_ns = _read(end) if end else from_ns + WEEK_NS
+    if not 0 < to_ns - from_ns <= SPAN_NS:
+        raise NotUnderstood(SPAN)
+    wanted = [robot] if robot else sorted(api.visible(caller))
+    calendar = api.kernel.rooms.organiser.calendar
+    found = [slot for each in wanted for slot in calendar.on(each, from_ns, to_ns)]
+    found.sort(key=lambda slot: slot.start_ns)
+    return [_booking(api, caller, slot) for slot in found[:LISTED_AT_MOST]]
+
+
+@post("/bookings", status_code=HTTP_201_CREATED, summary="Book a robot", tags=["bookings"])
+async def book(api: Api, speech: Speech, caller: Who, data: JSONBody[BookingIn]) -> BookingOut:
+    """Have a robot for a time, as `/book` does."""
+    robot = api.profile(caller, data.robot).id
+    start_ns = _read(data.start)
+    if start_ns % MINUTE_NS:
+        raise NotUnderstood(NO_MINUTE)
+    calendar = api.kernel.rooms.organiser.calendar
+    line = bookable(robot, start_ns, data.minutes * 60, calendar.zone(caller.principal))
+    answer = await speech.command(caller, f"/{line}")
+    for slot in calendar.on(robot, start_ns, start_ns + MINUTE_NS):
+        if slot.principal == caller.principal and slot.start_ns == start_ns:
+            return _booking(api, caller, slot)
+    raise NotUnderstood(answer.text)
+
+
+@delete(
+    "/bookings/{booking:str}",
+    status_code=HTTP_200_OK,
+    summary="Give a time back",
+    tags=["bookings"],
+)
+async def give_back(api: Api, speech: Speech, caller: Who, booking: FromPath[str]) -> AnswerOut:
+    """Give a time back, as `/cancel booking` does; one that has begun ends now."""
+    slot = api.kernel.rooms.organiser.calendar.slot(booking)
+    known = slot is not None and (
+        slot.principal == caller.principal or slot.robot in api.visible(caller)
+    )
+    if slot is None or not known:
+        raise NotFound(UNKNOWN_BOOKING)
+    return await speech.command(caller, f"/cancel booking only {slot.id}")
+
+
+def _booking(api: ApiContext, caller: ApiCaller, slot: BookedSlot) -> BookingOut:
+    return BookingOut(
+        id=slot.id,
+        robot=slot.robot,
+        who=api.kernel.rooms.authoriser.directory.name(slot.principal),
+        own=slot.principal == caller.principal,
+        start=moment(slot.start_ns),
+        end=moment(slot.end_ns),
+        series=slot.series,
+    )
+
+
+def _read(text: str) -> int:
+    """Read a time of RFC 3339, in nanoseconds of the wall clock.
+
+    Raises:
+        NotUnderstood: It is none, or says no zone.
+    """
+    try:
+        found = datetime.fromisoformat(text)
+        if found.tzinfo is None:
+            raise NotUnderstood(NO_MOMENT)
+        whole = found.astimezone(UTC)
+        return int(whole.timestamp()) * SECOND_NS + whole.microsecond * 1_000
+    except (ValueError, OverflowError):
+        raise NotUnderstood(NO_MOMENT) from None
+
+
+# ---- people, alarms ----
+
+
+@get("/people", summary="Who is known here", tags=["people"])
+async def people(api: Api, caller: Who) -> list[PersonOut]:
+    """Return everybody who is known, for whoever looks after people."""
+    organiser = api.kernel.rooms.organiser
+    if caller.principal not in api.kernel.admins() or caller.principal in organiser.locked:
+        raise NotPermitted(PEOPLE_ONLY)
+    known = api.kernel.rooms.authoriser.directory.people()
+    return [
+        PersonOut(
+            id=one.id,
+            name=one.name,
+            kind="program" if any(at.platform == "program" for at in one.addresses) else "person",
+            roles=one.roles,
+            locked=one.id in organiser.locked,
+        )
+        for one in known
+    ]
+
+
+@get("/alerts", summary="What is wrong now", tags=["alerts"])
+async def alerts(api: Api, caller: Who) -> list[AlertOut]:
+    """Return the open alarms of robots that the caller may see, the newest first."""
+    shared = api.kernel.shared.alerts.find()
+    found = () if shared is None else shared.open_now(api.visible(caller))
+    catalogue = api.languages.of(caller.principal)
+    name = api.kernel.rooms.authoriser.directory.name
+    return [
+        AlertOut(
+            robot=one.robot,
+            name=one.name,
+            at=moment(one.at_ns),
+            measured=in_language(one.measured, catalogue),
+            seen_by=name(one.by) if one.by else "",
+        )
+        for one in found
+    ]
+
+
+@post(
+    "/robots/{robot:str}/alerts/seen",
+    status_code=HTTP_200_OK,
+    summary="I have seen what is wrong",
+    tags=["alerts"],
+)
+async def seen(api: Api, speech: Speech, caller: Who, robot: FromPath[str]) -> AnswerOut:
+    """Say that the caller has seen the alarms of a robot, as `/seen` does."""
+    return await speech.command(caller, f"/seen {api.profile(caller, robot).id}")
+
+
+# ---- files ----
+
+
+@get("/files", summary="My files", tags=["files"])
+async def files(api: Api, caller: Who) -> list[FileOut]:
+    """Return the caller's own files."""
+    containers = _containers(api, caller)
+    kept = () if containers is None else containers.files.of(caller.principal)
+    return [
+        FileOut(one.id, one.name, one.size, one.media_type, one.digest.hex(), moment(one.at_ns))
+        for one in kept
+    ]
+
+
+@get("/files/{file:str}", summary="What is in a file", tags=["files"])
+async def file_content(api: Api, caller: Who, file: FromPath[str]) -> StreamedResponse:
+    """Return the content of a file of the caller's; a browser only saves it."""
+    containers, filed = _own_file(api, caller, file)
+    headers = {
+        "Content-Disposition": f"attachment; filename*=UTF-8''{quote(filed.name, safe='')}",
+        "Content-Length": str(filed.size),
+        "Cache-Control": "no-store",
+    }
+    pieces = pieces_of(containers.container_store, filed)
+    return StreamedResponse(pieces, media_type="application/octet-stream", headers=headers)
+
+
+@delete("/files/{file:str}", summary="Delete a file", tags=["files"])
+async def delete_file(api: Api, caller: Who, file: FromPath[str]) -> Response[None]:
+    """Delete a file of the caller's, for good."""
+    containers, _ = _own_file(api, caller, file)
+    async with containers.changes.turn() as turn:
+        await turn.write(containers.files.drop(_own_file(api, caller, file)[1].id))
+    return Response(None, status_code=204)
+
+
+def _containers(api: ApiContext, caller: ApiCaller) -> ContainerContext | None:
+    """Return what is kept; None where it cannot be looked into, and for whoever is locked out."""
+    locked = caller.principal in api.kernel.rooms.organiser.locked
+    return None if locked else api.kernel.containers
+
+
+def _own_file(api: ApiContext, caller: ApiCaller, file: str) -> tuple[ContainerContext, StoredFile]:
+    containers = _containers(api, caller)
+    if containers is not None:
+        for one in containers.files.of(caller.principal):
+            if one.id == file:
+                return containers, one
+    raise NotFound(UNKNOWN_FILE)
+
+
+# ---- the past ----
+
+
+@get("/history", summary="What was asked before", tags=["history"])
+async def history(
+    api: Api,
+    caller: Who,
+    robot: Robot = "",
+    since_s: Annotated[float, QueryParameter(name="since_s", ge=0, le=3e8)] = 86_400.0,
+    most: Annotated[int, QueryParameter(name="limit", ge=1, le=LISTED_AT_MOST)] = 100,
+) -> list[HistoryEntryOut]:
+    """Return what was asked for, the newest first.
+
+    One's own; of a robot also what others asked, for whoever may read that.
+    """
+    containers = _containers(api, caller)
+    if containers is None:
+        raise NotFound(NO_RECORD)
+    named = api.profile(caller, robot).id if robot else ""
+    whole = bool(named) and api.oversees(caller, named)
+    query = HistoryQuery(
+        principal="" if whole else caller.principal,
+        robot=named,
+        since_ns=max(0, api.kernel.clock.wall_ns() - int(since_s * SECOND_NS)),
+        limit=most,
+    )
+    name = api.kernel.rooms.authoriser.directory.name
+    return [
+        HistoryEntryOut(
+            at=moment(one.at_ns),
+            who=name(one.principal),
+            kind=one.kind,
+            robot=one.robot,
+            skill=one.skill,
+            outcome=one.outcome,
+            ended=moment(one.ended_ns) if one.ended_ns else None,
+        )
+        for one in await containers.container_store.history(query)
+    ]
+
+
+ROUTES: Final = (
+    telemetry,
+    bookings,
+    book,
+    give_back,
+    people,
+    alerts,
+    seen,
+    files,
+    file_content,
+    delete_file,
+    history,
+)

@@ -1,0 +1,120 @@
+"""What is sent and received of telemetry, times, people, alarms, files and the past."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import msgspec
+
+from rosic.api.schemas import Name
+
+
+class SampleOut(msgspec.Struct, frozen=True):
+    """One value, and when it was reported."""
+
+    at: str
+    value: float
+
+
+class TelemetryOut(msgspec.Struct, frozen=True):
+    """How a value was in the last minutes, the oldest first.
+
+    Attributes:
+        unit: Of the values; empty: they have none.
+        names: What of this robot may be asked for.
+    """
+
+    robot: str
+    name: str
+    unit: str
+    names: tuple[str, ...]
+    samples: tuple[SampleOut, ...]
+
+
+class BookingOut(msgspec.Struct, frozen=True):
+    """A time in which a robot is somebody's.
+
+    Attributes:
+        who: Name of whose it is.
+        own: It is the caller's.
+        series: Id of what it comes again with; empty: it was booked alone.
+    """
+
+    id: str
+    robot: str
+    who: str
+    own: bool
+    start: str
+    end: str
+    series: str
+
+
+class BookingIn(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A time that somebody would like, for themselves.
+
+    Attributes:
+        start: RFC 3339, a full minute.
+        minutes: How long.
+    """
+
+    robot: Name
+    start: Annotated[str, msgspec.Meta(min_length=16, max_length=40)]
+    minutes: Annotated[int, msgspec.Meta(ge=1, le=10_080)]
+
+
+class PersonOut(msgspec.Struct, frozen=True):
+    """Somebody who is known here.
+
+    Attributes:
+        kind: ``person`` or ``program``.
+        locked: They are shut out for now.
+    """
+
+    id: str
+    name: str
+    kind: str
+    roles: tuple[str, ...]
+    locked: bool
+
+
+class AlertOut(msgspec.Struct, frozen=True):
+    """An alarm that is open.
+
+    Attributes:
+        measured: What is measured now.
+        seen_by: Name of who has seen it; empty: nobody yet.
+    """
+
+    robot: str
+    name: str
+    at: str
+    measured: str
+    seen_by: str
+
+
+class FileOut(msgspec.Struct, frozen=True):
+    """A file of the caller's."""
+
+    id: str
+    name: str
+    size: int
+    media_type: str
+    sha256: str
+    at: str
+
+
+class HistoryEntryOut(msgspec.Struct, frozen=True):
+    """Something that was asked before, or a robot that was stopped.
+
+    Attributes:
+        kind: ``claimed``, ``refused``, ``resumed`` or ``stopped``.
+        outcome: How it ended, or why it was refused; empty while it goes on.
+    """
+
+    at: str
+    who: str
+    kind: str
+    robot: str
+    skill: str
+    outcome: str
+    ended: str | None

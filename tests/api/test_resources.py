@@ -1,0 +1,172 @@
+"""What there is beside orders: telemetry, times, people, alarms, files, the past."""
+
+from __future__ import annotations
+
+import asyncio
+from datetime import UTC, datetime, timedelta
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from tests.api.served import problem, served
+from tests.pace import pace
+
+if TYPE_CHECKING:
+    import httpx
+
+TOMORROW = (datetime.now(UTC) + timedelta(days=1)).replace(second=0, microsecond=0)
+
+
+def at(hours: float) -> str:
+    return (TOMORROW + timedelta(hours=hours)).isoformat().replace("+00:00", "Z")
+
+
+async def test_a_value_is_shown_as_it_was_to_whoever_sees_the_robot() -> None:
+    async with served() as place:
+        hal = await place.program("viewer")
+        path, told = "/v1/robots/omni/telemetry", dict[str, Any]()
+        async with asyncio.timeout(60 * pace()):
+            while not told.get("samples"):
+                names = (await hal.get(path)).json()["names"]
+                if names:
+                    told = (await hal.get(path, params={"value": names[0]})).json()
+                await asyncio.sleep(0.1)
+        assert told["name"] in told["names"]
+        moments = [sample["at"] for sample in told["samples"]]
+        assert moments == sorted(moments)
+        nothing = (await hal.get("/v1/robots/omni/telemetry?value=nonsense")).json()
+        assert nothing["samples"] == []
+        unknown = await hal.get("/v1/robots/nobody/telemetry?value=battery")
+        assert problem(unknown)[:2] == (404, "not-found")
+
+
+async def test_a_time_is_booked_seen_and_given_back_like_in_the_chat() -> None:
+    async with served() as place:
+        ada, bo, vi = [await place.person(name) for name in ("Ada", "Bo", "Vi")]
+        booked = await bo.post(
+            "/v1/bookings", json={"robot": "kuka1", "start": at(2), "minutes": 60}
+        )
+        assert booked.status_code == 201, booked.text
+        slot = booked.json()
+        assert (slot["robot"], slot["who"], slot["own"]) == ("kuka1", "Bo", True)
+        assert slot["start"][:16] == at(2)[:16]
+        assert slot["end"][:16] == at(3)[:16]
+        span = {"from": at(0), "to": at(24)}
+        seen = (await vi.get("/v1/bookings", params=span)).json()
+        assert [(one["id"], one["who"], one["own"]) for one in seen] == [(slot["id"], "Bo", False)]
+        assert (await vi.get("/v1/bookings", params=span | {"robot": "omni"})).json() == []
+        taken = await ada.post(
+            "/v1/bookings", json={"robot": "kuka1", "start": at(2.5), "minutes": 60}
+        )
+        status, _, sentence = problem(taken)
+        assert status == 409
+        assert "is taken by Bo" in sentence
+        may_not = await vi.post(
+            "/v1/bookings", json={"robot": "kuka1", "start": at(5), "minutes": 60}
+        )
+        assert problem(may_not)[:2] == (403, "not-permitted")
+        not_own = await vi.delete(f"/v1/bookings/{slot['id']}")
+        assert problem(not_own)[:2] == (403, "not-permitted")
+        back = await bo.delete(f"/v1/bookings/{slot['id']}")
+        assert back.status_code == 200, back.text
+        assert (await vi.get("/v1/bookings", params=span)).json() == []
+        gone = await bo.delete(f"/v1/bookings/{slot['id']}")
+        assert problem(gone)[:2] == (404, "not-found")
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        ({"robot": "nobody", "start": at(2), "minutes": 60}, (404, "not-found")),
+        ({"robot": "kuka1", "start": "tomorrow at two", "minutes": 60}, (400, "not-understood")),
+        (
+            {"robot": "kuka1", "start": "2027-02-01T14:00:00", "minutes": 60},
+            (422, "not-understood"),
+        ),
+        (
+            {"robot": "kuka1", "start": "2027-02-01T14:00:30Z", "minutes": 60},
+            (422, "not-understood"),
+        ),
+        (
+            {"robot": "kuka1", "start": "2020-02-01T14:00:00Z", "minutes": 60},
+            (422, "out-of-bounds"),
+        ),
+        ({"robot": "kuka1\nstop", "start": at(2), "minutes": 60}, (404, "not-found")),
+        ({"robot": "kuka1", "start": at(2), "minutes": 0}, (400, "not-understood")),
+    ],
+)
+async def test_what_is_no_booking_is_refused(
+    body: dict[str, object], expected: tuple[int, str]
+) -> None:
+    async with served() as place:
+        bo = await place.person("Bo")
+        answer = await bo.post("/v1/bookings", json=body)
+        assert problem(answer)[:2] == expected
+
+
+async def test_people_are_shown_to_whoever_looks_after_them() -> None:
+    async with served() as place:
+        ada, bo = await place.person("Ada"), await place.person("Bo")
+        await place.key("viewer", name="Hal")
+        known = {one["name"]: one for one in (await ada.get("/v1/people")).json()}
+        assert {name: one["kind"] for name, one in known.items()} == {
+            "Ada": "person",
+            "Bo": "person",
+            "Vi": "person",
+            "Hal": "program",
+        }
+        assert known["Bo"]["roles"] == ["operator"]
+        assert not known["Bo"]["locked"]
+        assert problem(await bo.get("/v1/people"))[:2] == (403, "not-permitted")
+
+
+async def test_what_was_asked_is_shown_to_who_asked_and_to_who_may_read_it() -> None:
+    async with served() as place:
+        ada, bo, vi = [await place.person(name) for name in ("Ada", "Bo", "Vi")]
+        order = {"skill": "move", "arguments": {"distance": 0.1}, "wait_s": 30}
+        await bo.post("/v1/robots/omni/orders", json=order)
+        own = (await bo.get("/v1/history")).json()
+        assert [(one["who"], one["robot"], one["skill"], one["outcome"]) for one in own] == [
+            ("Bo", "omni", "move", "done")
+        ]
+        assert (await vi.get("/v1/history?robot=omni")).json() == []
+        assert (await vi.get("/v1/history")).json() == []
+        assert [one["who"] for one in (await ada.get("/v1/history?robot=omni")).json()] == ["Bo"]
+        assert (await ada.get("/v1/history?robot=kuka1")).json() == []
+
+
+async def test_files_are_their_owners_alone() -> None:
+    async with served() as place:
+        place.chat.enclose("notes.txt", b"one two three", account="bo", chat="bo")
+        ada, bo = await place.person("Ada"), await place.person("Bo")
+        await place.until(
+            lambda: (
+                place.gateway.kernel.containers is not None
+                and place.gateway.kernel.containers.files.of(place.principal("Bo"))
+            )
+        )
+        [kept] = (await bo.get("/v1/files")).json()
+        assert (kept["name"], kept["size"]) == ("notes.txt", 13)
+        content = await bo.get(f"/v1/files/{kept['id']}")
+        assert content.content == b"one two three"
+        assert content.headers["content-disposition"] == "attachment; filename*=UTF-8''notes.txt"
+        assert content.headers["content-type"] == "application/octet-stream"
+        assert content.headers["x-content-type-options"] == "nosniff"
+        await others_get_nothing(ada, kept["id"])
+        assert (await bo.delete(f"/v1/files/{kept['id']}")).status_code == 204
+        assert (await bo.get("/v1/files")).json() == []
+
+
+async def others_get_nothing(other: httpx.AsyncClient, file: str) -> None:
+    assert (await other.get("/v1/files")).json() == []
+    assert problem(await other.get(f"/v1/files/{file}"))[:2] == (404, "not-found")
+    assert problem(await other.delete(f"/v1/files/{file}"))[:2] == (404, "not-found")
+
+
+async def test_alarms_that_are_open_are_shown_and_nobody_sees_others() -> None:
+    async with served() as place:
+        bo = await place.person("Bo")
+        assert (await bo.get("/v1/alerts")).json() == []
+        answer = await bo.post("/v1/robots/omni/alerts/seen")
+        assert answer.status_code in {200, 409, 422}
+        assert problem(await bo.post("/v1/robots/nobody/alerts/seen"))[:2] == (404, "not-found")
