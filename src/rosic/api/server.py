@@ -36,7 +36,10 @@ from rosic.api.ordering import CallerRequests, RefusedOrder
 from rosic.api.problems import answer, problem, problem_of
 from rosic.api.read_rates import ReadRates, asking_from
 from rosic.api.resource_routes import ROUTES as RESOURCES
+from rosic.api.rosbridge.endpoint import RosbridgeEndpoint, RosbridgeRouter
+from rosic.api.rosbridge.topics import check_topics
 from rosic.api.routes import OPEN, ROUTES, events
+from rosic.api.tickets import TicketBook, new_ticket
 from rosic.errors import ConfigurationError, RosicError, Unrecognised
 
 if TYPE_CHECKING:
@@ -109,6 +112,9 @@ class ApiServer:
         self._speech = CallerRequests(self.context)
         self.stream = EventStream(self.context, self._speech)
         self._connections = FoxgloveConnections(self.context)
+        check_topics(settings.topics, kernel.rooms.profiles)
+        self._tickets = TicketBook(callers, kernel.machine_clock, kernel.entropy.token)
+        self._rosbridge = RosbridgeEndpoint(self.context, self._speech, self._tickets)
         self.port = settings.listen.port
         self._rates = ReadRates(kernel.machine_clock, settings.limits.reads)
         self.app = self._application()
@@ -145,7 +151,7 @@ class ApiServer:
     def _config(self) -> uvicorn.Config:
         settings, limits = self._settings, self._settings.limits
         cookie = self.context.callers.cookie
-        served: App = self.app
+        served: App = RosbridgeRouter(self.app, self._rosbridge)
         if self._pages is not None:
             served = self._pages(served)
         app = AccessChecks(served, settings, cookie, self._rates.policy)
@@ -160,6 +166,8 @@ class ApiServer:
             http=cast("type[asyncio.Protocol]", partial(LimitedHttp, silent)),
             ws=cast("type[asyncio.Protocol]", partial(LimitedSocket, limits)),
             ws_max_size=1 << 20,
+            # Deflating each small message costs more than all else that is done with it.
+            ws_per_message_deflate=False,
             server_header=False,
             date_header=True,
             proxy_headers=bool(settings.proxies),
@@ -204,7 +212,9 @@ class ApiServer:
         return Litestar(
             route_handlers=[
                 Router(
-                    "/v1", route_handlers=[*ROUTES, *RESOURCES, *passkeys, events], guards=[known]
+                    "/v1",
+                    route_handlers=[*ROUTES, *RESOURCES, *passkeys, new_ticket, events],
+                    guards=[known],
                 ),
                 foxglove,
             ],
@@ -213,6 +223,7 @@ class ApiServer:
                 "api": Provide(self._api, sync_to_thread=False),
                 "stream": Provide(self._events, sync_to_thread=False),
                 "speech": Provide(self._calls, sync_to_thread=False),
+                "tickets": Provide(lambda: self._tickets, sync_to_thread=False),
                 "caller": Provide(_caller, sync_to_thread=False),
                 "connections": Provide(self._foxglove, sync_to_thread=False),
             },

@@ -68,6 +68,24 @@ class ServingLimits(msgspec.Struct, frozen=True, kw_only=True):
     reads: RateLimit = RateLimit(burst=200.0, per_s=20.0)
 
 
+class OpenedTopicSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A topic of a robot's ROS graph that clients of rosbridge may use, besides those it reports.
+
+    Attributes:
+        name: ``/chatter``.
+        type: ``std_msgs/msg/String``.
+        robot: Whose it is: whoever may see that robot may subscribe.
+        subscribe: Whether anybody may.
+        publish: The right on that robot that lets one publish, as ``share``; empty: nobody may.
+    """
+
+    name: str
+    type: str
+    robot: str
+    subscribe: bool = True
+    publish: str = ""
+
+
 class ApiSettings(msgspec.Struct, frozen=True, kw_only=True):
     """How the API is served.
 
@@ -81,6 +99,7 @@ class ApiSettings(msgspec.Struct, frozen=True, kw_only=True):
         without_tls: It was said twice that a public address is served without TLS.
         metrics: Where Prometheus and probes are answered; None: nowhere.
         limits: What clients may take.
+        topics: That are open to clients of rosbridge, besides what robots report.
     """
 
     listen: HostPort
@@ -92,6 +111,7 @@ class ApiSettings(msgspec.Struct, frozen=True, kw_only=True):
     without_tls: bool = False
     metrics: HostPort | None = None
     limits: ServingLimits = ServingLimits()
+    topics: tuple[OpenedTopicSettings, ...] = ()
 
     @property
     def reached_at(self) -> str:

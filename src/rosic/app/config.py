@@ -211,6 +211,7 @@ def _api(table: ApiTable, folder: Path) -> ApiSettings | None:
         certificate=found(table.certificate),
         private_key=found(table.private_key),
         proxies=table.proxies,
+        topics=table.topic,
     )
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
-from rosic.api.settings import parse_listen
+from rosic.api.settings import OpenedTopicSettings, parse_listen
 from rosic.config.missions import rulebook_of
 from rosic.config.profile_fields import NAMED
 from rosic.container.file_messages import MB
@@ -167,6 +167,7 @@ class ApiTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         private_key: File of the certificate's key; PEM.
         proxies: Addresses of the proxies before it, whose word on clients counts.
         without_tls: ``public address, no TLS`` serves others than this machine in the clear.
+        topic: Topics for clients of rosbridge, besides those that robots' profiles name.
     """
 
     listen: str = ""
@@ -176,6 +177,7 @@ class ApiTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     private_key: str = ""
     proxies: tuple[str, ...] = ()
     without_tls: str = ""
+    topic: tuple[OpenedTopicSettings, ...] = ()
 
 
 class PrincipalTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -55,7 +55,7 @@ class LiveTopic(NamedTuple):
                 parameter differ, or a value is no number. Nothing of the message is followed.
         """
         found: dict[str, float] = {}
-        given = dict(_flat(message, 0))
+        given = dict(flat(message))
         for field, value in given.items():
             if field.partition(".")[0] == HEADER:
                 continue
@@ -141,13 +141,14 @@ def _streamed(robot: RobotId, skill: Skill) -> LiveTopic | None:
     return LiveTopic(robot, skill.id, sent.topic, sent.type, parameters, literals)
 
 
-def _flat(
-    message: Mapping[str, object], depth: int, before: str = ""
+def flat(
+    message: Mapping[str, object], depth: int = 0, before: str = ""
 ) -> Iterator[tuple[str, object]]:
+    """Go through the fields of a message, each by its dotted name."""
     for name, value in message.items():
         field = f"{before}{name}"
         if isinstance(value, Mapping) and depth < DEEPEST:
-            yield from _flat(value, depth + 1, f"{field}.")
+            yield from flat(value, depth + 1, f"{field}.")
         else:
             yield field, value
 

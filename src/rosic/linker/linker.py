@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.contracts.clock import done_within
+from rosic.contracts.graph_topics import GraphRobot
 from rosic.contracts.robot import LiveRobot, deliver_of
 from rosic.core import messages
 from rosic.core.i18n import said
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Coroutine, Iterable, Iterator, Mapping
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.graph_topics import GraphTopics
     from rosic.contracts.live_control import LiveControls
     from rosic.contracts.robot import Robot, Tell
     from rosic.contracts.store import StopLatch
@@ -186,6 +188,11 @@ class Linker:
     def drives_live(self, robot: RobotId) -> bool:
         """Whether a robot can carry out live orders; no I/O."""
         return isinstance(self._robots[robot], LiveRobot)
+
+    def graph_topics(self, robot: RobotId) -> GraphTopics | None:
+        """Return the topics of the graph that a robot is on; None: it is on none."""
+        link = self._robots[robot]
+        return link.topics if isinstance(link, GraphRobot) else None
 
     def stop(self, robots: Iterable[RobotId], by: PrincipalId) -> StopInProgress:
         """Stop robots. On return the stop is latched in memory and handed to every adapter.

@@ -151,6 +151,8 @@ class Sent(NamedTuple):
         besides: Parameters that it heeds in another way.
         into: What takes it, in the words of people who write profiles.
         topic, type: What it is published to, and as what; empty where it is no topic.
+        endpoint: The service or the action that it is sent to, by its name; ``type`` is of that
+            then. Empty where it is neither.
     """
 
     place: tuple[str, ...] = ()
@@ -159,6 +161,7 @@ class Sent(NamedTuple):
     into: str = ""
     topic: str = ""
     type: str = ""
+    endpoint: str = ""
 
 
 class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, dict=True):

@@ -153,8 +153,12 @@ class Ros2Skill(Skill, frozen=True, kw_only=True):
             values = self.action.goal | of_trajectory(self.action.trajectory)
         elif self.set_parameters is not None:
             place, values = ("set_parameters", "values"), self.set_parameters.values
-        topic, kind = ("", "") if self.topic is None else (self.topic.name, self.topic.type)
-        return Sent(place, values, besides, "a topic, service or action", topic, kind)
+        topic, endpoint, kind = "", "", ""
+        if self.topic is not None:
+            topic, kind = self.topic.name, self.topic.type
+        elif (called := self.service or self.action) is not None:
+            endpoint, kind = called.name, called.type
+        return Sent(place, values, besides, "a topic, service or action", topic, kind, endpoint)
 
     @property
     def streams(self) -> bool:

@@ -27,6 +27,7 @@ from rosic.robots.ros2.client.qos_mismatch import QosMismatch
 from rosic.robots.ros2.client.topics import WAITING_AT_MOST, RateLimitedTopic, TopicQos
 from rosic.robots.ros2.errors import BadValue
 from rosic.robots.ros2.messages.names import check_graph_name
+from rosic.robots.ros2.open_topics import OpenTopics
 from rosic.robots.ros2.profile import ros2_profile
 from rosic.robots.ros2.profile_rules import SCHEMA
 from rosic.robots.ros2.settling import RestInterlock
@@ -109,9 +110,6 @@ class PeerLink:
         return True
 
 
-# ---- the robot ----
-
-
 if TYPE_CHECKING:
     Part: TypeAlias = (
         Measurements | StopController | Heartbeat | Binding | CameraAndMap | FileBinding | PeerLink
@@ -149,6 +147,7 @@ class Ros2Robot:
         self.gate = gate
         self._clock = clock
         self._station = station_of(clock)
+        self.topics = OpenTopics(told, self._station)
         space = profile.link.namespace
         # What stands at the root shares it with everybody: it is told by its topics alone.
         self._namespace = "" if space in {"", ROOT} else check_graph_name(space)

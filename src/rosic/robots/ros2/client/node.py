@@ -71,6 +71,27 @@ class ChatInterfaceNode:
                 self._looking = asyncio.create_task(self._look(self._runtime))
             return self._runtime
 
+    async def learn(self, types: Iterable[str]) -> RosRuntime:
+        """Let more types be used from now on; only ever such as the owner has named.
+
+        Returns:
+            What they are used by.
+
+        Raises:
+            ConfigurationError: There is none of that name here, or it cannot be built.
+            NotSent: Nobody takes part.
+        """
+        async with self._entering:
+            wanted, runtime = self._types.union(types), self._runtime
+            if runtime is None:
+                raise NotSent(said("The robot's link to ROS 2 is closed."))
+            if wanted != self._types:
+                told = BuildProgress(lambda _text: None, self._clock.monotonic_ns)
+                await asyncio.to_thread(find_interfaces, wanted - self._types, told)
+                runtime.know(TypeRegistry(wanted))
+                self._types = wanted
+            return runtime
+
     async def leave(self, watcher: Watcher) -> None:
         """Take part no more; the last closes the node. May be repeated."""
         async with self._entering:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic.robots.ros2.client.topics import Subscription
     from rosic.robots.ros2.messages.types import TypeRegistry
 
 NODE_NAME = "chat_interface"
@@ -189,6 +190,15 @@ class RosRuntime(RosConnection):
         words = RateLimitedTopic(self, name, cls, on_words, at_most)
         words.handle = await self._subscribe(cls, name, words.arrived, quality)
         return words
+
+    async def hear(
+        self, topic: Subscription, arrived: Callable[[bytes], None], quality: TopicQos
+    ) -> RosObject:
+        """Have a subscription told what comes, on the ROS thread; return rclpy's own.
+
+        Raises as `publisher` does.
+        """
+        return await self._subscribe(topic.cls, topic.topic, arrived, quality)
 
     async def service(self, name: str, type_name: str) -> ServiceLink:
         """Open a client of a service. Raises as `publisher` does."""

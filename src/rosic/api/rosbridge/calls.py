@@ -1,0 +1,208 @@
+"""Calls of services and goals of actions, each followed until its order is over."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Any, Final
+
+from rosic.api.ordering import RefusedOrder
+from rosic.api.rosbridge.messages import (
+    ActionFeedback,
+    ActionResult,
+    ServiceResponse,
+    given_id,
+)
+from rosic.api.rosbridge.orders import ACTION, SERVICE, OrderBindings
+from rosic.api.schemas import ChatIn, OrderIn, StopIn
+from rosic.core.i18n import said
+from rosic.errors import NotFound, RosicError, TooManyRequests
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.api.callers import ApiCaller
+    from rosic.api.context import ApiContext
+    from rosic.api.order_feed import OrderEntry
+    from rosic.api.ordering import CallerRequests
+    from rosic.api.rosbridge.introspection import GraphIntrospection
+    from rosic.api.rosbridge.messages import CallService, CancelActionGoal, Id, SendActionGoal, Told
+    from rosic.core.robot.profile import RobotId
+
+    Say = Callable[[Told], None]
+
+FOLLOWED_S: Final = 3_600.0
+LOOK_S: Final = 60.0
+GOALS_AT_MOST: Final = 64
+UNKNOWN, SUCCEEDED, CANCELLED, ABORTED = 0, 4, 5, 6
+_STATUS: Final = {
+    "done": SUCCEEDED,
+    "sent": SUCCEEDED,
+    "cancelled": CANCELLED,
+    "failed": ABORTED,
+    "refused": ABORTED,
+}
+NO_GOAL: Final = said("You have no such goal under way.")
+TOO_MANY: Final = said("Too many goals and calls at once. Wait for an answer first.")
+
+
+class FollowedGoals:
+    """Tells clients how far their goals are."""
+
+    def __init__(self, context: ApiContext) -> None:
+        self._following: dict[str, Callable[[OrderEntry], None]] = {}
+        context.feed.changed.connect(self._note)
+
+    def follow(self, order: str, tell: Callable[[OrderEntry], None]) -> None:
+        """Tell of each step of an order, until it is left."""
+        self._following[order] = tell
+
+    def leave(self, order: str) -> None:
+        """Tell of an order no more."""
+        self._following.pop(order, None)
+
+    def _note(self, entry: OrderEntry) -> None:
+        tell = self._following.get(entry.id)
+        if tell is not None:
+            tell(entry)
+
+
+class ClientCalls:
+    """What one client has called.
+
+    Args:
+        context: The rooms.
+        speech: Places orders, and stops.
+        introspection: Answers what is only asked.
+        followed: Tells how far goals are.
+        caller: Who calls.
+        say: Tells the client.
+    """
+
+    def __init__(
+        self,
+        context: ApiContext,
+        speech: CallerRequests,
+        introspection: GraphIntrospection,
+        followed: FollowedGoals,
+        caller: ApiCaller,
+        say: Say,
+    ) -> None:
+        self._context, self._speech, self._introspection = context, speech, introspection
+        self._followed, self._caller, self._say = followed, caller, say
+        self._bindings = OrderBindings(context)
+        self._goals: dict[Id, RobotId] = {}
+        self._under_way = 0
+
+    # ---- services ----
+
+    async def call(self, heard: CallService) -> RosicError | None:
+        """Call a service, and answer. Return why it was refused; it is answered, too."""
+        refused: RosicError | None = None
+        values: Any
+        try:
+            values, good = await self._called(heard)
+        except RefusedOrder as why:
+            values, good = why.problem.detail, False
+        except RosicError as why:
+            values, good, refused = self._read(why), False, why
+        self._say(ServiceResponse(heard.service, values, good, given_id(heard.id)))
+        return refused
+
+    async def _called(self, heard: CallService) -> tuple[Any, bool]:
+        request = heard.args if isinstance(heard.args, dict) else {}
+        answer = self._introspection.answer(self._caller, heard.service, request)
+        if answer is not None:
+            return answer, True
+        stops = self._bindings.stops(self._caller, heard.service)
+        if stops is not None:
+            stopped = await self._speech.stop(self._caller, StopIn(robots=(stops,)))
+            return {"success": stopped.at_rest is True, "message": stopped.text}, True
+        bound, arguments = self._bindings.find(self._caller, SERVICE, heard.service, "", heard.args)
+        entry, text = await self._placed(bound.robot, bound.skill.id, arguments)
+        if entry is None:
+            return text, False
+        await self._over(entry)
+        return self._values(entry), True
+
+    # ---- actions ----
+
+    async def send_goal(self, heard: SendActionGoal) -> RosicError | None:
+        """Send a goal, and tell how it ends. Return why it was refused; that is told, too."""
+        known, refused = heard.id, None
+        entry: OrderEntry | None = None
+        values: Any = ""
+        try:
+            bound, arguments = self._bindings.find(
+                self._caller, ACTION, heard.action, heard.action_type, heard.args
+            )
+            entry, values = await self._placed(bound.robot, bound.skill.id, arguments)
+            if entry is not None:
+                self._goals[known] = bound.robot
+                await self._follow(heard, entry)
+                values = self._values(entry)
+        except RefusedOrder as why:
+            values = why.problem.detail
+        except RosicError as why:
+            values, refused = self._read(why), why
+        finally:
+            self._goals.pop(known, None)
+        good = entry is not None
+        status = UNKNOWN if entry is None else _STATUS.get(entry.ending, UNKNOWN)
+        self._say(ActionResult(heard.action, values, status, good, given_id(known)))
+        return refused
+
+    async def _follow(self, heard: SendActionGoal, entry: OrderEntry) -> None:
+        if heard.feedback:
+
+            def tell(step: OrderEntry) -> None:
+                if not step.is_over:
+                    values = {"fraction": step.fraction or 0.0, "stage": step.note}
+                    self._say(ActionFeedback(heard.action, values, given_id(heard.id)))
+
+            self._followed.follow(entry.id, tell)
+        try:
+            await self._over(entry)
+        finally:
+            self._followed.leave(entry.id)
+
+    async def cancel_goal(self, heard: CancelActionGoal) -> None:
+        """Cancel a goal of this client; how it ends is its result.
+
+        Raises:
+            NotFound: It has none.
+        """
+        robot = self._goals.get(heard.id)
+        if robot is None:
+            raise NotFound(NO_GOAL)
+        await self._speech.say(self._caller, ChatIn(text=f"cancel {robot}"))
+
+    # ---- orders ----
+
+    async def _placed(
+        self, robot: RobotId, skill: str, arguments: dict[str, float | str]
+    ) -> tuple[OrderEntry | None, str]:
+        """Place an order. Return it, or what is said instead."""
+        if self._under_way >= GOALS_AT_MOST:
+            raise TooManyRequests(TOO_MANY, retry_after_s=1.0)
+        self._under_way += 1
+        try:
+            wanted = OrderIn(skill=skill, arguments=arguments, wait_s=0)
+            placed = await self._speech.place(self._caller, robot, wanted, "")
+        finally:
+            self._under_way -= 1
+        return self._context.feed[placed.id], placed.text
+
+    async def _over(self, entry: OrderEntry) -> None:
+        """Wait until an order is over."""
+        async with asyncio.timeout(FOLLOWED_S):
+            while not entry.is_over:
+                await self._speech.wait(entry, LOOK_S)
+
+    def _values(self, entry: OrderEntry) -> dict[str, Any]:
+        """Return how an order ended, as most robots' answers have it."""
+        note = self._context.callers.read_by(entry.note, self._caller)
+        good = _STATUS.get(entry.ending) == SUCCEEDED
+        return {"success": good, "message": note or entry.ending, "ending": entry.ending}
+
+    def _read(self, why: RosicError) -> str:
+        return self._context.callers.read_by(why.sentence, self._caller)

@@ -1,0 +1,352 @@
+"""One client of rosbridge, from its first message to its last."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+from rosic.api.callers import NO_KEY
+from rosic.api.rosbridge.drive import TopicDriver
+from rosic.api.rosbridge.messages import (
+    LEVELS,
+    NOT_READ,
+    Advertise,
+    Authenticate,
+    CallService,
+    CancelActionGoal,
+    Publish,
+    RefusedMessage,
+    SendActionGoal,
+    SetLevel,
+    StatusMessage,
+    SubscribeTopic,
+    Unadvertise,
+    Unsubscribe,
+    read,
+    written,
+)
+from rosic.api.rosbridge.outbox import COMPRESSIONS, ClientOutbox, SubscriptionSettings, TopicQueue
+from rosic.api.rosbridge.topics import PublishingRight, absolute
+from rosic.contracts.background_tasks import BackgroundTasks
+from rosic.core.i18n import said
+from rosic.errors import (
+    Fault,
+    NotFound,
+    NotPermitted,
+    NotUnderstood,
+    RosicError,
+    TooManyRequests,
+    Unrecognised,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Coroutine
+
+    from rosic.api.callers import ApiCaller
+    from rosic.api.rosbridge.calls import ClientCalls
+    from rosic.api.rosbridge.messages import Heard, Id, Told
+    from rosic.api.rosbridge.shared import RosbridgeParts
+    from rosic.contracts.graph_topics import OpenedPublisher
+
+TOPICS_AT_MOST: Final = 128
+"""Of one client."""
+TASKS_AT_MOST: Final = 128
+QUEUE_MOST: Final = 1_000
+AGAIN_S: Final = 1.0
+"""The same refusal is told, and written down, at most so often."""
+TRIES: Final = 3
+NO_FRAGMENTS: Final = said("Fragments are not put together here. Send each message whole.")
+NO_SERVERS: Final = said("Nobody offers services or actions from here.")
+NOT_DONE: Final = said("There is no such op here.")
+TOO_MANY_TOPICS: Final = said("You use too many topics already.")
+TOO_MUCH: Final = said("Too much of yours is under way. Wait for an answer first.")
+NOT_READABLE: Final = said("That topic is not read from here.")
+FRAGMENTS_OUT: Final = said("Messages are sent whole here, whatever their size.")
+KNOWN: Final = said("You are known by that key now.")
+_SERVING: Final = frozenset(
+    {
+        "advertise_service",
+        "unadvertise_service",
+        "service_response",
+        "advertise_action",
+        "unadvertise_action",
+        "action_feedback",
+        "action_result",
+    }
+)
+_BEFORE: Final = (Authenticate, SetLevel)
+
+
+class _Publishing(NamedTuple):
+    """A topic that this client publishes to, and may as long as its right holds."""
+
+    right: PublishingRight
+    publisher: OpenedPublisher
+
+
+class RosbridgeConnection:
+    """One client.
+
+    Args:
+        parts: What all clients share.
+        caller: Who it is; None: nobody yet.
+
+    Attributes:
+        caller: Who it is by now.
+        outbox: What it is yet to be told.
+        rejected: It has shown too many keys that are none.
+    """
+
+    def __init__(self, parts: RosbridgeParts, caller: ApiCaller | None) -> None:
+        self._parts, self.caller = parts, caller
+        self.outbox = ClientOutbox()
+        self.rejected = False
+        self._level = LEVELS.index("error")
+        self._tries = 0
+        self._queues: dict[str, TopicQueue] = {}
+        self._publishing: dict[str, _Publishing | TopicDriver] = {}
+        self._calls: ClientCalls | None = None
+        self._refused_s: dict[tuple[str, ...], float] = {}
+        self._tasks: BackgroundTasks[None] = BackgroundTasks()
+        self._subscribing = asyncio.Lock()
+
+    async def close(self) -> None:
+        """The client is gone: nothing of it goes on, and what it drove comes to rest."""
+        for used in self._publishing.values():
+            if isinstance(used, TopicDriver):
+                used.close()
+        tasks = tuple(self._tasks)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        for topic, used in self._publishing.items():
+            if not isinstance(used, TopicDriver):
+                await self._parts.hub.release(topic)
+        for topic, queue in self._queues.items():
+            queue.close()
+            await self._parts.hub.leave(topic, queue)
+
+    # ---- what it says ----
+
+    async def hear(self, text: str | None) -> None:
+        """Follow one message; whatever is wrong with it is told."""
+        heard = RefusedMessage(NOT_READ) if text is None else read(text)
+        if isinstance(heard, Publish) and (used := self._publishing.get(heard.topic)) is not None:
+            try:
+                self._publish(used, heard)
+            except RosicError as why:
+                self._refuse(why, heard.id, "publish", heard.topic)
+            return
+        try:
+            await self._follow(heard)
+        except RosicError as why:
+            self._refuse(why, heard.id, type(heard).__name__, str(getattr(heard, "topic", "")))
+
+    async def _follow(self, heard: Heard | RefusedMessage) -> None:
+        if isinstance(heard, RefusedMessage):
+            raise NotUnderstood(heard.why or _not_done(heard.op))
+        if isinstance(heard, SetLevel):
+            if heard.level in LEVELS:
+                self._level = LEVELS.index(heard.level)
+            return
+        if isinstance(heard, Authenticate):
+            self._authenticate(heard)
+            return
+        if self.caller is None:
+            raise Unrecognised(NO_KEY)
+        await self._done(heard, self.caller)
+
+    async def _done(self, heard: Heard, caller: ApiCaller) -> None:
+        if isinstance(heard, Publish):
+            used = await self._opened(caller, heard.topic, "")
+            self._publish(used, heard)
+        elif isinstance(heard, Advertise):
+            await self._opened(caller, heard.topic, heard.type)
+        elif isinstance(heard, Unadvertise):
+            await self._unadvertise(heard)
+        elif isinstance(heard, SubscribeTopic):
+            self._begin(self._subscribe(caller, heard), heard.id)
+        elif isinstance(heard, Unsubscribe):
+            self._begin(self._unsubscribe(heard), heard.id)
+        elif isinstance(heard, CallService | SendActionGoal | CancelActionGoal):
+            self._call(heard, caller)
+
+    def _authenticate(self, heard: Authenticate) -> None:
+        self._tries += 1
+        try:
+            shown = f"Bearer {heard.key or heard.mac}"
+            self.caller = self._parts.context.callers.identify(shown, "")
+        except Unrecognised:
+            self.rejected = self._tries >= TRIES
+            raise
+        self._calls = None
+        self._status("info", KNOWN, heard.id)
+
+    # ---- publishing ----
+
+    def _publish(self, used: _Publishing | TopicDriver, heard: Publish) -> None:
+        if isinstance(used, TopicDriver):
+            used.put(heard.msg)
+        else:
+            used.right.check()
+            used.publisher.publish(heard.msg)
+
+    async def _opened(
+        self, caller: ApiCaller, topic: str, type_name: str
+    ) -> _Publishing | TopicDriver:
+        """Return what this client publishes to a topic by.
+
+        Raises:
+            RosicError: It may not, or cannot.
+        """
+        parts, name = self._parts, absolute(topic)
+        access = parts.directory.find(caller, name, type_name)
+        used = self._publishing.get(name)
+        if used is None:
+            if len(self._publishing) >= TOPICS_AT_MOST:
+                raise TooManyRequests(TOO_MANY_TOPICS, retry_after_s=1.0)
+            if access.live is not None:
+                tell = partial(self._tell_of, name)
+                used = TopicDriver(parts.driven, caller, access.live, tell)
+            elif not access.right:
+                raise NotPermitted(parts.directory.why_closed(access))
+            else:
+                right = PublishingRight(parts.context, caller, access)
+                right.check()
+                used = _Publishing(right, await parts.hub.publisher(access))
+            self._publishing[name] = used
+        if topic != name:
+            self._publishing[topic] = used
+        return used
+
+    async def _unadvertise(self, heard: Unadvertise) -> None:
+        name = absolute(heard.topic)
+        used = self._publishing.pop(name, None)
+        self._publishing.pop(heard.topic, None)
+        if used is None:
+            self._status("warning", said("You publish to no {topic}.", topic=name), heard.id)
+        elif isinstance(used, TopicDriver):
+            used.close()
+        else:
+            await self._parts.hub.release(name)
+
+    def _tell_of(self, topic: str, level: str, sentence: str) -> None:
+        self._status(level, sentence, topic)
+
+    # ---- subscribing ----
+
+    async def _subscribe(self, caller: ApiCaller, heard: SubscribeTopic) -> None:
+        form = heard.compression or "none"
+        if form not in COMPRESSIONS:
+            raise NotUnderstood(
+                said("{form} is not sent here. There are: none, png, cbor.", form=form[:40])
+            )
+        access = self._parts.directory.find(caller, heard.topic, heard.type or "")
+        if not access.reads:
+            raise NotPermitted(NOT_READABLE)
+        if heard.fragment_size is not None:
+            self._status("warning", FRAGMENTS_OUT, heard.id)
+        terms = SubscriptionSettings(
+            (heard.throttle_rate or 0) / 1_000, min(heard.queue_length or 0, QUEUE_MOST), form
+        )
+        async with self._subscribing:
+            queue = self._queues.get(access.topic)
+            if queue is None:
+                if len(self._queues) >= TOPICS_AT_MOST:
+                    raise TooManyRequests(TOO_MANY_TOPICS, retry_after_s=1.0)
+                queue = TopicQueue(access.topic, self.outbox)
+                queue.subscribe(heard.id, terms)
+                await self._parts.hub.listen(access, queue)
+                self._queues[access.topic] = queue
+            queue.subscribe(heard.id, terms)
+
+    async def _unsubscribe(self, heard: Unsubscribe) -> None:
+        name = absolute(heard.topic)
+        async with self._subscribing:
+            queue = self._queues.get(name)
+            if queue is not None and queue.unsubscribe(heard.id):
+                del self._queues[name]
+                await self._parts.hub.leave(name, queue)
+
+    def check_sight(self) -> None:
+        """End the subscriptions to robots that the client may not see any more, and say so."""
+        caller = self.caller
+        if caller is None:
+            return
+        for topic in tuple(self._queues):
+            try:
+                self._parts.directory.find(caller, topic)
+            except NotFound as why:
+                self._refuse(why, None, "subscribe", topic)
+                self._begin(self._unsubscribe(Unsubscribe(topic)))
+
+    # ---- services and actions ----
+
+    def _call(
+        self, heard: CallService | SendActionGoal | CancelActionGoal, caller: ApiCaller
+    ) -> None:
+        calls = self._calls
+        if calls is None:
+            calls = self._calls = self._parts.calls_of(caller, self.say)
+        if isinstance(heard, CallService):
+            self._begin(self._noted(calls.call(heard), heard.service))
+        elif isinstance(heard, SendActionGoal):
+            self._begin(self._noted(calls.send_goal(heard), heard.action))
+        else:
+            self._begin(calls.cancel_goal(heard), heard.id)
+
+    async def _noted(self, call: Coroutine[Any, Any, RosicError | None], name: str) -> None:
+        """Have a refusal written down that was answered already."""
+        why = await call
+        if why is not None:
+            self._note(why, "call", name)
+
+    def _begin(self, work: Coroutine[Any, Any, None], known: Id = None) -> None:
+        if len(self._tasks) >= TASKS_AT_MOST:
+            work.close()
+            raise TooManyRequests(TOO_MUCH, retry_after_s=1.0)
+        self._tasks.begin(self._told(work, known))
+
+    async def _told(self, work: Coroutine[Any, Any, None], known: Id) -> None:
+        try:
+            await work
+        except RosicError as why:
+            self._refuse(why, known, "task", why.code)
+
+    # ---- what it is told ----
+
+    def say(self, told: Told) -> None:
+        """Tell the client something."""
+        self.outbox.say(written(told))
+
+    def _status(self, level: str, sentence: str, known: Id = None) -> None:
+        if LEVELS.index(level) <= self._level:
+            text = self._parts.context.callers.read_by(sentence, self.caller)
+            self.say(StatusMessage(level, text, known))
+
+    def _refuse(self, why: RosicError, known: Id, *about: str) -> None:
+        """Tell of a refusal, and have it counted; the same at most once a second.
+
+        What has an id is told each time, unless it was published: that comes by the hundred.
+        """
+        if self._note(why, *about) or (known is not None and about[0] != "publish"):
+            self._status("error", why.sentence, known)
+
+    def _note(self, why: RosicError, *about: str) -> bool:
+        """Have a refusal written down. Return whether it is another than a moment ago."""
+        now_s, key = asyncio.get_running_loop().time(), (*about, str(why.sentence)[:80])
+        if now_s - self._refused_s.get(key, -AGAIN_S) < AGAIN_S:
+            return False
+        if len(self._refused_s) > TOPICS_AT_MOST:
+            self._refused_s.clear()
+        self._refused_s[key] = now_s
+        if self.caller is not None and not isinstance(why, Fault):
+            self._parts.refusals.note(self.caller, why, " ".join(about))
+        return True
+
+
+def _not_done(op: str) -> str:
+    if op in {"fragment", "png"}:
+        return NO_FRAGMENTS
+    return NO_SERVERS if op in _SERVING else NOT_DONE

@@ -1,0 +1,278 @@
+"""Publishing to a topic that moves a robot: each such client drives a live order of its skill.
+
+The first message that is not zero begins the order, through the four rooms like any other; the
+messages after it are its samples, with the skill's bounds, its author's limits, and the dead man's
+law: 0.3 s without one, and the robot comes to rest. Zeros for a moment let go. Whatever else ended
+it, nothing moves again until the client has published zeros once: what goes on publishing after a
+stop, a refusal or a break does not drive by itself (I6).
+"""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Any, Final
+
+from msgspec.structs import replace
+
+from rosic.api.order_feed import order_id
+from rosic.core.i18n import said
+from rosic.core.message import AnswerState
+from rosic.core.sample_gate import SampleVerdict
+from rosic.core.time_units import SECOND_NS
+from rosic.errors import RosicError
+from rosic.gateway.requests import line_id
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from rosic.api.callers import ApiCaller
+    from rosic.api.context import ApiContext
+    from rosic.api.order_feed import OrderEntry
+    from rosic.core.identity import CommandId
+    from rosic.core.sample_gate import SampleResult
+    from rosic.gateway.live_control import LiveInput
+    from rosic.gateway.live_topics import LiveTopic
+    from rosic.messengers.program.calls import ToolCall
+
+    Tell = Callable[[str, str], None]
+
+RELEASE_S: Final = 0.2
+"""After nothing but zeros for so long the controls are let go, before they fall silent."""
+ACCEPTED_WITHIN_S: Final = 5.0
+TURN_WITHIN_S: Final = 2.0
+LOOK_S: Final = 0.004
+HELD_AT_MOST: Final = 10_000
+
+LATE: Final = said("Nothing was answered in time. Nothing was sent.")
+
+
+class LiveTopics:
+    """What stands between clients and robots that they drive.
+
+    Attributes:
+        held: Who has to publish zeros to which topic first.
+    """
+
+    def __init__(self, context: ApiContext) -> None:
+        self.context = context
+        self.held: dict[tuple[str, str], None] = {}
+        self._accepted: dict[str, asyncio.Event] = {}
+        context.feed.changed.connect(self._note)
+
+    def hold(self, principal: str, topic: str) -> None:
+        """Let somebody drive by a topic only after zeros."""
+        self.held[principal, topic] = None
+        if len(self.held) > HELD_AT_MOST:
+            del self.held[next(iter(self.held))]
+
+    def expect(self, cid: CommandId) -> asyncio.Event:
+        """Return what is set once an order is on disk."""
+        return self._accepted.setdefault(order_id(cid), asyncio.Event())
+
+    def forget(self, cid: CommandId) -> None:
+        """Expect an order no more."""
+        self._accepted.pop(order_id(cid), None)
+
+    def _note(self, entry: OrderEntry) -> None:
+        accepted = self._accepted.get(entry.id)
+        if accepted is not None:
+            accepted.set()
+
+
+class TopicDriver:
+    """Drives one robot by the messages that one client publishes to one topic.
+
+    Args:
+        driven: What stands between.
+        caller: Who publishes.
+        live: Which skill the topic belongs to.
+        tell: Tells the client: a level, and a sentence.
+    """
+
+    def __init__(self, driven: LiveTopics, caller: ApiCaller, live: LiveTopic, tell: Tell) -> None:
+        self._driven, self._context = driven, driven.context
+        self._caller, self._live, self._tell = caller, live, tell
+        self._clock = self._context.kernel.machine_clock
+        self._shown = self._context.kernel.rooms.profiles[live.robot].shown
+        self._key = (caller.principal, live.topic)
+        self._input: LiveInput | None = None
+        self._driving: asyncio.Task[None] | None = None
+        self._newest: tuple[dict[str, float], int] = ({}, 0)
+        self._sequence = 0
+        self._releasing: asyncio.TimerHandle | None = None
+        self._complained: dict[str, int] = {}
+
+    # ---- what the client publishes ----
+
+    def put(self, message: Mapping[str, Any]) -> None:
+        """Take a message in. It never waits.
+
+        Raises:
+            NotUnderstood: It asks for what the skill does not do. Nothing was sent.
+        """
+        values = self._live.values(message)
+        neutral = not any(values.values())
+        self._newest = (values, self._sent_ns(message))
+        if neutral:
+            self._driven.held.pop(self._key, None)
+        self._mind_release(neutral=neutral)
+        steered = self._input
+        if steered is not None and steered.end is None:
+            self._sample(steered)
+        elif self._driving is None and not neutral:
+            self._begin()
+
+    def _sent_ns(self, message: Mapping[str, Any]) -> int:
+        """Return when a message was sent, by its header where it has one; else it is new."""
+        header = message.get("header")
+        stamp = header.get("stamp") if isinstance(header, dict) else None
+        if isinstance(stamp, dict):
+            sec, nanosec = stamp.get("sec", 0), stamp.get("nanosec", 0)
+            if isinstance(sec, int) and isinstance(nanosec, int) and (sec or nanosec):
+                return sec * SECOND_NS + nanosec
+        return self._clock.wall_ns()
+
+    def _sample(self, steered: LiveInput) -> SampleResult:
+        values, sent_ns = self._newest
+        self._sequence += 1
+        result = steered.put_si(values, sent_ns, self._sequence)
+        if result.clamped:
+            names = ", ".join(result.clamped)
+            self._complain("warning", said("Brought within what is allowed: {names}.", names=names))
+        elif result.verdict not in _QUIET:
+            why = result.sentence or result.verdict.value
+            self._complain("warning", said("That message was not followed: {why}.", why=why))
+        return result
+
+    def _mind_release(self, *, neutral: bool) -> None:
+        if self._releasing is not None:
+            if neutral:
+                return
+            self._releasing.cancel()
+            self._releasing = None
+        if neutral and self._driving is not None:
+            loop = asyncio.get_running_loop()
+            self._releasing = loop.call_later(RELEASE_S, self._release)
+
+    def _release(self) -> None:
+        self._releasing = None
+        if self._input is not None:
+            self._input.release()
+
+    # ---- the order ----
+
+    def _begin(self) -> None:
+        if self._key in self._driven.held:
+            self._complain(
+                "error",
+                said(
+                    "Publish zeros to {topic} once; then it may be driven again. Nothing was sent.",
+                    topic=self._live.topic,
+                ),
+            )
+            return
+        self._driving = asyncio.create_task(self._drive())
+
+    async def _drive(self) -> None:
+        """Begin a live order, and follow it to its end."""
+        live, good = self._live, False
+        try:
+            steered = await self._opened()
+            if steered is None:
+                return
+            self._tell(
+                "info",
+                said("{robot} is driven by {topic} now.", robot=self._shown, topic=live.topic),
+            )
+            self._input = steered
+            await self._first_sample(steered)
+            outcome = await steered.ended()
+            good = not outcome.code and outcome.ending.value in {"done", "sent"}
+            level = "info" if good else "warning"
+            why = outcome.note or outcome.ending.value
+            self._tell(
+                level, said("{robot} is driven no further: {why}.", robot=self._shown, why=why)
+            )
+        except RosicError as why:
+            self._tell("error", why.sentence)
+        finally:
+            if self._input is not None:
+                self._input.close()
+            self._input = self._driving = None
+            if not good:
+                self._driven.hold(*self._key)
+
+    async def _opened(self) -> LiveInput | None:
+        """Have the order's line carried out; return its controls, or None: it was refused."""
+        context, live = self._context, self._live
+        control = context.kernel.pipeline.live
+        messenger = context.messenger(self._caller)
+        line = control.line(live.robot, live.skill)
+        inbound = replace(messenger.inbound(self._caller.address, line), live=True)
+        call = context.begin(self._caller, inbound, live.robot)
+        cid = line_id(inbound, 0)
+        accepted = self._driven.expect(cid)
+        try:
+            refused = await self._refusal(call, accepted)
+        finally:
+            self._driven.forget(cid)
+            messenger.calls.close(call)
+        if refused:
+            self._tell("error", refused)
+            return None
+        return control.open(cid, self._caller.principal)
+
+    async def _refusal(self, call: ToolCall, accepted: asyncio.Event) -> str:
+        """Wait until an order is accepted; return why it was not, or an empty text."""
+        hearing = asyncio.create_task(self._said(call))
+        waiting = asyncio.create_task(accepted.wait())
+        both = (hearing, waiting)
+        try:
+            await asyncio.wait(both, timeout=ACCEPTED_WITHIN_S, return_when=asyncio.FIRST_COMPLETED)
+            if accepted.is_set():
+                return ""
+            return hearing.result() if hearing.done() else LATE
+        finally:
+            for task in both:
+                task.cancel()
+
+    @staticmethod
+    async def _said(call: ToolCall) -> str:
+        """Return what is said instead of beginning: a refusal, or that a person is asked."""
+        while True:
+            _, outbound = await call.news()
+            if outbound.state is not AnswerState.GOES_ON:
+                return outbound.text
+
+    async def _first_sample(self, steered: LiveInput) -> None:
+        """Let the newest message count as soon as the robot's turn has come."""
+        until_ns = self._clock.monotonic_ns() + int(TURN_WITHIN_S * SECOND_NS)
+        while self._clock.monotonic_ns() < until_ns and steered.end is None:
+            if self._sample(steered).verdict is not SampleVerdict.WAITING:
+                return
+            await asyncio.sleep(LOOK_S)
+
+    # ---- the client ----
+
+    def _complain(self, level: str, sentence: str) -> None:
+        """Tell the client the same at most once a second: messages come by the hundred."""
+        now_ns = self._clock.monotonic_ns()
+        if now_ns - self._complained.get(sentence, -SECOND_NS) >= SECOND_NS:
+            if len(self._complained) > _SENTENCES:
+                self._complained.clear()
+            self._complained[sentence] = now_ns
+            self._tell(level, sentence)
+
+    def close(self) -> None:
+        """The client is gone: without samples its order ends by itself."""
+        if self._releasing is not None:
+            self._releasing.cancel()
+        if self._input is not None:
+            self._input.close()
+        if self._driving is not None:
+            self._driven.hold(*self._key)
+            self._driving.cancel()
+
+
+_SENTENCES: Final = 32
+_QUIET: Final = frozenset({SampleVerdict.TAKEN, SampleVerdict.WAITING, SampleVerdict.OVER})

@@ -1,0 +1,225 @@
+"""Where clients of rosbridge come in: plain ASGI, as every message counts."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import parse_qs
+
+from rosic.api.rosbridge.calls import FollowedGoals
+from rosic.api.rosbridge.connection import RosbridgeConnection
+from rosic.api.rosbridge.drive import LiveTopics
+from rosic.api.rosbridge.introspection import GraphIntrospection
+from rosic.api.rosbridge.orders import OrderBindings
+from rosic.api.rosbridge.shared import RefusalNotes, RosbridgeParts
+from rosic.api.rosbridge.topics import TopicDirectory, TopicHub
+from rosic.errors import Fault, Unrecognised
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, MutableMapping
+
+    from rosic.api.callers import ApiCaller
+    from rosic.api.context import ApiContext
+    from rosic.api.ordering import CallerRequests
+    from rosic.api.tickets import TicketBook
+
+    Event = MutableMapping[str, Any]
+    Receive = Callable[[], Awaitable[Event]]
+    Send = Callable[[Event], Awaitable[None]]
+
+PATH: Final = "/rosbridge"
+CLIENTS_AT_MOST: Final = 200
+EACH_AT_MOST: Final = 128
+"""Connections of one caller."""
+KNOWN_WITHIN_S: Final = 10.0
+TAKEN_WITHIN_S: Final = 5.0
+STEP_S: Final = 0.002
+"""After so long at one client's messages the loop has its turn: a stop waits for no flood."""
+LOOK_S: Final = 0.25
+CHECK_S: Final = 1.0
+ENDED: Final = 4401
+SLOW: Final = 1013
+MANY: Final = "Too many connections are open already. Close one first."
+TOO_SLOW: Final = "You take too little of what you are sent, so you are told nothing more."
+NOBODY: Final = "No key was shown in time. Show one by the op auth, in a header, or by a ticket."
+
+log = logging.getLogger("rosic.api")
+
+
+class RosbridgeEndpoint:
+    """Serves clients of rosbridge; ASGI.
+
+    Args:
+        context: The rooms.
+        speech: Places orders, and stops.
+        tickets: That may stand in a URL.
+    """
+
+    def __init__(self, context: ApiContext, speech: CallerRequests, tickets: TicketBook) -> None:
+        directory = TopicDirectory(context, context.settings.topics)
+        introspection = GraphIntrospection(context, directory, OrderBindings(context))
+        self._context, self._tickets = context, tickets
+        self._parts = RosbridgeParts(
+            context,
+            speech,
+            directory,
+            TopicHub(directory),
+            LiveTopics(context),
+            introspection,
+            FollowedGoals(context),
+            RefusalNotes(context),
+        )
+        self._clients: set[RosbridgeConnection] = set()
+
+    async def __call__(self, scope: Event, receive: Receive, send: Send) -> None:
+        """Serve one client until either side leaves."""
+        await receive()
+        await send({"type": "websocket.accept"})
+        try:
+            caller = self._identified(scope)
+        except Unrecognised as why:
+            await _closed(send, ENDED, self._context.callers.read_by(why.sentence, None))
+            return
+        if not self._has_room(caller):
+            await _closed(send, SLOW, MANY)
+            return
+        client = RosbridgeConnection(self._parts, caller)
+        self._clients.add(client)
+        try:
+            await self._serve(client, receive, send)
+        finally:
+            self._clients.discard(client)
+            await client.close()
+
+    def _identified(self, scope: Event) -> ApiCaller | None:
+        """Return who comes; None: it is yet to be said.
+
+        Raises:
+            Unrecognised: What was shown is no key.
+        """
+        headers = {name: value.decode("latin-1") for name, value in scope["headers"]}
+        shown, cookies = headers.get(b"authorization", ""), headers.get(b"cookie", "")
+        query = parse_qs(scope["query_string"].decode("latin-1"), max_num_fields=8)
+        ticket = query.get("ticket", [""])[0]
+        if ticket:
+            return self._tickets.redeem(ticket)
+        callers = self._context.callers
+        if shown or callers.cookie in cookies:
+            return callers.identify(shown, cookies)
+        return None
+
+    def _has_room(self, caller: ApiCaller | None) -> bool:
+        if len(self._clients) >= CLIENTS_AT_MOST:
+            return False
+        who = None if caller is None else caller.principal
+        own = sum(
+            who == (None if one.caller is None else one.caller.principal) for one in self._clients
+        )
+        return own < EACH_AT_MOST
+
+    async def _serve(self, client: RosbridgeConnection, receive: Receive, send: Send) -> None:
+        try:
+            async with asyncio.TaskGroup() as group:
+                telling = group.create_task(_tell(client, send))
+                checking = group.create_task(self._check(client))
+                try:
+                    await _hear(client, receive)
+                finally:
+                    telling.cancel()
+                    checking.cancel()
+        except* _Left as left:
+            code, why = left.exceptions[0].args
+            log.info("a client of rosbridge was dropped: %s", why)
+            await _closed(send, code, why)
+        except* OSError:
+            log.info("a client of rosbridge is gone")
+
+    async def _check(self, client: RosbridgeConnection) -> None:
+        """End the connection of whoever is not known any more, or takes too little."""
+        loop = asyncio.get_running_loop()
+        begun_s = looked_s = loop.time()
+        while True:
+            await asyncio.sleep(LOOK_S)
+            if client.outbox.overflowed or client.outbox.waits_s() > TAKEN_WITHIN_S:
+                raise _Left(SLOW, TOO_SLOW)
+            caller, now_s = client.caller, loop.time()
+            if client.rejected or (caller is None and now_s - begun_s > KNOWN_WITHIN_S):
+                raise _Left(ENDED, NOBODY)
+            if caller is None or now_s - looked_s < CHECK_S:
+                continue
+            looked_s = now_s
+            try:
+                self._context.callers.known_by(caller.secret, by_cookie=caller.by_cookie)
+            except Unrecognised as why:
+                raise _Left(ENDED, self._context.callers.read_by(why.sentence, caller)) from None
+            client.check_sight()
+
+
+class _Left(Exception):
+    """A connection ends: its code, and why."""
+
+
+async def _hear(client: RosbridgeConnection, receive: Receive) -> None:
+    loop = asyncio.get_running_loop()
+    until_s = loop.time() + STEP_S
+    while True:
+        message = await receive()
+        if message["type"] == "websocket.disconnect":
+            return
+        await client.hear(message.get("text"))
+        if loop.time() > until_s:
+            await asyncio.sleep(0)
+            until_s = loop.time() + STEP_S
+
+
+async def _tell(client: RosbridgeConnection, send: Send) -> None:
+    loop, outbox = asyncio.get_running_loop(), client.outbox
+    until_s = loop.time() + STEP_S
+    while True:
+        try:
+            told = await outbox.next()
+        except Fault as why:
+            log.warning("a message for a client of rosbridge cannot be read: %s", why)
+            continue
+        now_s = loop.time()
+        outbox.sending(now_s)
+        form = "bytes" if isinstance(told, bytes) else "text"
+        await send({"type": "websocket.send", form: told})
+        outbox.sending(None)
+        if now_s > until_s:
+            await asyncio.sleep(0)
+            until_s = loop.time() + STEP_S
+
+
+async def _closed(send: Send, code: int, why: str) -> None:
+    """Close a connection, and say why; one that takes nothing is not waited for."""
+    cut = why.encode()[:120].decode("utf-8", "ignore")
+    with contextlib.suppress(Exception):
+        async with asyncio.timeout(1.0):
+            await send({"type": "websocket.close", "code": code, "reason": cut})
+
+
+class RosbridgeRouter:
+    """Sends WebSockets of rosbridge to its endpoint, and everything else on.
+
+    Args:
+        app: What is behind.
+        endpoint: Of rosbridge.
+    """
+
+    def __init__(
+        self,
+        app: Callable[[Any, Any, Any], Awaitable[None]],
+        endpoint: RosbridgeEndpoint,
+    ) -> None:
+        self._app, self._endpoint = app, endpoint
+
+    async def __call__(self, scope: Event, receive: Receive, send: Send) -> None:
+        """Serve one connection."""
+        path = scope.get("path", "").rstrip("/")
+        if scope["type"] == "websocket" and path == PATH:
+            await self._endpoint(scope, receive, send)
+        else:
+            await self._app(scope, receive, send)

@@ -1,0 +1,160 @@
+"""Calling a service, or sending a goal to an action, that a profile binds to a skill: an order.
+
+The fields of the request are read back into the skill's arguments; what its profile sends as it is
+has to be sent so. Nothing else of the graph is called from here.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from rosic.api.rosbridge.topics import absolute, plain_type
+from rosic.core.i18n import said
+from rosic.errors import NotFound, NotUnderstood
+from rosic.gateway.live_topics import flat
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from rosic.api.callers import ApiCaller
+    from rosic.api.context import ApiContext
+    from rosic.core.language.compiled import CompiledParameter
+    from rosic.core.robot.profile import RobotId
+    from rosic.core.robot.skill import Skill
+
+SERVICE, ACTION = "service", "action"
+
+
+class BoundSkill(NamedTuple):
+    """A skill that is carried out by a service or an action.
+
+    Attributes:
+        kind: ``service`` or ``action``.
+        name: Absolute.
+        type: ``std_srvs/srv/Trigger``.
+    """
+
+    robot: RobotId
+    skill: Skill
+    kind: str
+    name: str
+    type: str
+
+
+class OrderBindings:
+    """Finds the skill behind a service or an action, and its arguments in a request."""
+
+    def __init__(self, context: ApiContext) -> None:
+        self._context = context
+
+    def all(self, caller: ApiCaller) -> Iterator[BoundSkill]:
+        """Go through everything that somebody may call."""
+        rooms = self._context.kernel.rooms
+        for robot in self._context.visible(caller):
+            for skill in rooms.profiles[robot].skills.values():
+                sent = skill.sent
+                if sent.endpoint:
+                    name = absolute(sent.endpoint)
+                    yield BoundSkill(robot, skill, sent.place[0], name, sent.type)
+
+    def stops(self, caller: ApiCaller, service: str) -> RobotId | None:
+        """Return the robot that a service stops, of those that somebody may see."""
+        linker, name = self._context.kernel.rooms.linker, absolute(service)
+        for robot in self._context.visible(caller):
+            topics = linker.graph_topics(robot)
+            if topics is not None and topics.stop_service == name:
+                return robot
+        return None
+
+    def find(
+        self, caller: ApiCaller, kind: str, name: str, type_name: str, request: object
+    ) -> tuple[BoundSkill, dict[str, float | str]]:
+        """Return the skill that a call stands for, and the arguments, in the profile's units.
+
+        Raises:
+            NotFound: None of those that somebody may use is bound to it.
+            NotUnderstood: It is of another type, or what is asked for is not what a skill does.
+        """
+        wanted = absolute(name.partition("#")[0])
+        found = [one for one in self.all(caller) if (one.kind, one.name) == (kind, wanted)]
+        if not found:
+            raise NotFound(said("There is no {name} here that you may call.", name=wanted))
+        if type_name and plain_type(type_name) != plain_type(found[0].type):
+            raise NotUnderstood(
+                said("{name} is of the type {type}.", name=wanted, type=found[0].type)
+            )
+        fields = _fields(request)
+        wrong: NotUnderstood | None = None
+        for one in found:
+            try:
+                return one, self._arguments(one, fields)
+            except NotUnderstood as why:
+                wrong = wrong or why
+        assert wrong is not None  # noqa: S101 - there is one at least
+        raise wrong
+
+    def _arguments(self, bound: BoundSkill, fields: Mapping[str, Any]) -> dict[str, float | str]:
+        vocabulary = self._context.kernel.rooms.vocabulary
+        compiled = vocabulary.compiled_skill(bound.robot, bound.skill.id)
+        if compiled is None:
+            raise NotFound(said("There is no {name} here that you may call.", name=bound.name))
+        parameters = {one.name: one for one in compiled.parameters}
+        arguments: dict[str, float | str] = {}
+        left = dict(fields)
+        for field, value in bound.skill.sent.values.items():
+            if not isinstance(value, str) or value[:1] != "$":
+                _check_literal(field, value, left.pop(field, value))
+                continue
+            name, dot, _ = value[1:].partition(".")
+            if dot or name not in parameters:
+                raise NotUnderstood(
+                    said(
+                        "{name} cannot be called from here: its {field} stands for a choice.",
+                        name=bound.name,
+                        field=field,
+                    )
+                )
+            if field in left:
+                given = _given(field, parameters[name], left.pop(field))
+                if arguments.setdefault(name, given) != given:
+                    raise NotUnderstood(
+                        said("{field} differs from what it goes together with.", field=field)
+                    )
+        for field, value in left.items():
+            _check_literal(field, 0, value)
+        return arguments
+
+
+def _fields(request: object) -> dict[str, Any]:
+    """Return a request by its dotted fields.
+
+    Raises:
+        NotUnderstood: It is not told by the names of its fields.
+    """
+    if request is None or request == []:
+        return {}
+    if isinstance(request, list) and len(request) == 1:
+        request = request[0]
+    if not isinstance(request, dict):
+        raise NotUnderstood(said("Give the arguments by the names of their fields."))
+    return dict(flat(request))
+
+
+def _given(field: str, parameter: CompiledParameter, value: object) -> float | str:
+    """Return a field's value as the skill's parameter is given: in the profile's unit."""
+    if not parameter.is_number:
+        if isinstance(value, str):
+            return value
+        raise NotUnderstood(said("{field} must be text.", field=field[:80]))
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise NotUnderstood(said("{field} is no finite number.", field=field[:80]))
+    try:
+        return round(parameter.unit.from_si(float(value)), 9)
+    except OverflowError:
+        raise NotUnderstood(said("{field} is no finite number.", field=field[:80])) from None
+
+
+def _check_literal(field: str, wanted: object, given: object) -> None:
+    if given == wanted or (not wanted and not given):
+        return
+    raise NotUnderstood(said("{field} must be {value} here.", field=field[:80], value=str(wanted)))

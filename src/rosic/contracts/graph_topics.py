@@ -1,0 +1,106 @@
+"""Topics of the graph that a robot is on, for protocols that hand them on to programs and pages.
+
+What is opened here moves nothing by itself: who may read or say what is decided before, and what a
+profile binds to motion is sent by orders alone.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from typing import Any, TypeAlias
+
+    Fields: TypeAlias = Mapping[str, Any]
+    """A message by its fields, nested: numbers, text, yes or no, lists. Bytes are ``bytes``, and
+    where they come in they may be base64 text; a list of numbers may be an ``array.array``."""
+    OnMessage: TypeAlias = Callable[["TopicMessage"], None]
+
+
+class TopicMessage(Protocol):
+    """One message that has come, not looked at yet: to look costs most of what a message costs."""
+
+    @property
+    def fields(self) -> Fields:
+        """Return its fields.
+
+        Raises:
+            Fault: What came is of another type.
+        """
+        ...
+
+
+class OpenedTopic(Protocol):
+    """A topic that is listened to.
+
+    Attributes:
+        lost: How many messages were dropped, because nobody came to take them.
+    """
+
+    lost: int
+
+    async def close(self) -> None:
+        """Listen no more."""
+        ...
+
+
+class OpenedPublisher(Protocol):
+    """A topic that is published to."""
+
+    def publish(self, fields: Fields) -> None:
+        """Check every field, and send it at once; what is left out is the type's own default.
+
+        A header without a time is given that of now.
+
+        Raises:
+            Fault: Nothing was sent, and why.
+        """
+        ...
+
+    async def close(self) -> None:
+        """Leave the topic."""
+        ...
+
+
+class GraphTopics(Protocol):
+    """The topics of the graph that a robot is on."""
+
+    @property
+    def reported(self) -> Mapping[str, str]:
+        """Return the topics that the robot's profile binds, by absolute name, and their types."""
+        ...
+
+    @property
+    def stop_service(self) -> str:
+        """Return the absolute name of the service that stops the robot; empty: it has none."""
+        ...
+
+    async def listen(self, topic: str, type_name: str, on_message: OnMessage) -> OpenedTopic:
+        """Listen to a topic; every message is told, in order, as long as the loop keeps up.
+
+        Args:
+            topic: Absolute.
+            type_name: As the graph calls it.
+            on_message: Called on the event loop.
+
+        Raises:
+            ConfigurationError: There is no such type, or that is no name.
+            Fault: The link is closed, or too much is open.
+        """
+        ...
+
+    async def publisher(self, topic: str, type_name: str) -> OpenedPublisher:
+        """Open a publisher. Raises as `listen` does."""
+        ...
+
+
+@runtime_checkable
+class GraphRobot(Protocol):
+    """A robot link that is on a graph of topics.
+
+    Attributes:
+        topics: Of that graph.
+    """
+
+    topics: GraphTopics
