@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeGuard
 
 import pytest
 
@@ -292,8 +292,12 @@ def test_what_the_grammar_reads_is_what_it_declares() -> None:
 
 
 def listed(text: str) -> Iterator[int]:
-    """Yield the line of each literal in which commands are listed."""
-    for node in ast.walk(ast.parse(text)):
+    """Yield the line of each literal in which commands are listed; slots are attributes."""
+    tree = ast.parse(text)
+    slots = {id(node.value) for node in ast.walk(tree) if is_slots(node)}
+    for node in ast.walk(tree):
+        if id(node) in slots:
+            continue
         if isinstance(node, ast.Tuple | ast.List | ast.Set):
             parts: list[ast.expr | None] = [first(part) for part in node.elts]
         elif isinstance(node, ast.Dict):
@@ -303,6 +307,13 @@ def listed(text: str) -> Iterator[int]:
         words = {p.value for p in parts if isinstance(p, ast.Constant) and p.value in NAMES}
         if len(words) >= FEW:
             yield node.lineno
+
+
+def is_slots(node: ast.AST) -> TypeGuard[ast.Assign]:
+    """Whether it says which attributes a class has."""
+    return isinstance(node, ast.Assign) and any(
+        isinstance(target, ast.Name) and target.id == "__slots__" for target in node.targets
+    )
 
 
 def first(part: ast.expr) -> ast.expr:
