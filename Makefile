@@ -15,7 +15,7 @@
 #   TESTS=tests/core           run a part;  PYTEST_ARGS='-x -k stop'  passes anything else on
 #   WORKERS=0                  run tests one after another; else the files are shared out, the longest first
 #   MUTANTS='--only order_gate.py'  of one module; --at-most 40: so many of each, --seed 2: others; --write: into docs/mutants.md
-#   TEST_SECONDS=1800          the run of tests is over by then, whatever happens; later where the machine is slow
+#   TEST_SECONDS=2700          the run of tests is over by then, whatever happens; later where the machine is slow
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -23,7 +23,7 @@ PYTHON ?=
 TESTS ?= tests
 WORKERS ?= 4
 PYTEST_ARGS ?=
-TEST_SECONDS ?= 1800
+TEST_SECONDS ?= 2700
 CAMPAIGN_SECONDS ?= 21600
 MUTANTS ?=
 UPGRADE ?=

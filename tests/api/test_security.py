@@ -31,8 +31,11 @@ SIGNS_IN = frozenset(
     }
 )
 """Whoever signs in shows a code or a passkey instead of a key."""
-SPEAKS = frozenset({("POST", "/v1/chat"), ("DELETE", "/v1/sessions/current")})
-"""Whatever is said passes the rooms, which refuse it in an answer; everybody may sign out."""
+SPEAKS = frozenset(
+    {("POST", "/v1/chat"), ("POST", "/v1/tickets"), ("DELETE", "/v1/sessions/current")}
+)
+"""Whatever is said passes the rooms, which refuse it in an answer; a ticket is worth what its owner
+is; everybody may sign out."""
 STOPS = frozenset({("POST", "/v1/stop"), ("POST", "/v1/robots/{robot:str}/stop")})
 """Whoever sees a robot may stop it; what they do not see stays as it is."""
 

@@ -36,7 +36,7 @@ async def test_a_key_is_shown_once_and_its_program_may_what_was_given_until_it_e
         listed = await house.line(ADA, "/key list")
         assert listed == "Hal: operator on omni, for 30 days; by Ada"
         assert not SECRET.search(listed)
-        await house.clock.advance(30 * DAY_S + 1)
+        house.clock.jump_wall(30 * DAY_S + 1)
         with pytest.raises(Unrecognised):
             programs.identify(secret_in(told))
 
@@ -119,7 +119,7 @@ async def test_a_new_key_takes_the_place_of_the_old_one_which_stays_good_for_a_w
         newest = secret_in(await house.line(ADA, "/key rotate Hal now"))
         with pytest.raises(Unrecognised):
             programs.identify(new)
-        await house.clock.advance(30 * DAY_S)
+        house.clock.jump_wall(30 * DAY_S)
         with pytest.raises(Unrecognised):
             programs.identify(newest)
 

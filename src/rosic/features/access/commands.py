@@ -125,7 +125,7 @@ COMMANDS: Final = (
     ),
     Command(
         name="key",
-        aliases=("schlüssel",),
+        aliases=("schluessel", "schlüssel"),
         typed=said("/key"),
         summary=said("Keys for programs that ask over the API"),
         explained=True,
