@@ -7,7 +7,9 @@ import json
 import time
 from typing import TYPE_CHECKING, Any
 
+from rosic.core.policy.roles import SkillPrecondition
 from tests.api.served import served
+from tests.gateway.test_rights import rules
 from tests.pace import pace
 
 if TYPE_CHECKING:
@@ -140,3 +142,15 @@ async def test_a_stop_ends_it() -> None:
         await steering
         assert at_rest(place)
         assert place.gateway.rooms.stops["omni"].latched
+
+
+async def test_whoever_has_to_confirm_first_is_told_so_and_nothing_is_driven() -> None:
+    care = rules(SkillPrecondition(scopes=("omni:*",), confirm=True))
+    async with served(rules=care) as place, place.listening(await place.person("Bo")) as connection:
+        stick = Stick(connection)
+        await stick.send(linear=0.4)
+        refused = await stick.heard()
+        assert refused["text"] == (
+            "Somebody has to agree first, so this cannot be driven live. Give it as an order."
+        )
+        assert list(place.server.context.feed.newest()) == []

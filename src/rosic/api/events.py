@@ -31,7 +31,8 @@ from rosic.api.event_schemas import (
     StopRequest,
     Subscribe,
 )
-from rosic.api.jog import Jog, JogControl, JogEvent, JogSessions
+from rosic.api.jog import Jog, JogEvent, JogSessions
+from rosic.api.live_orders import LiveOrders
 from rosic.api.problems import problem, problem_of
 from rosic.api.schemas import StopIn
 from rosic.core.identity import PAGE
@@ -124,9 +125,9 @@ class EventStream:
 
     def __init__(self, context: ApiContext, speech: CallerRequests) -> None:
         self._context, self._speech = context, speech
+        self._live = LiveOrders(context)
         self.listeners: set[Listener] = set()
         self._looking: asyncio.Task[None] | None = None
-        self._jog = JogControl(context)
         self._run = f"{context.kernel.machine_clock.wall_ns():x}"
         context.feed.changed.connect(self._order_changed)
         context.page.news.connect(self._said)
@@ -154,7 +155,9 @@ class EventStream:
             async with asyncio.TaskGroup() as group:
                 telling = group.create_task(self._tell(connection, listener))
                 checking = group.create_task(self._check(listener))
-                jogs = JogSessions(self._jog, caller, partial(_tell_of_jog, listener), group)
+                jogs = JogSessions(
+                    self._context, self._live, caller, partial(_tell_of_jog, listener), group
+                )
                 try:
                     await self._hear(connection, listener, group, jogs)
                 finally:

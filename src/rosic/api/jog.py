@@ -7,28 +7,24 @@ were let go (I6).
 
 from __future__ import annotations
 
-import asyncio
 from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from rosic.api.order_feed import order_id
 from rosic.api.schemas import Name
 from rosic.core.i18n import said
 from rosic.core.message import AnswerState
 from rosic.core.sample_gate import SampleVerdict
 from rosic.errors import RosicError
-from rosic.gateway.requests import line_id
+from rosic.gateway.live_control import LiveInput
 
 if TYPE_CHECKING:
+    import asyncio
     from collections.abc import Callable
 
     from rosic.api.callers import ApiCaller
     from rosic.api.context import ApiContext
-    from rosic.api.order_feed import OrderEntry
-    from rosic.core.identity import CommandId
-    from rosic.gateway.live_control import LiveInput
-    from rosic.messengers.program.calls import ToolCall
+    from rosic.api.live_orders import LiveOrders
 
 ROBOTS_AT_MOST: Final = 4
 """That one connection steers at a time."""
@@ -80,47 +76,6 @@ class JogEvent(msgspec.Struct, frozen=True, tag="jog", tag_field="event"):
     code: str = ""
 
 
-class JogControl:
-    """Begins live orders for whoever steers, and knows when one was claimed."""
-
-    def __init__(self, context: ApiContext) -> None:
-        self.context = context
-        self._claimed: dict[str, asyncio.Event] = {}
-        context.feed.changed.connect(self._note)
-
-    def _note(self, entry: OrderEntry) -> None:
-        claimed = self._claimed.get(entry.id)
-        if claimed is not None:
-            claimed.set()
-
-    async def claimed(self, call: ToolCall, cid: CommandId) -> JogEvent | None:
-        """Wait until an order is claimed; return why it is not, if so."""
-        order, claimed = order_id(cid), asyncio.Event()
-        self._claimed[order] = claimed
-        waiting = asyncio.create_task(claimed.wait())
-        answer = asyncio.create_task(self._refused(call))
-        try:
-            async with asyncio.timeout(CLAIMED_WITHIN_S):
-                await asyncio.wait({waiting, answer}, return_when=asyncio.FIRST_COMPLETED)
-            return None if claimed.is_set() else answer.result()
-        except TimeoutError:
-            return JogEvent(call.robot, over=True, text=NOT_BEGUN)
-        finally:
-            del self._claimed[order]
-            for task in (waiting, answer):
-                task.cancel()
-            await asyncio.gather(waiting, answer, return_exceptions=True)
-
-    @staticmethod
-    async def _refused(call: ToolCall) -> JogEvent:
-        while True:
-            _, outbound = await call.news()
-            if outbound.state is AnswerState.ASKED:
-                return JogEvent(call.robot, over=True, text=ASKED_FIRST)
-            if outbound.state is AnswerState.NOT_DONE:
-                return JogEvent(call.robot, over=True, text=outbound.text, code=outbound.code)
-
-
 class JogSession:
     """One robot in the hand of one connection, from the first sample until the controls are let go.
 
@@ -129,10 +84,16 @@ class JogSession:
     """
 
     def __init__(
-        self, control: JogControl, caller: ApiCaller, first: Jog, tell: Callable[[JogEvent], None]
+        self,
+        context: ApiContext,
+        orders: LiveOrders,
+        caller: ApiCaller,
+        first: Jog,
+        tell: Callable[[JogEvent], None],
     ) -> None:
         self.over = False
-        self._control, self._caller, self._tell = control, caller, tell
+        self._context, self._orders = context, orders
+        self._caller, self._tell = caller, tell
         self._robot, self._skill, self._first = first.robot, first.skill, first.n
         self._input: LiveInput | None = None
         self._released = False
@@ -169,23 +130,20 @@ class JogSession:
             self._input.release()
 
     async def _drive(self) -> JogEvent:
-        context, caller = self._control.context, self._caller
-        context.profile(caller, self._robot)
-        text = context.kernel.pipeline.live.line(self._robot, self._skill)
-        inbound = context.messenger(caller).inbound(caller.address, text)
-        inbound = msgspec.structs.replace(inbound, live=True)
-        call = context.begin(caller, inbound, self._robot)
-        try:
-            refused = await self._control.claimed(call, line_id(inbound, 0))
-        finally:
-            context.messenger(caller).calls.close(call)
-        if refused is not None:
-            return refused
-        return await self._steer(line_id(inbound, 0))
+        self._context.profile(self._caller, self._robot)
+        opened = await self._orders.open(
+            self._caller, self._robot, self._skill, within_s=CLAIMED_WITHIN_S
+        )
+        if opened is None:
+            return JogEvent(self._robot, over=True, text=NOT_BEGUN)
+        if isinstance(opened, LiveInput):
+            return await self._steer(opened)
+        if opened.state is AnswerState.NOT_DONE:
+            return JogEvent(self._robot, over=True, text=opened.text, code=opened.code)
+        return JogEvent(self._robot, over=True, text=ASKED_FIRST)
 
-    async def _steer(self, cid: CommandId) -> JogEvent:
-        live = self._control.context.kernel.pipeline.live
-        self._input = controls = live.open(cid, self._caller.principal)
+    async def _steer(self, controls: LiveInput) -> JogEvent:
+        self._input = controls
         try:
             if self._released:
                 controls.release()
@@ -199,7 +157,7 @@ class JogSession:
         return JogEvent(self._robot, over=True, text=outcome.note, ending=ending, code=outcome.code)
 
     def _say(self, event: JogEvent) -> None:
-        text = self._control.context.callers.read_by(event.text, self._caller)
+        text = self._context.callers.read_by(event.text, self._caller)
         self._tell(msgspec.structs.replace(event, text=text, first=self._first))
 
 
@@ -208,12 +166,14 @@ class JogSessions:
 
     def __init__(
         self,
-        control: JogControl,
+        context: ApiContext,
+        orders: LiveOrders,
         caller: ApiCaller,
         tell: Callable[[JogEvent], None],
         group: asyncio.TaskGroup,
     ) -> None:
-        self._control, self._caller, self._tell, self._group = control, caller, tell, group
+        self._context, self._orders = context, orders
+        self._caller, self._tell, self._group = caller, tell, group
         self._sessions: dict[str, JogSession] = {}
         self._running: set[asyncio.Task[None]] = set()
 
@@ -232,7 +192,7 @@ class JogSessions:
         elif session is not None:
             session.put(sample)
         elif len(self._sessions) < ROBOTS_AT_MOST:
-            session = JogSession(self._control, self._caller, sample, self._tell)
+            session = JogSession(self._context, self._orders, self._caller, sample, self._tell)
             self._sessions[sample.robot] = session
             running = self._group.create_task(session.run())
             self._running.add(running)

@@ -12,27 +12,20 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any, Final
 
-from msgspec.structs import replace
-
-from rosic.api.order_feed import order_id
+from rosic.api.live_orders import LiveOrders
 from rosic.core.i18n import said
-from rosic.core.message import AnswerState
 from rosic.core.sample_gate import SampleVerdict
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RosicError
-from rosic.gateway.requests import line_id
+from rosic.gateway.live_control import LiveInput
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from rosic.api.callers import ApiCaller
     from rosic.api.context import ApiContext
-    from rosic.api.order_feed import OrderEntry
-    from rosic.core.identity import CommandId
     from rosic.core.sample_gate import SampleResult
-    from rosic.gateway.live_control import LiveInput
     from rosic.gateway.live_topics import LiveTopic
-    from rosic.messengers.program.calls import ToolCall
 
     Tell = Callable[[str, str], None]
 
@@ -50,33 +43,19 @@ class LiveTopics:
     """What stands between clients and robots that they drive.
 
     Attributes:
+        orders: Places orders that are steered.
         held: Who has to publish zeros to which topic first.
     """
 
     def __init__(self, context: ApiContext) -> None:
-        self.context = context
+        self.context, self.orders = context, LiveOrders(context)
         self.held: dict[tuple[str, str], None] = {}
-        self._accepted: dict[str, asyncio.Event] = {}
-        context.feed.changed.connect(self._note)
 
     def hold(self, principal: str, topic: str) -> None:
         """Let somebody drive by a topic only after zeros."""
         self.held[principal, topic] = None
         if len(self.held) > HELD_AT_MOST:
             del self.held[next(iter(self.held))]
-
-    def expect(self, cid: CommandId) -> asyncio.Event:
-        """Return what is set once an order is on disk."""
-        return self._accepted.setdefault(order_id(cid), asyncio.Event())
-
-    def forget(self, cid: CommandId) -> None:
-        """Expect an order no more."""
-        self._accepted.pop(order_id(cid), None)
-
-    def _note(self, entry: OrderEntry) -> None:
-        accepted = self._accepted.get(entry.id)
-        if accepted is not None:
-            accepted.set()
 
 
 class TopicDriver:
@@ -204,45 +183,14 @@ class TopicDriver:
 
     async def _opened(self) -> LiveInput | None:
         """Have the order's line carried out; return its controls, or None: it was refused."""
-        context, live = self._context, self._live
-        control = context.kernel.pipeline.live
-        messenger = context.messenger(self._caller)
-        line = control.line(live.robot, live.skill)
-        inbound = replace(messenger.inbound(self._caller.address, line), live=True)
-        call = context.begin(self._caller, inbound, live.robot)
-        cid = line_id(inbound, 0)
-        accepted = self._driven.expect(cid)
-        try:
-            refused = await self._refusal(call, accepted)
-        finally:
-            self._driven.forget(cid)
-            messenger.calls.close(call)
-        if refused:
-            self._tell("error", refused)
-            return None
-        return control.open(cid, self._caller.principal)
-
-    async def _refusal(self, call: ToolCall, accepted: asyncio.Event) -> str:
-        """Wait until an order is accepted; return why it was not, or an empty text."""
-        hearing = asyncio.create_task(self._said(call))
-        waiting = asyncio.create_task(accepted.wait())
-        both = (hearing, waiting)
-        try:
-            await asyncio.wait(both, timeout=ACCEPTED_WITHIN_S, return_when=asyncio.FIRST_COMPLETED)
-            if accepted.is_set():
-                return ""
-            return hearing.result() if hearing.done() else LATE
-        finally:
-            for task in both:
-                task.cancel()
-
-    @staticmethod
-    async def _said(call: ToolCall) -> str:
-        """Return what is said instead of beginning: a refusal, or that a person is asked."""
-        while True:
-            _, outbound = await call.news()
-            if outbound.state is not AnswerState.GOES_ON:
-                return outbound.text
+        live = self._live
+        opened = await self._driven.orders.open(
+            self._caller, live.robot, live.skill, within_s=ACCEPTED_WITHIN_S
+        )
+        if isinstance(opened, LiveInput):
+            return opened
+        self._tell("error", LATE if opened is None else opened.text)
+        return None
 
     async def _first_sample(self, steered: LiveInput) -> None:
         """Let the newest message count as soon as the robot's turn has come."""
