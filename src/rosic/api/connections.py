@@ -70,7 +70,32 @@ class ClientWatchdog:
             self._handle = None
 
 
-class LimitedHttp(HttpToolsProtocol):
+class EndedWhenStalled(asyncio.Protocol):
+    """A connection that is ended when its client takes nothing for too long.
+
+    It stands before the protocol that it ends, whose transport is its own.
+    """
+
+    transport: asyncio.Transport
+    _stalled: ClientWatchdog
+
+    def pause_writing(self) -> None:
+        """Count how long the client takes nothing."""
+        super().pause_writing()
+        self._stalled.begin(self.transport)
+
+    def resume_writing(self) -> None:
+        """Count no more."""
+        super().resume_writing()
+        self._stalled.end()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Count no more."""
+        self._stalled.end()
+        super().connection_lost(exc)
+
+
+class LimitedHttp(EndedWhenStalled, HttpToolsProtocol):
     """A connection of HTTP.
 
     Args:
@@ -94,7 +119,6 @@ class LimitedHttp(HttpToolsProtocol):
     def connection_lost(self, exc: Exception | None) -> None:
         """Wait for nothing any more."""
         self._head_is_here()
-        self._stalled.end()
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
@@ -117,16 +141,6 @@ class LimitedHttp(HttpToolsProtocol):
             self._await_head(self._silent.limits.idle_s)
             self._silent.put(self)
 
-    def pause_writing(self) -> None:
-        """Count how long the client takes nothing."""
-        super().pause_writing()
-        self._stalled.begin(self.transport)
-
-    def resume_writing(self) -> None:
-        """Count no more."""
-        super().resume_writing()
-        self._stalled.end()
-
     def _await_head(self, seconds: float) -> None:
         self._head_is_here()
         self._head_bytes = 0
@@ -139,7 +153,7 @@ class LimitedHttp(HttpToolsProtocol):
             self._waiting = None
 
 
-class LimitedSocket(WebSocketsSansIOProtocol):
+class LimitedSocket(EndedWhenStalled, WebSocketsSansIOProtocol):
     """A connection that has become a WebSocket.
 
     Args:
@@ -150,18 +164,3 @@ class LimitedSocket(WebSocketsSansIOProtocol):
     def __init__(self, limits: ServingLimits, **of_uvicorn: Any) -> None:  # noqa: ANN401
         super().__init__(**of_uvicorn)
         self._stalled = ClientWatchdog(limits.stalled_s)
-
-    def pause_writing(self) -> None:
-        """Count how long the client takes nothing."""
-        super().pause_writing()
-        self._stalled.begin(self.transport)
-
-    def resume_writing(self) -> None:
-        """Count no more."""
-        super().resume_writing()
-        self._stalled.end()
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        """Wait for nothing any more."""
-        self._stalled.end()
-        super().connection_lost(exc)

@@ -260,7 +260,7 @@ class ApiContext(NamedTuple):
         containers = self.kernel.containers
         return containers is not None and containers.may_oversee(caller.principal, robot)
 
-    def shown(self, entry: OrderEntry, caller: ApiCaller, text: str = "") -> OrderOut:
+    def shown(self, entry: OrderEntry, caller: ApiCaller) -> OrderOut:
         """Return an order as it is shown to somebody.
 
         What exactly others have asked, and what was said of it, is shown to whoever may read the
@@ -284,5 +284,4 @@ class ApiContext(NamedTuple):
             note=read(entry.note) if whole else "",
             code=entry.code,
             ended=moment(entry.ended_ns) if entry.ended_ns else None,
-            text=text,
         )

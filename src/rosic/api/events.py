@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import logging
 from collections import OrderedDict
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
@@ -61,13 +60,9 @@ EACH_AT_MOST: Final = 16
 """Connections of one caller."""
 MESSAGE_BYTES: Final = 65_536
 SLOW: Final = 1013
-BAD: Final = 1008
 MANY: Final = "Too many connections listen already. Close one first."
 NOT_READ: Final = "That is no message of this protocol."
 TOO_SLOW: Final = "You take too little of what happens, so you are told nothing more. Come again."
-
-log = logging.getLogger("rosic.api")
-
 
 Said: TypeAlias = Subscribe | StopRequest | Ping | Jog
 _read: Callable[[str], Said] = msgspec.json.Decoder(Said).decode

@@ -52,7 +52,6 @@ UNKNOWN_FILE: Final = said("You keep no such file here.")
 NO_RECORD: Final = said("This record cannot be looked into.")
 PEOPLE_ONLY: Final = said("Who is known here is shown to whoever looks after people.")
 Robot = Annotated[str, QueryParameter(name="robot", max_length=64)]
-Moment = Annotated[str, QueryParameter(max_length=40)]
 
 
 @get("/robots/{robot:str}/telemetry", summary="How a value was lately", tags=["robots"])

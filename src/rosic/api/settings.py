@@ -96,8 +96,6 @@ class ApiSettings(msgspec.Struct, frozen=True, kw_only=True):
         certificate, private_key: Files in PEM; with them it speaks TLS itself.
         proxies: Addresses of proxies before it, whose word on the client's address and on TLS
             counts.
-        without_tls: It was said twice that a public address is served without TLS.
-        metrics: Where Prometheus and probes are answered; None: nowhere.
         limits: What clients may take.
         topics: That are open to clients of rosbridge, besides what robots report.
     """
@@ -108,8 +106,6 @@ class ApiSettings(msgspec.Struct, frozen=True, kw_only=True):
     certificate: str = ""
     private_key: str = ""
     proxies: tuple[str, ...] = ()
-    without_tls: bool = False
-    metrics: HostPort | None = None
     limits: ServingLimits = ServingLimits()
     topics: tuple[OpenedTopicSettings, ...] = ()
 

@@ -39,7 +39,6 @@ MEDIA_TYPES: Final[Mapping[str, str]] = {
     "mjs": "text/javascript; charset=utf-8",
     "svg": "image/svg+xml",
 }
-VENDORED: Final = "vendor/"
 BARE_NAMES: Final[Mapping[str, tuple[bytes, bytes]]] = {
     # A browser finds a library by its address alone; an import map would be a script in the page.
     "vendor/hooks.mjs": (b'from"preact"', b'from"./preact.mjs"'),
