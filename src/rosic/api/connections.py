@@ -70,7 +70,7 @@ class ClientWatchdog:
             self._handle = None
 
 
-class EndedWhenStalled(asyncio.Protocol):
+class WatchedConnection(asyncio.Protocol):
     """A connection that is ended when its client takes nothing for too long.
 
     It stands before the protocol that it ends, whose transport is its own.
@@ -95,7 +95,7 @@ class EndedWhenStalled(asyncio.Protocol):
         super().connection_lost(exc)
 
 
-class LimitedHttp(EndedWhenStalled, HttpToolsProtocol):
+class LimitedHttp(WatchedConnection, HttpToolsProtocol):
     """A connection of HTTP.
 
     Args:
@@ -153,7 +153,7 @@ class LimitedHttp(EndedWhenStalled, HttpToolsProtocol):
             self._waiting = None
 
 
-class LimitedSocket(EndedWhenStalled, WebSocketsSansIOProtocol):
+class LimitedSocket(WatchedConnection, WebSocketsSansIOProtocol):
     """A connection that has become a WebSocket.
 
     Args:
