@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 HEARD: Final = 256
 """Messages of one topic that may wait for the event loop, and in DDS for the ROS thread."""
-SAID: Final = 512
+SAID: Final = 4096
 """Messages that a publisher keeps until every subscriber has them: of a flood none is lost."""
 MATCHED_LOOKS: Final = 50
 MATCHED_EVERY_S: Final = 0.01
