@@ -10,6 +10,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from rosic.api.event_schemas import Pong
+from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from tests.api.served import served
 from tests.pace import pace
 
@@ -164,3 +165,23 @@ async def test_whoever_takes_nothing_is_dropped_and_nobody_waits_for_them() -> N
             assert closed.value.rcvd is not None
             assert closed.value.rcvd.code == 1013
         assert (await bo.get("/v1/robots")).status_code == 200
+
+
+async def test_what_passes_is_told_once_a_second_of_robots_that_one_sees() -> None:
+    rules = RoleRules(roles={**DEFAULT_ROLES, "lookout": Role(scopes=("omni:read",))})
+    async with served(rules=rules) as place:
+        ole = await place.program("lookout", name="Ole")
+        hal = await place.program("operator")
+        async with place.listening(ole) as connection:
+            await says(connection, op="subscribe", topics=["rates"])
+            await told(connection, "rates")
+            body = {"skill": "move", "arguments": {"distance": 0.3}}
+            assert (await hal.post("/v1/robots/omni/orders", json=body)).status_code == 202
+            heard = sent = 0.0
+            while not (heard and sent):  # they may fall into different seconds
+                found = await told(connection, "rates")
+                [omni] = found["robots"]
+                [api] = [each for each in found["messengers"] if each["name"] == "api"]
+                assert omni["robot"] == "omni"
+                assert api["in_bytes_s"] >= api["in_per_s"] * len("omni move")
+                heard, sent = heard + api["in_per_s"], sent + omni["sent_per_s"]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.container.archive import NOBODY, Archive
-from rosic.contracts import console, programs
+from rosic.contracts import console, programs, traffic
 from rosic.contracts import messenger as contract
 from rosic.contracts.messenger import Messenger
 from rosic.contracts.messenger_proxy import ABILITIES, MessengerProxy, members_of
@@ -40,6 +40,7 @@ ASKED: tuple[Callable[[Messenger], object], ...] = (
     contract.menus_of,
     contract.catching_up,
     lambda messenger: contract.is_account(messenger, "no number"),
+    traffic.traffic_of,
 )
 
 
@@ -61,7 +62,7 @@ def kept(messenger: Messenger) -> ArchivingMessenger:
 def abilities() -> list[type]:
     return [
         found
-        for module in (contract, console, programs)
+        for module in (contract, console, programs, traffic)
         for found in vars(module).values()
         if getattr(found, "_is_runtime_protocol", False) and found is not Messenger
     ]

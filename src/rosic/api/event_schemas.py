@@ -21,7 +21,7 @@ class Subscribe(
 ):
     """Tell me of these from now on, and how it is now; of nothing else."""
 
-    topics: tuple[Literal["robots", "orders", "chat"], ...]
+    topics: tuple[Literal["robots", "orders", "chat", "rates"], ...]
 
 
 class StopRequest(msgspec.Struct, frozen=True, tag="stop", tag_field="op"):
@@ -81,6 +81,31 @@ class MessageEvent(msgspec.Struct, frozen=True, tag="message", tag_field="event"
     message: PageMessage
 
 
+class MessengerRate(msgspec.Struct, frozen=True):
+    """What comes in and goes out on a messenger in one second: messages, and their bytes."""
+
+    name: str
+    in_per_s: float
+    out_per_s: float
+    in_bytes_s: float
+    out_bytes_s: float
+
+
+class RobotRate(msgspec.Struct, frozen=True):
+    """How many messages are sent to a robot and received from it in one second."""
+
+    robot: str
+    sent_per_s: float
+    received_per_s: float
+
+
+class RatesEvent(msgspec.Struct, frozen=True, tag="rates", tag_field="event"):
+    """What passed in the last second, on everything that counts; told once a second."""
+
+    messengers: tuple[MessengerRate, ...]
+    robots: tuple[RobotRate, ...]
+
+
 class StopEvent(msgspec.Struct, frozen=True, tag="stop", tag_field="event"):
     """What became of a stop."""
 
@@ -102,5 +127,13 @@ class ProblemEvent(msgspec.Struct, frozen=True, tag="problem", tag_field="event"
 
 
 Event: TypeAlias = (
-    Hello | RobotEvent | RobotGone | OrderEvent | MessageEvent | StopEvent | Pong | ProblemEvent
+    Hello
+    | RobotEvent
+    | RobotGone
+    | OrderEvent
+    | MessageEvent
+    | RatesEvent
+    | StopEvent
+    | Pong
+    | ProblemEvent
 )

@@ -33,6 +33,7 @@ from rosic.api.event_schemas import (
 from rosic.api.jog import Jog, JogEvent, JogSessions
 from rosic.api.live_orders import LiveOrders
 from rosic.api.problems import problem, problem_of
+from rosic.api.rate_feed import RateFeed, of_visible
 from rosic.api.schemas import StopIn
 from rosic.core.identity import PAGE
 from rosic.errors import RosicError, Unrecognised
@@ -121,6 +122,7 @@ class EventStream:
     def __init__(self, context: ApiContext, speech: CallerRequests) -> None:
         self._context, self._speech = context, speech
         self._live = LiveOrders(context)
+        self._rates = RateFeed(context.kernel)
         self.listeners: set[Listener] = set()
         self._looking: asyncio.Task[None] | None = None
         self._run = f"{context.kernel.machine_clock.wall_ns():x}"
@@ -257,7 +259,15 @@ class EventStream:
             listening = [each for each in self.listeners if "robots" in each.topics]
             if listening:
                 await self._look_at_all(listening)
+            self._tell_rates()
             await asyncio.sleep(LOOK_S)
+
+    def _tell_rates(self) -> None:
+        listening = [each for each in self.listeners if "rates" in each.topics]
+        found = self._rates.look() if listening else None
+        if found is not None:
+            for each in listening:
+                each.put("rates", of_visible(found, self._context.visible(each.caller)))
 
     async def _look_at_all(self, listening: list[Listener]) -> None:
         profiles = self._context.kernel.rooms.profiles

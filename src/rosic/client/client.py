@@ -289,7 +289,7 @@ class RosicClient:
         what follows is how things are now; a `Disconnected` says that it does not, and why.
 
         Args:
-            topics: ``robots``, ``orders``, ``chat``.
+            topics: ``robots``, ``orders``, ``chat``, ``rates``.
 
         Raises:
             ApiProblem: The key is none, or not good any more.

@@ -21,6 +21,7 @@ from rosic.core.message import (
     MessageValidity,
     Outbound,
 )
+from rosic.core.traffic import TrafficCount, TrafficCounter
 from rosic.errors import (
     ChatGone,
     ChatNotBegun,
@@ -128,6 +129,7 @@ class MemoryMessenger:
         self.catching_up: Callable[[], bool] = bool
         self._clock = clock
         self._keep = keep
+        self._traffic = TrafficCounter()
         self._serial = self._told_ever = self._unconfirmed = 0
         self._shown: dict[str, Outbound] = {}
         self._files: dict[str, bytes] = {}
@@ -248,6 +250,11 @@ class MemoryMessenger:
 
     # ---- the gateway's side: contracts.messenger.Messenger ----
 
+    @property
+    def traffic(self) -> TrafficCount:
+        """Return how much people have said, and were shown."""
+        return self._traffic.count
+
     async def run(self, receive: Receive) -> None:
         """Hand over: stops at once, each chat in order, chats side by side.
 
@@ -349,6 +356,7 @@ class MemoryMessenger:
         if self._unconfirmed >= self._keep:
             raise OverflowError("too many messages wait to be received")
         self._unconfirmed += 1
+        self._traffic.came(len(inbound.text.encode(errors="replace")))
         if stop:
             self._serial += 1
             self._stops[self._serial] = inbound
@@ -405,6 +413,7 @@ class MemoryMessenger:
         while len(self._shown) > self._keep:
             del self._shown[next(iter(self._shown))]
         self.told.append(told)
+        self._traffic.went(len(told.outbound.text.encode(errors="replace")))
         self._told_ever += 1
         self._announce()
 

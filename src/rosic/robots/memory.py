@@ -15,6 +15,7 @@ from rosic.core.robot.profile import Presence, Profile
 from rosic.core.robot.view import View
 from rosic.core.sample_gate import LATE_S, LiveEnd
 from rosic.core.time_units import SECOND_NS
+from rosic.core.traffic import TrafficCount
 from rosic.errors import NothingToSee, RobotOffline, RobotUnreachable
 from rosic.robots.ros2.profile_rules import STAND_IN
 
@@ -79,6 +80,7 @@ class MemoryRobot:
         self.steered: deque[dict[str, Argument]] = deque(maxlen=1_000)
         self._controls: LiveControls | None = None
         self._doing: Order | None = None
+        self._sent = self._received = 0
         self._end: asyncio.Future[Outcome | None] | None = None
 
     async def open(self, say: Say) -> None:
@@ -89,6 +91,11 @@ class MemoryRobot:
         if self._controls is not None:
             self._controls.close()
         self.finish(CANCELLED)
+
+    @property
+    def traffic(self) -> TrafficCount:
+        """Return how often it was told something, and has answered."""
+        return TrafficCount(self._received, self._sent)
 
     def meet(self, speak: Speak) -> None:
         """Take what it says to other robots by."""
@@ -108,9 +115,11 @@ class MemoryRobot:
             )
         self.gate.pass_order(order, self._clock.monotonic_ns(), self._clock.wall_ns())
         tell(SENT)
+        self._sent += 1
         self.acted.append(order.n)
         self._doing = order
         tell(RECEIVED)
+        self._received += 1
         try:
             ended = await (self._work() if self.work_s else _one_turn())
         finally:
@@ -131,9 +140,11 @@ class MemoryRobot:
                 return never_steered(end)
             self.gate.pass_order(order, self._clock.monotonic_ns(), self._clock.wall_ns())
             tell(SENT)
+            self._sent += 1
             self.acted.append(order.n)
             self._doing, begun_ns = order, self._clock.monotonic_ns()
             tell(RECEIVED)
+            self._received += 1
             end = await self._steer(order, controls)
         finally:
             if self._doing is not None:
@@ -154,6 +165,7 @@ class MemoryRobot:
                 )
             if not self.steered or self.steered[-1] != controls.values:
                 self.steered.append({**controls.values})
+                self._sent += 1
             await controls.changed(controls.left_s())
         return end or LiveEnd.CLOSED
 
@@ -185,6 +197,7 @@ class MemoryRobot:
     async def stop(self, stop: Stop) -> RestReport:
         """Latch and end what is under way."""
         self.gate.apply_stop(stop)
+        self._sent += 1
         if self._controls is not None:
             self._controls.close()
         self.finish()

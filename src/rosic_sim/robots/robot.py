@@ -26,6 +26,7 @@ from rosic.core.robot.profile import Presence, Profile
 from rosic.core.robot.view import Pose, View, ViewKind
 from rosic.core.sample_gate import LiveEnd
 from rosic.core.synchronised_start import begins_ns
+from rosic.core.traffic import TrafficCount, TrafficCounter
 from rosic.errors import (
     ConfigurationError,
     NothingToSee,
@@ -146,6 +147,7 @@ class SimulatedRobot:
         link = profile.link
         self._model = link.model if isinstance(link, Ros2Link) else ""
         self.begun = 0
+        self._traffic = TrafficCounter()
         self._doing = ""
         self._controls: LiveControls | None = None
         self._say: Say = _unheard
@@ -164,6 +166,21 @@ class SimulatedRobot:
         if not self.machine.at_rest():
             await self._rest()
         self._simulation.forget(self._listen)
+
+    @property
+    def traffic(self) -> TrafficCount:
+        """Return how often the machine was told something, and how often it has answered."""
+        return self._traffic.count
+
+    def _counted(self, tell: Tell) -> Tell:
+        def counted(report: StageReport) -> None:
+            if report.stage is OrderStage.SENT:
+                self._traffic.went()
+            else:
+                self._traffic.came()
+            tell(report)
+
+        return counted
 
     def meet(self, speak: Speak) -> None:
         """Take what it answers by."""
@@ -185,6 +202,7 @@ class SimulatedRobot:
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Carry out one order."""
+        tell = self._counted(tell)
         together = topic_of(order.skill) is None  # a stream of velocities has no place for a start
         clock = self._clock
         if not self.online:
@@ -296,6 +314,7 @@ class SimulatedRobot:
                     OrderEnding.DONE, said("drove for {duration_s:g} s", duration_s=duration_s)
                 )
             machine.set_velocity(*velocity, now_ns / 1e9)
+            self._traffic.went()
             tell(StageReport(OrderStage.RUNNING, past_s / duration_s))
             await self._clock.sleep(min(SETPOINT_EVERY_S, duration_s - past_s))
             await self._heard()
@@ -303,7 +322,7 @@ class SimulatedRobot:
 
     async def execute_live(self, order: Order, tell: Tell, controls: LiveControls) -> Outcome:
         """Carry out one live order."""
-        machine, clock = self.machine, self._clock
+        machine, clock, tell = self.machine, self._clock, self._counted(tell)
         self._controls = controls
         try:
             if not self.online:
@@ -352,6 +371,7 @@ class SimulatedRobot:
                     return Outcome(OrderEnding.SENT)  # as over ROS: of no motion nothing is said
                 return live_outcome(end, seconds, controls.gate.most_s)
             self._set(machine, order, controls)
+            self._traffic.went()
             self._simulation.wake()
             await controls.changed(min(SETPOINT_EVERY_S, controls.left_s()))
             await self._heard()
@@ -387,9 +407,11 @@ class SimulatedRobot:
     async def stop(self, stop: Stop) -> RestReport:
         """Latch, halt, and wait until rest is measured."""
         self.gate.apply_stop(stop)
+        self._traffic.went()
         if self._controls is not None:
             self._controls.close()
         seconds, confirmed = await self._rest()
+        self._traffic.came()
         landed = said("on the ground") if self._model == "crazyflie" else ""
         return RestReport(stop.robot, confirmed, seconds, landed)
 

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 import pytest
 
+from rosic.contracts.traffic import traffic_of
 from rosic.system import SystemClock
+from rosic.testing.factories import OrderBook
 from rosic.testing.live_robots import LiveRobotConformance
 from rosic.testing.ros2.graph import RosGraph
 from tests.real.ros2.simulated import TriedRobot, opened, shipped
@@ -103,3 +105,17 @@ class TestRos2(LiveRobotConformance):
                 yield robot
 
         return make
+
+    async def test_what_passes_its_topics_and_goals_is_counted(
+        self, make_robot: Callable[[], AbstractAsyncContextManager[Robot]], clock: SystemClock
+    ) -> None:
+        async with make_robot() as robot:
+            before = traffic_of(robot)
+            assert before is not None
+            order = OrderBook(robot.profile, clock).order(self.short, self.short_arguments)
+            await asyncio.wait_for(robot.execute(order, lambda _report: None), self.bound_s)
+            after = traffic_of(robot)
+            assert after is not None
+            assert after.sent > before.sent
+            assert after.received > before.received + 2  # accepted, feedback, result, telemetry
+            assert after.received_bytes > before.received_bytes

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.core.traffic import TrafficCounter
 from rosic.errors import OrderVoid
 from rosic.robots.ros2.client.services import MAX_CALLS, ServiceLink
 from rosic.testing.clock import settle
@@ -23,6 +24,7 @@ class Answering:
     def __init__(self) -> None:
         self.thread = self
         self.sent = 0
+        self.traffic = TrafficCounter()
         self.may_answer = asyncio.Event()
 
     async def ask(self, send: Callable[[], object], _what: str, *, timeout_s: float) -> object:

@@ -16,6 +16,7 @@ import msgspec
 
 from rosic.core.identity import PROGRAM
 from rosic.core.message import AnswerState, Chat, Inbound, Outbound
+from rosic.core.traffic import TrafficCount, TrafficCounter
 from rosic.errors import MessengerFault
 from rosic.messengers.program.calls import OpenCalls, ToolCall, UnsolicitedMessages
 
@@ -54,6 +55,7 @@ class ProgramMessenger:
         self._receive: Receive | None = None
         self._handing_over: asyncio.TaskGroup | None = None
         self._serial = count(1)
+        self._traffic = TrafficCounter()
         # Ids must not come again in another run: the record remembers them (I1).
         self._run_id = f"{clock.wall_ns():x}-{os.getpid()}"
         self._since_ns = 0
@@ -74,6 +76,11 @@ class ProgramMessenger:
         if self._programs is None:
             raise MessengerFault(NOT_RUNNING)
         return self._programs
+
+    @property
+    def traffic(self) -> TrafficCount:
+        """Return how much programs have said, and were told."""
+        return self._traffic.count
 
     @property
     def listens(self) -> bool:
@@ -142,6 +149,7 @@ class ProgramMessenger:
         """
         if self._handing_over is None or self._receive is None:
             raise MessengerFault(NOT_RUNNING)
+        self._traffic.came(len(inbound.text.encode(errors="replace")))
         self._handing_over.create_task(_received(self._receive, inbound))
 
     def next_id(self) -> str:
@@ -180,6 +188,8 @@ class ProgramMessenger:
         self._tell(message, outbound)
 
     def _tell(self, message: str, outbound: Outbound) -> bool:
+        attached = 0 if outbound.attachment is None else outbound.attachment.size
+        self._traffic.went(len(outbound.text.encode(errors="replace")) + attached)
         call = self.calls[outbound.cause] if outbound.cause else None
         if call is None or call.address.account != outbound.chat.id:
             return False

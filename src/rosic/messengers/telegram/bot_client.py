@@ -18,6 +18,7 @@ from telegram import Bot
 from telegram.error import NetworkError, TelegramError
 from telegram.request import HTTPXRequest
 
+from rosic.core.traffic import TrafficCounter
 from rosic.errors import ConfigurationError, RosicError
 from rosic.messengers.telegram import updates as wire
 from rosic.messengers.telegram.errors import DEFAULT_WAIT_S, FloodControl, trouble
@@ -194,11 +195,15 @@ class BotClient:
     Args:
         settings: Where the Bot API is.
         answer_s: How long an answer to a call may take.
+
+    Attributes:
+        traffic: Counts calls as sent, updates as received, and the bytes of all bodies.
     """
 
     def __init__(self, settings: TelegramSettings, *, answer_s: float = ANSWER_S) -> None:
         self._settings = settings
         self._answer_s = answer_s
+        self.traffic = TrafficCounter()
         self._users = 0
         self._bot: ApiBot | None = None
         self._context: ssl.SSLContext | None = None
@@ -254,10 +259,12 @@ class BotClient:
         Raises:
             TelegramError: Ours: nothing was received. What the offset confirms may be confirmed.
         """
-        return await self.ask(
+        found = await self.ask(
             lambda bot: bot.raw_updates(offset, timeout_s, kinds, limit),
             within_s=polled_within_s(timeout_s),
         )
+        self.traffic.came(messages=len(found))
+        return found
 
     def _open(self) -> None:
         """Make the client; no connection yet.
@@ -291,7 +298,14 @@ class BotClient:
         return self._context
 
     def _request(self, kind: type[_Request], connections: int) -> _Request:
-        settings = self._settings
+        settings, calls = self._settings, 0 if kind is _Polling else 1
+
+        async def goes(request: httpx.Request) -> None:
+            self.traffic.went(_length(request.headers), calls)
+
+        async def comes(answer: httpx.Response) -> None:
+            self.traffic.came(_length(answer.headers), 0)
+
         return kind(
             connection_pool_size=connections,
             connect_timeout=CONNECT_S,
@@ -300,13 +314,23 @@ class BotClient:
             write_timeout=ANSWER_S,
             proxy=settings.proxy.reveal() if settings.proxy is not None else None,
             # A proxy of the environment is for the way to Telegram, not for a server next door.
-            httpx_kwargs={"trust_env": settings.api_base == API_BASE, "verify": self._tls()},
+            httpx_kwargs={
+                "trust_env": settings.api_base == API_BASE,
+                "verify": self._tls(),
+                "event_hooks": {"request": [goes], "response": [comes]},
+            },
         )
 
 
 def polled_within_s(timeout_s: int) -> float:
     """Return how long a poll may take that stays open for so long."""
     return CONNECT_S + timeout_s + 2 * POLL_GRACE_S
+
+
+def _length(headers: httpx.Headers) -> int:
+    """Return how long a body is said to be; 0 where it is not."""
+    length = headers.get("content-length", "")
+    return int(length) if length.isdecimal() else 0
 
 
 def _says(code: int, payload: bytes) -> bool:

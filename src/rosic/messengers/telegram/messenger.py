@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     )
     from rosic.core.message import Chat, Inbound, IncomingFile, Menu, Outbound, SendPriority
     from rosic.core.secret import Secret
+    from rosic.core.traffic import TrafficCount
 
 
 # ---- reactions and retracting ----
@@ -237,6 +238,11 @@ class TelegramMessenger:
     def counts(self) -> Counter[str]:
         """What became of updates; see `Poller`."""
         return self._listener.counts
+
+    @property
+    def traffic(self) -> TrafficCount:
+        """Return how much has passed the Bot API: calls, updates and their bytes."""
+        return self._line.traffic.count
 
     def alarm_with(self, alarm: Alarm) -> None:
         """Have somebody told when another receives for this bot; see ``contracts.messenger``.

@@ -15,6 +15,7 @@ from rosic.core.identity import Address
 from rosic.core.language.cancel_detection import is_urgent
 from rosic.core.message import Chat, Inbound, IncomingFile, Outbound
 from rosic.core.time_units import MINUTE_NS, SECOND_NS
+from rosic.core.traffic import TrafficCount, TrafficCounter
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.terminal.completion import Completer
 from rosic.messengers.terminal.downloads import FILE_BYTES, DownloadFolder
@@ -174,6 +175,7 @@ class TerminalMessenger:
         # As a private chat is found by whoever has something to tell: it is the account.
         self._chat = Chat(self.platform, self.account)
         self._serial = 0
+        self._traffic = TrafficCounter()
         self._interrupts = 0
         # Ids must not come again in another run: the record remembers them (I1).
         self._run_id = f"{clock.wall_ns():x}-{os.getpid()}"
@@ -209,6 +211,7 @@ class TerminalMessenger:
             if not line.strip():
                 continue
             self._interrupts = 0
+            self._traffic.came(len(line.encode(errors="replace")))
             inbound = self._inbound(line)
             if self._pace is not None:
                 await receive(inbound)
@@ -226,6 +229,11 @@ class TerminalMessenger:
         except Interrupted:
             self.interrupt()
             return ""
+
+    @property
+    def traffic(self) -> TrafficCount:
+        """Return how many lines were typed and how many messages were shown."""
+        return self._traffic.count
 
     @property
     def address(self) -> Address:
@@ -281,7 +289,9 @@ class TerminalMessenger:
         if self.ended.is_set():  # nobody types any more, so nothing can be chosen
             outbound = replace(outbound, buttons=())
         choices = self._choices.show(message, outbound, self._clock.monotonic_ns())
-        self.show(f"{outbound.text}\n{choices}" if choices else outbound.text)
+        shown = f"{outbound.text}\n{choices}" if choices else outbound.text
+        self.show(shown)
+        self._traffic.went(len(shown.encode(errors="replace")))
         return message
 
     async def edit(self, message: str, outbound: Outbound) -> None:  # noqa: ARG002 - the contract

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.contracts.graph_topics import Fields, OnMessage
+    from rosic.core.traffic import TrafficCounter
     from rosic.robots.ros2.client.connection import RosConnection
     from rosic.robots.ros2.client.node import ChatInterfaceNode
     from rosic.robots.ros2.client.rclpy_import import RosObject
@@ -72,6 +73,7 @@ class HeardTopic(Subscription):
         """Take a message; on the ROS thread."""
         if len(self._waiting) == HEARD:
             self.lost += 1
+        self._runtime.traffic.came(len(content))
         self._waiting.append(content)
         self._knock()
 
@@ -116,8 +118,10 @@ class CheckedPublisher:
 class OpenTopics:
     """The topics of the graph that a robot is on; see `contracts.graph_topics.GraphTopics`."""
 
-    def __init__(self, told: Ros2Profile, station: ChatInterfaceNode) -> None:
-        self._told, self._station = told, station
+    def __init__(
+        self, told: Ros2Profile, station: ChatInterfaceNode, traffic: TrafficCounter
+    ) -> None:
+        self._told, self._station, self._traffic = told, station, traffic
 
     @property
     def reported(self) -> dict[str, str]:
@@ -144,7 +148,7 @@ class OpenTopics:
             ConfigurationError: There is no such type, or that is no name.
             NotSent: The link is closed, or too much is open.
         """
-        runtime = await self._station.learn({type_name})
+        runtime = await self._runtime(type_name)
         name = check_graph_name(topic)
         heard = HeardTopic(runtime, name, runtime.types.message(type_name), on_message)
         quality = await runtime.thread.run(lambda: _offered(runtime, name))
@@ -153,10 +157,13 @@ class OpenTopics:
 
     async def publisher(self, topic: str, type_name: str) -> CheckedPublisher:
         """Open a publisher. Raises as `listen` does."""
-        runtime = await self._station.learn({type_name})
+        runtime = await self._runtime(type_name)
         opened = await runtime.publisher(topic, type_name, TopicQos(depth=SAID))
         await _matched(runtime, opened)
         return CheckedPublisher(opened, runtime.types.message(type_name), runtime)
+
+    async def _runtime(self, type_name: str) -> RosRuntime:
+        return (await self._station.learn({type_name})).counting(self._traffic)
 
 
 async def _matched(runtime: RosRuntime, publisher: Publisher) -> None:

@@ -11,6 +11,7 @@ from rosic.core.i18n import joined, said
 from rosic.core.order import Order, OrderEnding, Outcome, RestReport, Stop
 from rosic.core.robot.profile import Presence, Profile
 from rosic.core.time_units import SECOND_NS
+from rosic.core.traffic import TrafficCount, TrafficCounter
 from rosic.errors import ConfigurationError, RobotOffline, RobotUnreachable, RosicError
 from rosic.robots.ros2.abandoned_goals import AbandonedGoals
 from rosic.robots.ros2.bindings.action import ActionSkill
@@ -147,7 +148,8 @@ class Ros2Robot:
         self.gate = gate
         self._clock = clock
         self._station = station_of(clock)
-        self.topics = OpenTopics(told, self._station)
+        self._traffic = TrafficCounter()
+        self.topics = OpenTopics(told, self._station, self._traffic)
         space = profile.link.namespace
         # What stands at the root shares it with everybody: it is told by its topics alone.
         self._namespace = "" if space in {"", ROOT} else check_graph_name(space)
@@ -211,7 +213,7 @@ class Ros2Robot:
         parts = list(self._parts())
         types = set().union(*(part.types() for part in parts))
         try:
-            runtime = await self._station.enter(types, self._look, say)
+            runtime = (await self._station.enter(types, self._look, say)).counting(self._traffic)
             for part in parts:
                 await part.open(runtime)
         except ConfigurationError as error:
@@ -256,6 +258,11 @@ class Ros2Robot:
         yield self._delivery
         if self._among is not None:
             yield self._among
+
+    @property
+    def traffic(self) -> TrafficCount:
+        """Return how many messages passed between this robot and ROSIC: topics, calls, goals."""
+        return self._traffic.count
 
     # ---- other robots ----
 

@@ -117,6 +117,7 @@ class ActionLink:
         feedback = None if on_feedback is None else _Newest(self._runtime, on_feedback)
         uuid = None if goal_id is None else self._uuid(goal_id)
         self._goals += 1
+        self._runtime.traffic.went()
         try:
             handle = await self._runtime.thread.ask(
                 lambda: self._begin(message, uuid, feedback),
@@ -127,6 +128,7 @@ class ActionLink:
         except BaseException:
             self._goals -= 1
             raise
+        self._runtime.traffic.came()
         if not handle.accepted:
             self._goals -= 1
             self.rejected += 1
@@ -220,9 +222,11 @@ class Goal:
             NotSent: The link is closed.
             NoAnswer: The server did not answer in time. It may or may not be cancelling.
         """
+        self._runtime.traffic.went()
         answer = await self._runtime.thread.ask(
             self._handle.cancel_goal_async, self.name, timeout_s=timeout_s
         )
+        self._runtime.traffic.came()
         if answer.return_code == 0 and answer.goals_canceling:
             return "cancelling"
         return _CANCEL_ANSWERS.get(answer.return_code, "refused")
@@ -235,6 +239,7 @@ class Goal:
         answer = await self._runtime.thread.ask(
             self._handle.get_result_async, self.name, timeout_s=None
         )
+        self._runtime.traffic.came()
         return GoalEnd(_ENDS.get(answer.status, "unknown"), answer.result)
 
 
@@ -249,6 +254,7 @@ class _Newest:
 
     def arrived(self, message: RosObject) -> None:
         """Take a feedback message; on the ROS thread."""
+        self._runtime.traffic.came()
         self._newest = message.feedback
         if not self._offered:
             self._offered = True

@@ -6,7 +6,7 @@ import time
 from typing import TYPE_CHECKING, Self
 
 from rosic.robots.ros2.client.actions import ActionLink
-from rosic.robots.ros2.client.connection import RosConnection
+from rosic.robots.ros2.client.connection import EndpointCounts, RosConnection
 from rosic.robots.ros2.client.executor_thread import RosThread
 from rosic.robots.ros2.client.qos import publisher_events, subscription_events
 from rosic.robots.ros2.client.services import ServiceLink
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from types import TracebackType
 
+    from rosic.core.traffic import TrafficCounter
     from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.topics import Subscription
     from rosic.robots.ros2.messages.types import TypeRegistry
@@ -54,8 +55,9 @@ class RosRuntime(RosConnection):
         node_name: str,
         now_ns: Callable[[], int],
         wall_ns: Callable[[], int],
+        counts: EndpointCounts | None = None,
     ) -> None:
-        super().__init__(thread, now_ns, wall_ns)
+        super().__init__(thread, now_ns, wall_ns, counts)
         self.types = types
         self.node_name = node_name
 
@@ -88,6 +90,17 @@ class RosRuntime(RosConnection):
         thread = RosThread(check_node_name(node_name), domain_id)
         await thread.start()
         return cls(types, thread, node_name=node_name, now_ns=now_ns, wall_ns=wall_ns)
+
+    def counting(self, traffic: TrafficCounter) -> RosRuntime:
+        """Return the same node, with what passes the endpoints opened by it counted apart."""
+        return RosRuntime(
+            self.types,
+            self.thread,
+            node_name=self.node_name,
+            now_ns=self.now_ns,
+            wall_ns=self.wall_ns,
+            counts=EndpointCounts(traffic, self.quota),
+        )
 
     def know(self, types: TypeRegistry) -> None:
         """Use these types from now on; what is open stays open."""

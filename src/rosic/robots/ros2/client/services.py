@@ -94,9 +94,12 @@ class ServiceLink:
         try:
             if leave is not None:
                 leave()
-            return await self._runtime.thread.ask(
+            self._runtime.traffic.went()
+            answer = await self._runtime.thread.ask(
                 lambda: self._handle.call_async(request), self.name, timeout_s=timeout_s
             )
+            self._runtime.traffic.came()
+            return answer
         finally:
             admission.release()
 

@@ -129,6 +129,7 @@ class Publisher:
                 message.header.stamp = self._runtime.thread.node.get_clock().now().to_msg()
             self._handle.publish(message)
             self._sent_s = monotonic()
+            self._runtime.traffic.went(len(message) if isinstance(message, bytes) else 0)
         except Exception as error:  # RCLError under a flood; it has no stable home in rclpy
             raise NotSent(f"ROS 2 did not take the message for {self.topic}.") from error
 
@@ -319,6 +320,7 @@ class LatestMessage(Subscription):
                 self._earlier.append(before)
         self._newest, self._kept = ReceivedMessage(now_ns, sent_ns, content), None
         self.received += 1
+        self._runtime.traffic.came(len(content))
         self._knock()
 
     def arrived_kept(self, content: bytes, about: About) -> None:
@@ -388,6 +390,7 @@ class MessageStream(Subscription):
         """Take a message; on the ROS thread."""
         if len(self._waiting) == self._waiting.maxlen:
             self.dropped += 1
+        self._runtime.traffic.came(len(content))
         self._waiting.append(content)
         self._knock()
 
@@ -442,6 +445,7 @@ class RateLimitedTopic(Subscription):
         """Take a message; on the ROS thread."""
         if len(self._waiting) == WAITING_AT_MOST:
             self.dropped += 1
+        self._runtime.traffic.came(len(content))
         whole = len(content) <= HEAD_BYTES + self._at_most + 1
         kept = content if whole else bytes(content[HEAD_BYTES : HEAD_BYTES + self._at_most + 1])
         self._waiting.append((whole, kept))

@@ -1,0 +1,77 @@
+"""Rates of messengers and robots, measured once a second while anybody wants to know them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from rosic.api.event_schemas import MessengerRate, RatesEvent, RobotRate
+from rosic.contracts.traffic import traffic_of
+from rosic.core.time_units import SECOND_NS
+from rosic.core.traffic import TrafficMeter
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from rosic.core.robot.profile import RobotId
+    from rosic.core.traffic import TrafficCount
+    from rosic.gateway.feature import Kernel
+
+EVERY_NS: Final = SECOND_NS
+
+
+def messenger_counts(kernel: Kernel) -> dict[str, TrafficCount]:
+    """Return what has passed each messenger that counts, by its name."""
+    return dict(_counted((each.name, each) for each in kernel.messengers))
+
+
+def robot_counts(kernel: Kernel) -> dict[RobotId, TrafficCount]:
+    """Return what has passed each robot's link that counts."""
+    return dict(_counted(kernel.robots.items()))
+
+
+def _counted(links: Iterable[tuple[str, object]]) -> Iterator[tuple[str, TrafficCount]]:
+    for name, link in links:
+        count = traffic_of(link)
+        if count is not None:
+            yield name, count
+
+
+class RateFeed:
+    """Says once a second what passed in the last one."""
+
+    def __init__(self, kernel: Kernel) -> None:
+        self._kernel = kernel
+        self._messengers, self._robots = TrafficMeter(), TrafficMeter()
+        self._taken_ns: int | None = None
+
+    def look(self) -> RatesEvent | None:
+        """Return the rates of everything; None: a second is not over yet, or nothing is known."""
+        now_ns = self._kernel.machine_clock.monotonic_ns()
+        if self._taken_ns is not None and now_ns - self._taken_ns < EVERY_NS:
+            return None
+        self._taken_ns = now_ns
+        messengers = self._messengers.take(messenger_counts(self._kernel), now_ns)
+        robots = self._robots.take(robot_counts(self._kernel), now_ns)
+        if not messengers and not robots:
+            return None
+        return RatesEvent(
+            tuple(
+                MessengerRate(
+                    name,
+                    round(rate.received_per_s, 3),
+                    round(rate.sent_per_s, 3),
+                    round(rate.received_bytes_s, 3),
+                    round(rate.sent_bytes_s, 3),
+                )
+                for name, rate in messengers.items()
+            ),
+            tuple(
+                RobotRate(robot, round(rate.sent_per_s, 3), round(rate.received_per_s, 3))
+                for robot, rate in robots.items()
+            ),
+        )
+
+
+def of_visible(event: RatesEvent, visible: frozenset[RobotId]) -> RatesEvent:
+    """Return the rates without those of robots that somebody may not see."""
+    return RatesEvent(event.messengers, tuple(r for r in event.robots if r.robot in visible))
