@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from playwright.async_api import async_playwright, expect
+from playwright.async_api import Error, async_playwright, expect
 
 from tests.pace import pace
 from tests.servers import needed
@@ -49,12 +49,13 @@ class OpenPage:
 
     Attributes:
         page: As Playwright knows it.
+        url: Where it is reached by this browser.
         wrong: What the browser complained of.
         elsewhere: Addresses that were asked for and are not the gateway's.
     """
 
-    def __init__(self, page: Page, place: ServedGateway) -> None:
-        self.page, self.place = page, place
+    def __init__(self, page: Page, place: ServedGateway, url: str) -> None:
+        self.page, self.place, self.url = page, place, url
         self.wrong: list[str] = []
         self.elsewhere: list[str] = []
         page.set_default_timeout(30_000 * pace())
@@ -68,14 +69,14 @@ class OpenPage:
             self.wrong.append(text)
 
     def _asked(self, url: str) -> None:
-        if not url.startswith((self.place.url, "data:", "blob:")):
+        if not url.startswith((self.url, "data:", "blob:")):
             self.elsewhere.append(url)
 
     async def sign_in(self, name: str = "Ada") -> None:
         """Come in by a code that was typed."""
-        await self.page.goto(self.place.url)
+        await self.page.goto(self.url)
         await self.page.get_by_label("Code").fill(self.place.code(name))
-        await self.page.get_by_role("button", name="Sign in").click()
+        await self.page.get_by_role("button", name="Sign in", exact=True).click()
         await self.connected()
 
     async def connected(self) -> None:
@@ -91,6 +92,11 @@ class OpenPage:
         await self.page.get_by_label("Message").fill(line)
         await self.page.get_by_role("button", name="Send").click()
 
+    async def kill(self) -> None:
+        """End the process that draws it, as a crash would: it can say nothing more."""
+        with suppress(Error):
+            await self.page.goto("chrome://crash")
+
     async def violations(self) -> list[str]:
         """Return what axe finds here that is serious or critical."""
         await self.page.evaluate(f"() => {{ {AXE} }}")
@@ -100,6 +106,15 @@ class OpenPage:
             for each in found["violations"]
             if each["impact"] in {"serious", "critical"}
         ]
+
+    async def fits(self, name: str) -> None:
+        """See that a part is good for everybody, at a desk and on a phone; draw both."""
+        for size, where in ((PHONE, "phone"), (DESK, "desk")):
+            await self.page.set_viewport_size(size)  # type: ignore[arg-type]
+            wide = await self.page.evaluate("document.documentElement.scrollWidth")
+            assert wide <= size["width"], f"{name} is {wide} wide on a {where}"
+            assert await self.violations() == []
+            await self.picture(f"{name}-{where}")
 
     async def picture(self, name: str, *, whole: bool = False) -> None:
         """Draw what is seen into the docs, where they are drawn anew."""
@@ -112,13 +127,18 @@ async def opened(
     browser: Browser,
     place: ServedGateway,
     size: dict[str, int],
+    url: str = "",
     **how: Any,  # noqa: ANN401
 ) -> AsyncIterator[OpenPage]:
-    """Yield a page of somebody of whom the browser knows nothing yet."""
+    """Yield a page of somebody of whom the browser knows nothing yet.
+
+    Args:
+        url: Where it finds the gateway, if it is not where that listens.
+    """
     touch = size is PHONE
     context = await browser.new_context(viewport=size, has_touch=touch, locale="en-GB", **how)  # type: ignore[arg-type]
     try:
-        there = OpenPage(await context.new_page(), place)
+        there = OpenPage(await context.new_page(), place, url or place.url)
         yield there
         assert there.wrong == []
         assert there.elsewhere == []

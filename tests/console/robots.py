@@ -28,6 +28,10 @@ RESTLESS: set[str] = set()
 """Robots that do not confirm that they are at rest."""
 
 
+DRAINED: set[str] = set()
+"""Robots whose battery is nearly empty."""
+
+
 class NotingRobot(SimulatedRobot):
     """A simulated robot that notes when it was handed a stop."""
 
@@ -45,6 +49,8 @@ class NotingRobot(SimulatedRobot):
 
     def presence(self) -> Presence:
         found = super().presence()
+        if self.profile.id in DRAINED:
+            found = replace(found, values={**found.values, "battery": 7.0})
         return replace(found, online=False, age_s=2.0) if self.profile.id in CUT else found
 
 

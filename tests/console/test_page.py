@@ -9,221 +9,172 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.async_api import expect
 
-from tests.api.served import served
-from tests.console.browser import DESK, PHONE, WALL, chromium, opened
-from tests.console.robots import CUT, RESTLESS, SILENT, STOPPED_AT, noting
+from tests.console.browser import DESK, PHONE, WALL, opened
+from tests.console.robots import CUT, RESTLESS, SILENT, STOPPED_AT
 from tests.pace import patience
 
 if TYPE_CHECKING:
+    from playwright.async_api import Browser
+
+    from tests.api.served import ServedGateway
     from tests.console.browser import OpenPage
 
-pytestmark = pytest.mark.limit(300)
+pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.limit(300)]
 expect.set_options(timeout=15_000)
 HANDED_WITHIN_S = 0.1
 SAID_WITHIN_S = 2.0
-SIZES = pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
-
-
-@pytest.fixture(autouse=True)
-def sound() -> None:
-    for kept in (STOPPED_AT, CUT, SILENT, RESTLESS):
-        kept.clear()
-
-
-async def latest(there: OpenPage) -> str:
-    return await there.page.locator("table.orders tbody tr").first.inner_text()
+SIZES = pytest.mark.parametrize("there", [DESK, PHONE], ids=["desk", "phone"], indirect=True)
 
 
 @SIZES
 async def test_somebody_signs_in_by_their_chat_and_orders_by_form_and_by_line(
-    size: dict[str, int],
+    there: OpenPage, place: ServedGateway
 ) -> None:
-    name = "desk" if size is DESK else "phone"
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, size) as there,
-    ):
-        page = there.page
-        await page.goto(place.url)
-        await expect(page.get_by_text("Write /signin to ROSIC in your own chat.")).to_be_visible()
-        assert await there.violations() == []
-        await page.get_by_label("Code").fill("NONE-SUCH")
-        await page.get_by_role("button", name="Sign in").click()
-        await expect(page.get_by_role("alert")).to_contain_text("That code is not good")
-        await there.picture(f"sign-in-{name}")
-        await page.get_by_label("Code").fill(place.code("Ada"))
-        await page.get_by_role("button", name="Sign in").click()
-        await there.connected()
-        await there.go("drive/omni")
-        form = page.get_by_role("form", name="Move in a straight line")
-        await form.get_by_label("Distance").fill("0.3")
-        await form.get_by_label("Direction").select_option("left")
-        await form.get_by_role("button", name="Check only").click()
-        await expect(form.get_by_role("status")).to_have_text(
-            "This would be sent: move, 0.30 m left"
-        )
-        await expect(page.get_by_text("Nothing was sent yet.")).to_be_visible()
-        await form.get_by_role("button", name="Give the order").click()
-        await expect(form.get_by_role("status")).to_have_text("Given: move, 0.30 m left")
-        row = page.locator("table.orders tbody tr").first
-        await expect(row.locator(".received")).to_contain_text("move, 0.30 m left")
-        await expect(row).to_contain_text("done")
-        await there.say("omni turn left 20")
-        await expect(page.locator(".messages")).to_contain_text("turn, 20 deg left")
-        await expect(page.locator("table.orders tbody tr").first).to_contain_text("done")
-        await there.picture(f"drive-{name}", whole=size is DESK)
-        assert await there.violations() == []
+    name = "desk" if there.page.viewport_size == DESK else "phone"
+    page = there.page
+    await page.goto(place.url)
+    await expect(page.get_by_text("Write /signin to ROSIC in your own chat.")).to_be_visible()
+    assert await there.violations() == []
+    await page.get_by_label("Code").fill("NONE-SUCH")
+    await page.get_by_role("button", name="Sign in", exact=True).click()
+    await expect(page.get_by_role("alert")).to_contain_text("That code is not good")
+    await there.picture(f"sign-in-{name}")
+    await page.get_by_label("Code").fill(place.code("Ada"))
+    await page.get_by_role("button", name="Sign in", exact=True).click()
+    await there.connected()
+    await there.go("drive/omni")
+    form = page.get_by_role("form", name="Move in a straight line")
+    await form.get_by_label("Distance").fill("0.3")
+    await form.get_by_label("Direction").select_option("left")
+    await form.get_by_role("button", name="Check only").click()
+    await expect(form.get_by_role("status")).to_have_text("This would be sent: move, 0.30 m left")
+    await expect(page.get_by_text("Nothing was sent yet.")).to_be_visible()
+    await form.get_by_role("button", name="Give the order").click()
+    await expect(form.get_by_role("status")).to_have_text("Given: move, 0.30 m left")
+    row = page.locator("table.orders tbody tr").first
+    await expect(row.locator(".received")).to_contain_text("move, 0.30 m left")
+    await expect(row).to_contain_text("done")
+    await there.say("omni turn left 20")
+    await expect(page.locator(".messages")).to_contain_text("turn, 20 deg left")
+    await expect(page.locator("table.orders tbody tr").first).to_contain_text("done")
+    await there.picture(f"drive-{name}", whole=there.page.viewport_size == DESK)
+    assert await there.violations() == []
 
 
 @SIZES
-async def test_a_link_signs_in_and_its_code_stays_nowhere(size: dict[str, int]) -> None:
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, size) as there,
-    ):
-        await there.page.goto(f"{place.url}/#code={place.code('Bo')}")
-        await there.connected()
-        assert "code" not in there.page.url
-        assert await there.page.evaluate("history.length") <= 2
+async def test_a_link_signs_in_and_its_code_stays_nowhere(
+    there: OpenPage, place: ServedGateway
+) -> None:
+    await there.page.goto(f"{place.url}/#code={place.code('Bo')}")
+    await there.connected()
+    assert "code" not in there.page.url
+    assert await there.page.evaluate("history.length") <= 2
 
 
 @SIZES
 async def test_stop_is_handed_over_at_once_and_true_when_it_says_at_rest(
-    size: dict[str, int],
+    there: OpenPage, place: ServedGateway
 ) -> None:
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, size) as there,
-    ):
-        page = there.page
-        await there.sign_in()
-        await page.evaluate(
-            "addEventListener('keydown', () => { window.pressed = Date.now(); }, true);"
-            "addEventListener('pointerdown', () => { window.pressed = Date.now(); }, true);"
-        )
-        for part in ("live", "drive/omni"):
-            await there.go(part)
-            STOPPED_AT.clear()
-            button = page.locator("button.stop")
-            await expect(button).to_be_in_viewport(ratio=1)
-            if size is DESK:
-                await page.locator("#main-part").focus()
-                await page.keyboard.press("Space")
-            else:
-                await button.tap()
-            await place.until(lambda: len(STOPPED_AT) >= 6)
-            await expect(page.locator(".stop-said strong")).to_have_text("At rest")
-            pressed_s = await page.evaluate("window.pressed") / 1000
-            assert {robot for robot, _ in STOPPED_AT} >= {"omni", "kuka1", "yumi", "cf1"}
-            first_s = max(at for _, at in STOPPED_AT[:6]) - pressed_s
-            assert first_s < HANDED_WITHIN_S * patience()
-        assert await there.violations() == []
+    page = there.page
+    await there.sign_in()
+    await page.evaluate(
+        "addEventListener('keydown', () => { window.pressed = Date.now(); }, true);"
+        "addEventListener('pointerdown', () => { window.pressed = Date.now(); }, true);"
+    )
+    for part in ("live", "drive/omni"):
+        await there.go(part)
+        STOPPED_AT.clear()
+        button = page.locator("button.stop")
+        await expect(button).to_be_in_viewport(ratio=1)
+        if there.page.viewport_size == DESK:
+            await page.locator("#main-part").focus()
+            await page.keyboard.press("Space")
+        else:
+            await button.tap()
+        await place.until(lambda: len(STOPPED_AT) >= 6)
+        await expect(page.locator(".stop-said strong")).to_have_text("At rest")
+        pressed_s = await page.evaluate("window.pressed") / 1000
+        assert {robot for robot, _ in STOPPED_AT} >= {"omni", "kuka1", "yumi", "cf1"}
+        first_s = max(at for _, at in STOPPED_AT[:6]) - pressed_s
+        assert first_s < HANDED_WITHIN_S * patience()
+    assert await there.violations() == []
 
 
-async def test_a_space_that_is_typed_stops_nothing() -> None:
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, DESK) as there,
-    ):
-        await there.sign_in()
-        await there.go("drive/omni")
-        await there.page.get_by_label("Message").press_sequentially("omni turn left 20")
-        assert await there.page.get_by_label("Message").input_value() == "omni turn left 20"
-        assert STOPPED_AT == []
+async def test_a_space_that_is_typed_stops_nothing(there: OpenPage) -> None:
+    await there.sign_in()
+    await there.go("drive/omni")
+    await there.page.get_by_label("Message").press_sequentially("omni turn left 20")
+    assert await there.page.get_by_label("Message").input_value() == "omni turn left 20"
+    assert STOPPED_AT == []
 
 
-async def test_a_stop_that_was_not_confirmed_says_so() -> None:
+async def test_a_stop_that_was_not_confirmed_says_so(there: OpenPage) -> None:
     RESTLESS.add("omni")
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, DESK) as there,
-    ):
-        await there.sign_in()
-        await there.page.locator("button.stop").click()
-        said = there.page.locator(".stop-said")
-        await expect(said.locator("strong")).to_have_text("Not confirmed: look!")
-        await expect(said).to_contain_text("omni")
-        await there.picture("stop-not-confirmed")
+    await there.sign_in()
+    await there.page.locator("button.stop").click()
+    said = there.page.locator(".stop-said")
+    await expect(said.locator("strong")).to_have_text("Not confirmed: look!")
+    await expect(said).to_contain_text("omni")
+    await there.picture("stop-not-confirmed")
 
 
-async def test_a_stop_reaches_the_gateway_also_without_the_connection() -> None:
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, DESK) as there,
-    ):
-        await there.page.add_init_script("window.WebSocket = class { close() {} send() {} };")
-        await there.page.goto(f"{place.url}/#code={place.code('Ada')}")
-        button = there.page.locator("button.stop")
-        await button.click()
-        await expect(there.page.locator(".stop-said strong")).to_have_text("At rest")
-        assert STOPPED_AT != []
+async def test_a_stop_reaches_the_gateway_also_without_the_connection(
+    there: OpenPage, place: ServedGateway
+) -> None:
+    await there.page.add_init_script("window.WebSocket = class { close() {} send() {} };")
+    await there.page.goto(f"{place.url}/#code={place.code('Ada')}")
+    button = there.page.locator("button.stop")
+    await button.click()
+    await expect(there.page.locator(".stop-said strong")).to_have_text("At rest")
+    assert STOPPED_AT != []
 
 
-async def test_what_was_sent_and_not_received_stands_out() -> None:
+async def test_what_was_sent_and_not_received_stands_out(there: OpenPage) -> None:
     SILENT.add("omni")
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, DESK) as there,
-    ):
-        await there.sign_in()
-        await there.go("drive/omni")
-        await there.say("omni move 0.3 m left")
-        row = there.page.locator("table.orders tbody tr").first
-        await expect(row.locator(".received")).to_contain_text("waiting for the robot")
-        await expect(row).to_have_class("mismatch")
-        await expect(row.locator(".received")).to_contain_text("sent, and not received")
-        await there.say("kuka1 grasp force=20")
-        await there.go("live")
-        await expect(there.page.locator("table.orders")).to_contain_text("grasp, 20 N")
-        await there.picture("mismatch")
-        assert await there.violations() == []
+    await there.sign_in()
+    await there.go("drive/omni")
+    await there.say("omni move 0.3 m left")
+    row = there.page.locator("table.orders tbody tr").first
+    await expect(row.locator(".received")).to_contain_text("waiting for the robot")
+    await expect(row).to_have_class("mismatch")
+    await expect(row.locator(".received")).to_contain_text("sent, and not received")
+    await there.say("kuka1 grasp force=20")
+    await there.go("live")
+    await expect(there.page.locator("table.orders")).to_contain_text("grasp, 20 N")
+    await there.picture("mismatch")
+    assert await there.violations() == []
 
 
-async def test_a_pulled_cable_is_said_within_two_seconds() -> None:
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, DESK) as there,
-    ):
-        await there.sign_in()
-        card = there.page.locator(".robot", has_text="omni")
-        await expect(card).to_contain_text("connected")
-        CUT.add("omni")
-        cut_s = time.monotonic()
-        await expect(card).to_contain_text("connection lost")
-        assert time.monotonic() - cut_s < SAID_WITHIN_S * patience()
-        assert await there.violations() == []
+async def test_a_pulled_cable_is_said_within_two_seconds(there: OpenPage) -> None:
+    await there.sign_in()
+    card = there.page.locator(".robot", has_text="omni")
+    await expect(card).to_contain_text("connected")
+    CUT.add("omni")
+    cut_s = time.monotonic()
+    await expect(card).to_contain_text("connection lost")
+    assert time.monotonic() - cut_s < SAID_WITHIN_S * patience()
+    assert await there.violations() == []
 
 
-async def test_a_cut_link_of_the_page_is_said_within_two_seconds_and_comes_back() -> None:
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, DESK) as there,
-    ):
-        page = there.page
-        await page.add_init_script(CUTTABLE)
-        await there.sign_in()
-        card = page.locator(".robot", has_text="omni")
-        await expect(card).to_contain_text("connected")
-        await page.evaluate("window.cut = true")
-        cut_s = time.monotonic()
-        await expect(page.locator(".link")).to_contain_text("No connection to the gateway")
-        assert time.monotonic() - cut_s < SAID_WITHIN_S * patience()
-        await expect(card).to_contain_text("unknown: no connection to the gateway")
-        assert await there.violations() == []
-        await there.picture("cut-off")
-        await page.evaluate("window.cut = false")
-        await there.connected()
-        await expect(page.get_by_text("The connection is back.")).to_be_visible()
-        await expect(card).to_contain_text("connected")
+async def test_a_cut_link_of_the_page_is_said_within_two_seconds_and_comes_back(
+    there: OpenPage,
+) -> None:
+    page = there.page
+    await page.add_init_script(CUTTABLE)
+    await there.sign_in()
+    card = page.locator(".robot", has_text="omni")
+    await expect(card).to_contain_text("connected")
+    await page.evaluate("window.cut = true")
+    cut_s = time.monotonic()
+    await expect(page.locator(".link")).to_contain_text("No connection to the gateway")
+    assert time.monotonic() - cut_s < SAID_WITHIN_S * patience()
+    await expect(card).to_contain_text("unknown: no connection to the gateway")
+    assert await there.violations() == []
+    await there.picture("cut-off")
+    await page.evaluate("window.cut = false")
+    await there.connected()
+    await expect(page.get_by_text("The connection is back.")).to_be_visible()
+    await expect(card).to_contain_text("connected")
 
 
 CUTTABLE = """
@@ -237,74 +188,59 @@ window.WebSocket = class extends Real {
 """A socket that says nothing and hears nothing, as one whose cable was pulled."""
 
 
-async def test_the_stick_drives_while_it_is_held() -> None:
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, DESK) as there,
-    ):
-        page = there.page
-        await there.sign_in()
-        await there.go("drive/omni")
-        stick = page.get_by_role("application")
-        presence = place.gateway.rooms.linker.presence
-        await stick.focus()
-        await page.keyboard.down("ArrowUp")
-        await place.until(lambda: presence("omni").at_rest is False)
-        await expect(page.locator(".jogging .said")).to_contain_text("Driving live")
-        await there.picture("jog")
-        await page.keyboard.up("ArrowUp")
-        await expect(page.locator(".jogging .said")).to_contain_text("drove live for")
-        await place.until(lambda: presence("omni").at_rest is True)
-        box = await stick.bounding_box()
-        assert box is not None
-        middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-        await page.mouse.move(*middle)
-        await page.mouse.down()
-        await page.mouse.move(middle[0], middle[1] - 60)
-        await place.until(lambda: presence("omni").at_rest is False)
-        await page.keyboard.press("Space")  # a stop, whatever is held
-        await expect(page.locator(".stop-said strong")).to_have_text("At rest")
-        await page.mouse.up()
-        assert presence("omni").at_rest is True
+async def test_the_stick_drives_while_it_is_held(there: OpenPage, place: ServedGateway) -> None:
+    page = there.page
+    await there.sign_in()
+    await there.go("drive/omni")
+    stick = page.get_by_role("application")
+    presence = place.gateway.rooms.linker.presence
+    await stick.focus()
+    await page.keyboard.down("ArrowUp")
+    await place.until(lambda: presence("omni").at_rest is False)
+    await expect(page.locator(".jogging .said")).to_contain_text("Driving live")
+    await there.picture("jog")
+    await page.keyboard.up("ArrowUp")
+    await expect(page.locator(".jogging .said")).to_contain_text("drove live for")
+    await place.until(lambda: presence("omni").at_rest is True)
+    box = await stick.bounding_box()
+    assert box is not None
+    middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    await page.mouse.move(*middle)
+    await page.mouse.down()
+    await page.mouse.move(middle[0], middle[1] - 60)
+    await place.until(lambda: presence("omni").at_rest is False)
+    await page.keyboard.press("Space")  # a stop, whatever is held
+    await expect(page.locator(".stop-said strong")).to_have_text("At rest")
+    await page.mouse.up()
+    assert presence("omni").at_rest is True
 
 
-async def test_a_window_that_is_left_lets_go() -> None:
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, DESK) as there,
-    ):
-        await there.sign_in()
-        await there.go("drive/omni")
-        await there.page.get_by_role("application").focus()
-        await there.page.keyboard.down("ArrowUp")
-        presence = place.gateway.rooms.linker.presence
-        await place.until(lambda: presence("omni").at_rest is False)
-        await there.page.evaluate("dispatchEvent(new Event('blur'))")
-        await place.until(lambda: presence("omni").at_rest is True)
+async def test_a_window_that_is_left_lets_go(there: OpenPage, place: ServedGateway) -> None:
+    await there.sign_in()
+    await there.go("drive/omni")
+    await there.page.get_by_role("application").focus()
+    await there.page.keyboard.down("ArrowUp")
+    presence = place.gateway.rooms.linker.presence
+    await place.until(lambda: presence("omni").at_rest is False)
+    await there.page.evaluate("dispatchEvent(new Event('blur'))")
+    await place.until(lambda: presence("omni").at_rest is True)
 
 
-async def test_who_signs_out_or_is_signed_out_sees_nothing_more() -> None:
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, DESK) as there,
-    ):
-        await there.sign_in("Bo")
-        ended = place.gateway.access.page_sessions.end_all(place.principal("Bo"))
-        await place.gateway.access.changes.take_away(ended)
-        await expect(there.page.get_by_text("Sign in first")).to_be_visible()
-        await expect(there.page.get_by_label("Code")).to_be_visible()
-        assert await there.page.locator(".robot").count() == 0
+async def test_who_signs_out_or_is_signed_out_sees_nothing_more(
+    there: OpenPage, place: ServedGateway
+) -> None:
+    await there.sign_in("Bo")
+    ended = place.gateway.access.page_sessions.end_all(place.principal("Bo"))
+    await place.gateway.access.changes.take_away(ended)
+    await expect(there.page.get_by_text("Sign in first")).to_be_visible()
+    await expect(there.page.get_by_label("Code")).to_be_visible()
+    assert await there.page.locator(".robot").count() == 0
 
 
-async def test_in_german_and_in_the_dark_and_on_the_wall() -> None:
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, WALL, color_scheme="dark") as there,
-    ):
+async def test_in_german_and_in_the_dark_and_on_the_wall(
+    browser: Browser, place: ServedGateway
+) -> None:
+    async with opened(browser, place, WALL, color_scheme="dark") as there:
         page = there.page
         await there.sign_in()
         await there.go("drive/omni")
@@ -324,22 +260,17 @@ async def test_in_german_and_in_the_dark_and_on_the_wall() -> None:
         assert await there.violations() == []
 
 
-async def test_the_live_page_at_the_desk_and_on_the_phone() -> None:
-    async with (
-        served(robots_of=noting) as place,
-        chromium() as browser,
-        opened(browser, place, DESK) as there,
-    ):
-        await there.sign_in()
-        await there.go("drive/omni")
-        for line in ("omni move 1 m left", "cf1 takeoff 1 m", "kuka1 grasp force=20"):
-            await there.say(line)
-        await expect(there.page.locator("table.orders tbody tr")).to_contain_text(["done"])
-        await there.go("live")
-        await expect(there.page.locator("table.orders tbody tr")).to_have_count(3)
-        await there.picture("live-desk", whole=True)
-        await there.page.set_viewport_size(PHONE)  # type: ignore[arg-type]
-        wide = await there.page.evaluate("document.documentElement.scrollWidth")
-        assert wide <= PHONE["width"]
-        await there.picture("live-phone")
-        assert await there.violations() == []
+async def test_the_live_page_at_the_desk_and_on_the_phone(there: OpenPage) -> None:
+    await there.sign_in()
+    await there.go("drive/omni")
+    for line in ("omni move 1 m left", "cf1 takeoff 1 m", "kuka1 grasp force=20"):
+        await there.say(line)
+    await expect(there.page.locator("table.orders tbody tr")).to_contain_text(["done"])
+    await there.go("live")
+    await expect(there.page.locator("table.orders tbody tr")).to_have_count(3)
+    await there.picture("live-desk", whole=True)
+    await there.page.set_viewport_size(PHONE)  # type: ignore[arg-type]
+    wide = await there.page.evaluate("document.documentElement.scrollWidth")
+    assert wide <= PHONE["width"]
+    await there.picture("live-phone")
+    assert await there.violations() == []

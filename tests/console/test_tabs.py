@@ -1,0 +1,272 @@
+"""The tabs beside Live and Drive, in a real browser: what there is, and what to do about it."""
+
+from __future__ import annotations
+
+import re
+from datetime import UTC, datetime, timedelta
+from typing import TYPE_CHECKING, NamedTuple
+
+import pytest
+import pytest_asyncio
+from playwright.async_api import expect
+
+from rosic.api.settings import ApiSettings, HostPort
+from tests.api.served import ANYWHERE, served
+from tests.console.browser import DESK, opened
+from tests.console.robots import DRAINED, noting
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from playwright.async_api import Browser, Locator
+
+    from tests.api.served import ServedGateway
+    from tests.console.browser import OpenPage
+
+pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.limit(300)]
+LOCAL_ZONE = "UTC"
+TO = "\u2013"
+
+
+class Site(NamedTuple):
+    """A gateway, and Ada's page."""
+
+    place: ServedGateway
+    there: OpenPage
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def site(browser: Browser) -> AsyncIterator[Site]:
+    DRAINED.clear()
+    async with (
+        served(robots_of=noting) as place,
+        opened(browser, place, DESK, timezone_id=LOCAL_ZONE) as there,
+    ):
+        await there.sign_in()
+        yield Site(place, there)
+
+
+async def column(there: OpenPage, hours: float) -> tuple[float, float]:
+    """Return where a time of tomorrow is on the calendar, scrolled into view."""
+    days = there.page.locator(".days")
+    morning = "week => { week.scrollTop = week.scrollHeight * 7 / 24; }"
+    await there.page.locator(".week").evaluate(morning)
+    box = await days.bounding_box()
+    assert box is not None
+    day = (datetime.now(UTC) + timedelta(days=1)).weekday()
+    return box["x"] + box["width"] * (day + 0.5) / 7, box["y"] + box["height"] * hours / 24
+
+
+async def week_of_tomorrow(there: OpenPage) -> None:
+    await there.go("times/kuka1")
+    await expect(there.page.locator(".week")).to_be_visible()
+    await there.page.get_by_role("button", name="Today").click()
+    if datetime.now(UTC).weekday() == 6:
+        await there.page.get_by_role("button", name="Later").click()
+
+
+def own(there: OpenPage) -> Locator:
+    return there.page.locator(".booked.own")
+
+
+async def test_a_time_is_booked_by_dragging_moved_and_given_back(site: Site) -> None:
+    place, there = site
+    page = there.page
+    bo = await place.person("Bo")
+    start = (datetime.now(UTC) + timedelta(days=1)).replace(
+        hour=9, minute=0, second=0, microsecond=0
+    )
+    other = {"robot": "kuka1", "start": start.isoformat(), "minutes": 90}
+    assert (await bo.post("/v1/bookings", json=other)).status_code == 201
+    await week_of_tomorrow(there)
+    await expect(page.locator(".booked.others")).to_contain_text(f"09:00{TO}10:30 Bo")
+    await page.mouse.move(*await column(there, 11.02))
+    await page.mouse.down()
+    await page.mouse.move(*await column(there, 12.0))
+    await page.mouse.move(*await column(there, 12.51))
+    await page.mouse.up()
+    await expect(page.locator(".chosen-time")).to_contain_text(f"11:00{TO}12:30")
+    await page.get_by_role("button", name="Book KUKA iiwa").click()
+    await expect(own(there)).to_contain_text(f"11:00{TO}12:30 Ada")
+    await expect(page.locator(".time-form .said")).to_contain_text("KUKA iiwa is yours:")
+    # Chosen again, it is moved by its block, and the old time is free.
+    await own(there).get_by_role("button").click()
+    await page.mouse.move(*await column(there, 11.5))
+    await page.mouse.down()
+    await page.mouse.move(*await column(there, 13.0))
+    await page.mouse.move(*await column(there, 14.5))
+    await page.mouse.up()
+    await expect(page.locator(".chosen-time")).to_contain_text(f"14:00{TO}15:30")
+    await there.fits("times")
+    await page.get_by_role("button", name="Move it here").click()
+    await expect(own(there)).to_have_count(1)
+    await expect(own(there)).to_contain_text(f"14:00{TO}15:30 Ada")
+    await page.get_by_role("button", name=re.compile("^Give KUKA iiwa back")).click()
+    await expect(own(there)).to_have_count(0)
+
+
+async def test_a_time_is_booked_by_the_keyboard_alone_and_a_refusal_says_why(site: Site) -> None:
+    _, there = site
+    page = there.page
+    await week_of_tomorrow(there)
+    await page.get_by_role("group", name="Choose a time").focus()
+    await page.keyboard.press("ArrowDown")
+    await page.keyboard.press("ArrowRight")
+    for _ in range(2):
+        await page.keyboard.press("Shift+ArrowDown")
+    chosen = await page.locator(".chosen-time").inner_text()
+    await page.keyboard.press("Enter")
+    await expect(own(there)).to_contain_text(f"{chosen.strip()} Ada")
+    await expect(page.locator(".chosen-time")).to_have_count(0)
+    await own(there).get_by_role("button").focus()
+    await page.keyboard.press("Delete")
+    await expect(own(there)).to_have_count(0)
+    form = page.get_by_role("form", name="Book a time")
+    await page.mouse.click(*await column(there, 9.6))
+    await expect(page.locator(".chosen-time")).to_have_count(0)
+    await page.mouse.click(*await column(there, 8.6))
+    await form.get_by_role("button", name="Book KUKA iiwa").click()
+    await expect(form.locator(".said")).to_contain_text("is taken by Bo")
+
+
+async def test_people_are_listed_given_rights_and_locked_out(site: Site) -> None:
+    place, there = site
+    page = there.page
+    await there.go("people")
+    row = page.get_by_role("row", name=re.compile("^Vi "))
+    await expect(row).to_contain_text("viewer")
+    form = page.locator("form.give")
+    await form.get_by_label("To whom").select_option("Vi")
+    await form.get_by_label("Robot").select_option("omni")
+    await form.get_by_role("button", name="Give the right").click()
+    await expect(form.locator(".said")).to_have_class("said good")
+    await row.get_by_role("button", name="Lock out").click()
+    await expect(row).to_contain_text("locked out")
+    assert place.principal("Vi") in place.gateway.rooms.organiser.locked
+    await row.get_by_role("button", name="Let in again").click()
+    await expect(row).to_contain_text("let in")
+    await there.fits("people")
+
+
+async def test_who_looks_after_nobody_reads_why(site: Site, browser: Browser) -> None:
+    async with opened(browser, site.place, DESK) as there:
+        await there.sign_in("Bo")
+        await there.go("people")
+        await expect(there.page.locator(".known")).to_contain_text("whoever looks after people")
+        await expect(there.page.locator("form.give")).to_have_count(0)
+
+
+async def test_an_alarm_shows_on_the_tab_and_is_seen(site: Site) -> None:
+    _, there = site
+    page = there.page
+    await there.go("alerts")
+    await expect(page.get_by_text("Nothing is wrong, as far as is measured.")).to_be_visible()
+    DRAINED.add("omni")
+    alarm = page.locator(".alert")
+    await expect(alarm).to_contain_text("7", timeout=60_000)
+    await there.fits("alerts")
+    await alarm.get_by_role("button", name="I have seen it").click()
+    await expect(alarm).to_contain_text("seen by Ada")
+    DRAINED.clear()
+
+
+async def test_a_file_is_saved_as_it_is_and_deleted_once_one_is_sure(site: Site) -> None:
+    place, there = site
+    page = there.page
+    await there.go("files")
+    await expect(page.get_by_text("You keep no files here.")).to_be_visible()
+    place.chat.enclose("notes.txt", b"one two three", account="ada", chat="ada")
+    containers = place.gateway.kernel.containers
+    assert containers is not None
+    await place.until(lambda: containers.files.of(place.principal("Ada")))
+    await there.go("live")
+    await there.go("files")
+    row = page.get_by_role("row", name=re.compile("notes.txt"))
+    await expect(row).to_contain_text("13 B")
+    async with page.expect_download() as download:
+        await row.get_by_role("link", name="Save notes.txt").click()
+    saved = await (await download.value).path()
+    assert saved.read_bytes() == b"one two three"
+    await there.fits("files")
+    await row.get_by_role("button", name="Delete notes.txt").click()
+    await row.get_by_role("button", name="Delete it for good").click()
+    await expect(page.get_by_text("notes.txt is deleted, for good.")).to_be_visible()
+    await expect(row).to_have_count(0)
+
+
+async def test_the_past_is_searched_and_saved(site: Site) -> None:
+    place, there = site
+    page = there.page
+    ada = await place.person("Ada")
+    for angle in (10, 20):
+        body = {"skill": "turn", "arguments": {"angle": angle}, "wait_s": 30}
+        await ada.post("/v1/robots/omni/orders", json=body)
+    await ada.post("/v1/robots/kuka1/orders", json={"skill": "grasp", "arguments": {"force": 900}})
+    await there.go("history")
+    rows = page.locator("table.stacked tbody tr")
+    await expect(rows.first).to_be_visible()
+    before = await rows.count()
+    await page.get_by_label("Search").fill("turn done")
+    await expect(rows).to_have_count(2)
+    assert before > 2
+    async with page.expect_download() as download:
+        await page.get_by_role("button", name="Save as a table").click()
+    text = (await (await download.value).path()).read_text()
+    assert text.splitlines()[0] == "at,who,kind,robot,skill,outcome,ended"
+    assert text.count(",omni,turn,done,") == 2
+    await page.get_by_label("Search").fill("")
+    await there.fits("history")
+
+
+async def test_a_field_of_a_table_is_no_formula(site: Site) -> None:
+    bundle = await site.there.page.evaluate("document.querySelector('script[type=module]').src")
+    field = (
+        "async ([page, text]) => (await import(page.replace('page.js', 'history.js'))).field(text)"
+    )
+    for text, shown in (("=1+1", "'=1+1"), ('a "b", c', '"a ""b"", c"'), ("plain", "plain")):
+        assert await site.there.page.evaluate(field, [bundle, text]) == shown
+
+
+async def test_a_typed_address_that_is_none_shows_the_first_tab(site: Site) -> None:
+    there = site.there
+    for address in ("constructor", "times/%E0%A4%A", "drive/nobody"):
+        await there.go(address)
+        await expect(there.page.locator("main section").first).to_be_visible()
+
+
+async def test_a_passkey_signs_in_instead_of_a_code(browser: Browser) -> None:
+    settings = ApiSettings(listen=ANYWHERE, url="http://localhost:1")
+    async with served(settings) as probe:
+        port = probe.server.port
+    named = ApiSettings(listen=HostPort("127.0.0.1", port), url=f"http://localhost:{port}")
+    async with (
+        served(named) as place,
+        opened(browser, place, DESK, url=f"http://localhost:{port}") as there,
+    ):
+        page = there.page
+        cdp = await page.context.new_cdp_session(page)
+        await cdp.send("WebAuthn.enable")
+        options = {
+            "protocol": "ctap2",
+            "transport": "internal",
+            "hasResidentKey": True,
+            "hasUserVerification": True,
+            "isUserVerified": True,
+            "automaticPresenceSimulation": True,
+        }
+        await cdp.send("WebAuthn.addVirtualAuthenticator", {"options": options})
+        await there.sign_in()
+        await there.go("people")
+        await page.get_by_label("What to call it").fill("Laptop")
+        await page.get_by_role("button", name="Make a passkey").click()
+        await expect(page.get_by_text("From now on Laptop signs you in here.")).to_be_visible()
+        await page.get_by_role("button", name="Sign out").click()
+        await there.picture("passkey")
+        await page.get_by_role("button", name="Sign in with a passkey").click()
+        await there.connected()
+        await expect(page.locator(".me")).to_contain_text("Ada")
+        await page.get_by_role("button", name="Remove Laptop").click()
+        await expect(page.get_by_text("Laptop signs nobody in any more.")).to_be_visible()
+        await page.get_by_role("button", name="Sign out").click()
+        await page.get_by_role("button", name="Sign in with a passkey").click()
+        await expect(page.get_by_role("alert")).not_to_be_empty()
