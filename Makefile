@@ -4,7 +4,7 @@
 #   make test          every check and every test
 #   make servers       install what tests use and no wheel brings (by apt, as root or with sudo); nothing where it is there
 #   make check         the checks alone: style, types, imports
-#   make pictures      draw the chats in docs/pictures anew, from what is said today
+#   make pictures      draw the chats and the page in docs/pictures anew, from what is said today
 #   make campaign      the long runs; hours, not minutes
 #   make mutants       change safety code at random, and see which tests notice; hours, goes on where it was cut off
 #   make texts         collect what ROSIC says for its translators, and compile it; write what docs show of the source
@@ -55,7 +55,7 @@ check: $(VENV)/.dev
 	$(BIN)/lint-imports
 
 pictures: $(VENV)/.dev
-	ROSIC_PICTURES=draw $(BIN)/python -m pytest $(PYTEST_ARGS) tests/journeys/test_card.py tests/journeys/test_first_time.py tests/cli/test_first_hour.py
+	ROSIC_PICTURES=draw $(BIN)/python -m pytest $(PYTEST_ARGS) tests/journeys/test_card.py tests/journeys/test_first_time.py tests/cli/test_first_hour.py tests/console
 
 campaign: $(VENV)/.dev
 	$(call bounded,$(CAMPAIGN_SECONDS)) $(BIN)/python -m pytest -m campaign -o faulthandler_timeout=0 $(PYTEST_ARGS) $(TESTS)

@@ -2,11 +2,12 @@
 
 import { html, useEffect, useRef, useState } from "./lib.js";
 import { Pill } from "./robots.js";
-import { ask, state, useStore } from "./store.js";
+import { ask, recall, state, useStore } from "./store.js";
 import { number, spoken, t } from "./texts.js";
 
 const HEIGHT = 190;
 const PICTURE_MS = 1000;
+const KEPT_S = 900;
 
 function colour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -64,7 +65,7 @@ function Chart({ data, label }) {
 
 /** The telemetry of one robot: a value to choose, its newest and its history. */
 export function Telemetry({ robot }) {
-  const { history } = useStore();
+  const { history, link } = useStore();
   const [wanted, choose] = useState("");
   const of = history.get(robot.id) || new Map();
   const numbers = Object.keys(robot.presence.values).filter(
@@ -73,12 +74,19 @@ export function Telemetry({ robot }) {
   const words = Object.entries(robot.presence.values).filter(
     ([, value]) => typeof value !== "number",
   );
-  if (!numbers.length && !words.length) {
-    return html`<p class="quiet">${t("{robot} measures nothing that is shown here.", { robot: robot.name })}</p>`;
-  }
   const name = numbers.includes(wanted) ? wanted : numbers[0];
   const unit = (name && robot.units[name]) || "";
   const data = (name && of.get(name)) || [[], []];
+  useEffect(() => {
+    if (!name || link !== "up") return;
+    const path = `/v1/robots/${encodeURIComponent(robot.id)}/telemetry?since_s=${KEPT_S}`;
+    ask("GET", `${path}&value=${encodeURIComponent(name)}`).then((answer) => {
+      if (answer.ok) recall(robot.id, name, answer.data.samples);
+    });
+  }, [robot.id, name, link === "up"]);
+  if (!numbers.length && !words.length) {
+    return html`<p class="quiet">${t("{robot} measures nothing that is shown here.", { robot: robot.name })}</p>`;
+  }
   return html`<div>
     ${name &&
     html`<div class="row">
@@ -91,7 +99,7 @@ export function Telemetry({ robot }) {
         <p class="newest"><b>${number(robot.presence.values[name], 2)}</b> ${unit}</p>
       </div>
       <${Chart} data=${data} label=${`${robot.id} ${name}`} />
-      <p class="quiet small">${t("Since this page was opened; 15 minutes at most.")}</p>`}
+      <p class="quiet small">${t("What the gateway kept of it, and what came since.")}</p>`}
     ${words.length > 0 &&
     html`<dl class="facts">
       ${words.map(([key, value]) => html`<div><dt>${key}</dt><dd>${value}</dd></div>`)}

@@ -2,17 +2,18 @@
 
 import { html, useEffect, useRef, useState } from "./lib.js";
 import { ask, useStore } from "./store.js";
-import { t } from "./texts.js";
+import { spoken, t } from "./texts.js";
 
 function time(ns) {
-  return new Date(ns / 1e6).toLocaleTimeString(document.documentElement.lang, {
+  return new Date(ns / 1e6).toLocaleTimeString(spoken(), {
     hour: "2-digit",
     minute: "2-digit",
     hourCycle: "h23",
   });
 }
 
-function Message({ message, onTap }) {
+/** One message, with its buttons. */
+export function Message({ message, onTap }) {
   return html`<li class=${message.own ? "own" : `theirs ${message.state}`}>
     <p class="who">${message.own ? t("You") : "ROSIC"} <time>${time(message.sent_ns)}</time></p>
     <p class="text">${message.text}</p>

@@ -2,22 +2,41 @@
 
 import { Chat } from "./chat.js";
 import { Jog } from "./jog.js";
-import { html, useState } from "./lib.js";
+import { html, useEffect, useState } from "./lib.js";
 import { Orders } from "./orders.js";
 import { connection, doing, Pill } from "./robots.js";
 import { Skills } from "./skills.js";
-import { useStore } from "./store.js";
+import { state, useStore } from "./store.js";
 import { t } from "./texts.js";
+
+/** Nobody steers another robot than the one that they chose because that one is gone. */
+function Missing({ chosen, all, onRobot }) {
+  const name = state.gone.get(chosen) || chosen;
+  if (!all.length) {
+    return html`<section class="panel"><p class="quiet">${t("You may see no robot here.")}</p></section>`;
+  }
+  return html`<section class="panel gone" role="alert">
+    <p>${chosen && t("{robot} is not here any more, or you may not see it. Choose another one.", { robot: name })}</p>
+    <p class="row">
+      ${all.map(
+        (each) => html`<button type="button" onClick=${() => onRobot(each.id)}>${each.name}</button>`,
+      )}
+    </p>
+  </section>`;
+}
 
 /** One robot at a time. */
 export function Drive({ robot: wanted, onRobot }) {
   const { robots, abilities } = useStore();
   const [skills, know] = useState([]);
   const all = [...robots.values()];
-  const robot = robots.get(wanted) || all[0];
-  if (!robot) {
-    return html`<section class="panel"><p class="quiet">${t("You may see no robot here.")}</p></section>`;
-  }
+  const [first, settle] = useState("");
+  useEffect(() => {
+    if (!wanted && !first && all.length) settle(all[0].id);
+  }, [wanted, first, all.length]);
+  const chosen = wanted || first;
+  const robot = robots.get(chosen);
+  if (!robot) return html`<${Missing} chosen=${chosen} all=${all} onRobot=${onRobot} />`;
   const [kind, words] = connection(robot);
   const streamed = skills.filter((skill) => skill.streams);
   return html`<div class="drive">

@@ -67,7 +67,7 @@ export function Jog({ robot, skills }) {
   const pad = useRef(null);
   const skill = skills.find((each) => each.id === chosen) || skills[0];
   const [forward, left] = axesOf(skill);
-  const steer = useRef({ held: new Set(), stick: null, going: false, ended: false, first: 0, n: 0 });
+  const steer = useRef({ held: new Set(), stick: null, going: false, ended: true, first: 0, n: 0 });
 
   useEffect(() => {
     const now = steer.current;
@@ -88,7 +88,12 @@ export function Jog({ robot, skills }) {
       return ofGamepad();
     }
     function sample() {
-      const deflected = document.hasFocus() ? deflection() : null;
+      const deflected = deflection();
+      if (deflected && !document.hasFocus()) {
+        if (now.going) release();
+        now.ended = true; // whoever comes back lets go first
+        return;
+      }
       if (!deflected) {
         if (now.going) release();
         now.ended = false;
@@ -102,8 +107,8 @@ export function Jog({ robot, skills }) {
       if (left) values[left] = share * valueOf(properties[left], deflected[1]);
       now.n += 1;
       if (!now.going) now.first = now.n;
-      now.going = true;
-      send({ op: "jog", robot: robot.id, skill: skill.id, values, sent_ms: Date.now(), n: now.n });
+      now.going = send({ op: "jog", robot: robot.id, skill: skill.id, values, sent_ms: Date.now(), n: now.n });
+      if (!now.going) now.ended = true;
     }
     function release() {
       now.going = now.ended = false;
@@ -114,13 +119,20 @@ export function Jog({ robot, skills }) {
       now.held.clear();
       now.stick = null;
       if (now.going) release();
+      now.ended = true; // what is still held goes on only once it was let go
       show([0, 0]);
+    }
+    /** A stick or a key is taken in hand: that is a new beginning, unless another is held. */
+    function press() {
+      if (now.stick || now.held.size) return;
+      if (now.going) release();
+      now.ended = false;
     }
     const timer = setInterval(sample, SAMPLE_MS);
     const away = () => letGo();
     addEventListener("blur", away);
     document.addEventListener("visibilitychange", away);
-    now.letGo = letGo;
+    Object.assign(now, { letGo, press });
     return () => {
       letGo();
       clearInterval(timer);
@@ -141,14 +153,18 @@ export function Jog({ robot, skills }) {
     event.preventDefault();
     pad.current.focus();
     pad.current.setPointerCapture(event.pointerId);
+    steer.current.press?.();
     steer.current.stick = at(event);
   };
   const move = (event) => steer.current.stick && (steer.current.stick = at(event));
   const key = (event, down) => {
     if (!(event.code in KEYS) || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
-    if (down) steer.current.held.add(event.code);
-    else steer.current.held.delete(event.code);
+    if (!down) steer.current.held.delete(event.code);
+    else if (!event.repeat) {
+      steer.current.press?.();
+      steer.current.held.add(event.code);
+    }
   };
   const letGo = () => steer.current.letGo?.();
 

@@ -36,7 +36,8 @@ export function hops(order) {
   return steps.map(([name, at], index) => [name, index ? at - steps[index - 1][1] : null]);
 }
 
-function stageWord(name) {
+/** Return the word for a stage or an ending. */
+export function stageWord(name) {
   const words = {
     asked: t("asked"),
     accepted: t("accepted"),

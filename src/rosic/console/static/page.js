@@ -1,17 +1,40 @@
 // The page: which part of it is shown, who is signed in, and STOP beside all of it.
 
+import { Alerts, useAlertCount } from "./alerts.js";
+import { Questions } from "./asked.js";
 import { Drive } from "./drive.js";
-import { html, render, useEffect, useState } from "./lib.js";
+import { Files } from "./files.js";
+import { History } from "./history.js";
+import { html, render, useEffect, useRef, useState } from "./lib.js";
 import { Live } from "./live.js";
+import { People } from "./people.js";
 import { SignIn, takeLinkedCode } from "./signin.js";
 import { StopBar } from "./stop.js";
 import { begin, changed, notice, signOut, state, useStore } from "./store.js";
 import { t } from "./texts.js";
+import { Times } from "./times.js";
 
-const partOf = () => {
-  const [part, robot = ""] = location.hash.replace(/^#/, "").split("/");
-  return { part: part === "drive" ? part : "live", robot: decodeURIComponent(robot) };
+const FIRST = "live";
+const TABS = {
+  live: { word: () => t("Live"), Tab: Live },
+  drive: { word: () => t("Drive"), Tab: Drive },
+  times: { word: () => t("Times"), Tab: Times },
+  people: { word: () => t("People"), Tab: People },
+  alerts: { word: () => t("Alerts"), Tab: Alerts },
+  files: { word: () => t("Files"), Tab: Files },
+  history: { word: () => t("History"), Tab: History },
 };
+
+function partOf() {
+  const [part, named = ""] = location.hash.replace(/^#/, "").split("/");
+  let robot = "";
+  try {
+    robot = decodeURIComponent(named);
+  } catch {
+    robot = ""; // an address may be typed
+  }
+  return { part: Object.hasOwn(TABS, part) ? part : FIRST, robot };
+}
 
 function useAddress() {
   const [at, go] = useState(partOf);
@@ -38,6 +61,23 @@ function Link() {
   </p>`;
 }
 
+function Tabs({ part }) {
+  const count = useAlertCount();
+  const here = useRef(null);
+  useEffect(() => here.current?.scrollIntoView({ block: "nearest", inline: "nearest" }), [part]);
+  return html`<nav aria-label=${t("Parts")}>
+    ${Object.entries(TABS).map(
+      ([name, { word }]) =>
+        html`<a
+          href=${`#${name}`}
+          ref=${part === name ? here : undefined}
+          aria-current=${part === name ? "page" : undefined}
+          >${word()}${name === "alerts" && count > 0 && html` <b class="count">${count}</b>`}</a
+        >`,
+    )}
+  </nav>`;
+}
+
 function Page() {
   const { phase, me, notice: said, link } = useStore();
   const { part, robot } = useAddress();
@@ -48,24 +88,16 @@ function Page() {
     return html`<main class="sign-in" id="main"><p class="quiet" role="status">ROSIC …</p></main>`;
   }
   if (phase === "signed-out") return html`<${SignIn} />`;
-  const parts = [
-    ["live", t("Live")],
-    ["drive", t("Drive")],
-  ];
+  const { Tab } = TABS[part];
   return html`<a class="skip" href="#main-part" onClick=${skip}>${t("To the content")}</a>
     <header class="top">
       <h1>ROSIC</h1>
-      <nav aria-label=${t("Parts")}>
-        ${parts.map(
-          ([name, word]) =>
-            html`<a href=${`#${name}`} aria-current=${part === name ? "page" : undefined}>${word}</a>`,
-        )}
-      </nav>
       <${Link} />
       <p class="me">
         <span>${me.name}</span>
         <button type="button" class="plain" onClick=${signOut}>${t("Sign out")}</button>
       </p>
+      <${Tabs} part=${part} />
     </header>
     <${StopBar} />
     ${said &&
@@ -77,9 +109,8 @@ function Page() {
       html`<p class="notice lost" role="alert">
         ${t("No connection to the gateway: nothing here is of now. It is tried again by itself.")}
       </p>`}
-      ${part === "drive"
-        ? html`<${Drive} robot=${robot} onRobot=${(id) => (location.hash = `drive/${encodeURIComponent(id)}`)} />`
-        : html`<${Live} />`}
+      ${part !== "drive" && html`<${Questions} />`}
+      <${Tab} key=${part} robot=${robot} onRobot=${(id) => (location.hash = `${part}/${encodeURIComponent(id)}`)} />
     </main>`;
 }
 

@@ -7,6 +7,7 @@ import { number, t } from "./texts.js";
 /** Return [kind, words] of the connection of a robot, as far as it is known now. */
 export function connection(robot) {
   if (state.link !== "up") return ["unknown", t("unknown: no connection to the gateway")];
+  if (state.stale.has(robot.id)) return ["unknown", t("not heard of yet")];
   const { online, age_s: age } = robot.presence;
   if (online === true) return ["good", t("connected")];
   if (online === null) return ["unknown", t("its link cannot tell")];
@@ -22,7 +23,7 @@ export function Pill({ kind, children }) {
 
 /** Return what a robot does, in words. */
 export function doing(robot) {
-  if (state.link !== "up") return "—";
+  if (state.link !== "up" || state.stale.has(robot.id)) return "—";
   const { doing: skill, at_rest: rest } = robot.presence;
   if (skill) return skill;
   if (rest === true) return t("at rest");

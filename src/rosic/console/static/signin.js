@@ -1,6 +1,7 @@
 // Signing in: one field for the code that one's own chat gives.
 
 import { html, useEffect, useState } from "./lib.js";
+import { possible, signInByPasskey } from "./passkeys.js";
 import { signIn, useStore } from "./store.js";
 import { t } from "./texts.js";
 
@@ -26,6 +27,14 @@ export function SignIn() {
     if (!code.trim()) return;
     wait(true);
     const refused = await signIn(code.trim());
+    if (refused) {
+      tell(refused);
+      wait(false);
+    }
+  }
+  async function show() {
+    wait(true);
+    const refused = await signInByPasskey();
     if (refused) {
       tell(refused);
       wait(false);
@@ -58,6 +67,8 @@ export function SignIn() {
         />
         <button type="submit" class="main" disabled=${waits}>${t("Sign in")}</button>
       </form>
+      ${possible() &&
+      html`<button type="button" disabled=${waits} onClick=${show}>${t("Sign in with a passkey")}</button>`}
       <p class="why" id="why" role="alert">${why}</p>
       <p class="quiet">
         ${t("No chat with ROSIC yet? Ask whoever runs it for an invitation. The code is good for 5 minutes, once; show it to nobody.")}

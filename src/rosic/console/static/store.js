@@ -13,7 +13,8 @@ const ENDED = 4401;
 const ORDERS_KEPT = 200;
 const MESSAGES_KEPT = 200;
 const TRACK_KEPT = 400;
-const HISTORY_S = 900;
+const HISTORY_KEPT = 2000;
+const UNHEARD_MS = 3000;
 
 export const state = {
   phase: "starting", // starting, signed-out, signed-in
@@ -27,6 +28,8 @@ export const state = {
   history: new Map(), // robot -> value -> [[seconds], [values]]
   sentAt: new Map(), // order -> when this page first saw it sent and not received
   rates: null,
+  stale: new Set(), // robots that were not heard of since the connection is back
+  gone: new Map(), // robot -> its name, once it is not there any more
   abilities: new Set(), // what this gateway's connection can do besides
   stop: null,
 };
@@ -89,7 +92,9 @@ export async function ask(method, path, body, headers = {}) {
   } catch {
     data = null;
   }
-  if (answer.status === 401 && state.phase === "signed-in") signedOut(t("Your session has ended."));
+  if (answer.status === 401 && state.phase === "signed-in") {
+    signedOut((data && data.detail) || t("Your session has ended."));
+  }
   const why = answer.ok ? "" : (data && data.detail) || t("The gateway does not answer.");
   return { ok: answer.ok, status: answer.status, data, why };
 }
@@ -121,6 +126,9 @@ export async function signOut() {
   signedOut("");
 }
 
+/** Somebody has signed in here by a way of their own. */
+export const signedInAs = (me) => signedIn(me);
+
 async function signedIn(me) {
   await speak(me.language);
   state.me = me;
@@ -133,7 +141,7 @@ async function signedIn(me) {
 function signedOut(why) {
   state.phase = "signed-out";
   state.me = null;
-  for (const each of ["robots", "orders", "messages", "tracks", "history", "sentAt"]) {
+  for (const each of ["robots", "orders", "messages", "tracks", "history", "sentAt", "gone", "stale"]) {
     state[each].clear();
   }
   state.rates = null;
@@ -151,6 +159,7 @@ let missed = 0; // counted, not timed: a page that stood still itself has missed
 let looked = 0;
 let asked = [];
 let retry = 0;
+let unheard = 0;
 
 function connect() {
   drop();
@@ -224,15 +233,17 @@ const heard = {
     }
     run = now;
     state.abilities = new Set(abilities || []);
-    state.robots.clear();
+    forgetUnheard();
     subscribe(["robots", "orders", "chat", "rates"]);
   },
   robot({ robot }) {
     state.robots.set(robot.id, robot);
+    state.stale.delete(robot.id);
+    state.gone.delete(robot.id);
     keepTrack(robot);
   },
   "robot-gone"({ robot }) {
-    state.robots.delete(robot);
+    forget(robot);
   },
   order({ order }) {
     state.orders.set(order.id, order);
@@ -270,6 +281,39 @@ function hear(event) {
 
 // ---- what is kept of what was heard ----
 
+function forget(robot) {
+  const known = state.robots.get(robot);
+  if (known) state.gone.set(robot, known.name);
+  state.robots.delete(robot);
+  state.stale.delete(robot);
+}
+
+/** After a break every robot is told of anew; what is not is not there any more. */
+function forgetUnheard() {
+  state.stale = new Set(state.robots.keys());
+  clearTimeout(unheard);
+  unheard = setTimeout(() => {
+    if (state.link !== "up") return;
+    for (const robot of state.stale) forget(robot);
+    changed();
+  }, UNHEARD_MS);
+}
+
+/** Put what the gateway kept of a value before what this page has heard of it. */
+export function recall(robot, name, samples) {
+  const of = state.history.get(robot) || new Map();
+  state.history.set(robot, of);
+  const [times, values] = of.get(name) || [[], []];
+  const before = samples
+    .map(({ at, value }) => [Date.parse(at) / 1000, value])
+    .filter(([at]) => !times.length || at < times[0]);
+  of.set(name, [
+    [...before.map(([at]) => at), ...times],
+    [...before.map(([, value]) => value), ...values],
+  ]);
+  changed();
+}
+
 function noteSent(order) {
   const stages = order.stages.map((stage) => stage.stage);
   const open = stages.includes("sent") && !stages.includes("received");
@@ -303,7 +347,7 @@ setInterval(() => {
       of.set(name, series);
       series[0].push(now);
       series[1].push(value);
-      if (series[0].length > HISTORY_S) series.forEach((each) => each.shift());
+      if (series[0].length > HISTORY_KEPT) series.forEach((each) => each.shift());
     }
   }
   if (state.robots.size) changed();

@@ -11,7 +11,7 @@ export function t(template, parts = {}) {
 }
 
 /** Return the language that is spoken now. */
-export const spoken = () => language;
+export const spoken = () => (language === "en" ? "en-GB" : language);
 
 /** Speak a language from now on; English where it is not to be had. */
 export async function speak(wanted) {
@@ -41,12 +41,12 @@ export function ofBrowser() {
 
 /** Return a number as it is written in the reader's language. */
 export function number(value, digits = 2) {
-  return value.toLocaleString(language, { maximumFractionDigits: digits });
+  return value.toLocaleString(spoken(), { maximumFractionDigits: digits });
 }
 
 /** Return the time of day of a moment (RFC 3339). */
 export function clock(moment) {
-  return new Date(moment).toLocaleTimeString(language, {
+  return new Date(moment).toLocaleTimeString(spoken(), {
     hour: "2-digit",
     minute: "2-digit",
     second: "2-digit",
