@@ -22,6 +22,7 @@ from tests.planted.faults_of_reading import OF_READING
 from tests.planted.faults_of_recording import OF_RECORDING
 from tests.planted.faults_of_scheduling import OF_SCHEDULING
 from tests.planted.faults_of_telling import OF_TELLING
+from tests.planted.faults_of_webhooks import OF_WEBHOOKS
 from tests.planted.messenger_faults import MESSENGER_FAULTS
 
 ALL = (
@@ -46,5 +47,6 @@ ALL = (
     *OF_SCHEDULING,
     *OF_PROGRAMS,
     *OF_RECORDING,
+    *OF_WEBHOOKS,
     *MESSENGER_FAULTS,
 )

@@ -11,13 +11,33 @@ from rosic.errors import ConfigurationError, how_to_install
 from rosic.gateway.programs import ProgramService
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from rosic.api.server import ApiServer
     from rosic.api.settings import ApiSettings
+    from rosic.api.webhooks.settings import WebhookSettings
+    from rosic.api.webhooks.watcher import WebhookWatcher
     from rosic.app.gateway import Gateway
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
 
 NAMES: Final = ("api", "page")
+
+
+def webhooks_of(gateway: Gateway, hooks: Sequence[WebhookSettings]) -> WebhookWatcher:
+    """Return what tells others elsewhere what happens in a gateway that is open.
+
+    Raises:
+        ConfigurationError: What it needs is not installed.
+    """
+    try:
+        from rosic.api.webhooks.watcher import WebhookWatcher  # noqa: PLC0415 - an extra
+    except ImportError as error:
+        raise ConfigurationError(
+            f"Webhooks need a library that is not installed ({error.name}).",
+            hint=f"Run: {how_to_install('client')}",
+        ) from error
+    return WebhookWatcher(gateway.kernel, hooks)
 
 
 class GatewayApi:

@@ -145,6 +145,7 @@ def messenger_of(table: MessengerSettings, clock: Clock) -> Messenger:
 def secrets_of(config: Config) -> list[Secret]:
     """Return every secret of the configuration, for masking them."""
     found = [secret for table in config.messengers for secret in _secrets(table.settings)]
+    found += [webhook.secret for webhook in config.webhooks]
     asked = config.interpreter
     return found if asked is None or asked.key is None else [*found, asked.key]
 

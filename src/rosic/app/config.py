@@ -13,9 +13,9 @@ import msgspec
 from msgspec import inspect
 
 from rosic.api.settings import ApiSettings, parse_listen
+from rosic.api.webhooks.settings import WebhookSettings, key_of
 from rosic.app.people import ConfiguredPerson
 from rosic.config.gateway_file import (
-    ApiTable,
     ConfigFile,
     Keep,
     LogLevel,
@@ -45,6 +45,7 @@ from rosic.interpreters.endpoint import advice_on, parse_endpoint
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
+    from rosic.config.api_tables import ApiTable
     from rosic.config.source_map import SourceMap
     from rosic.core.language import UnitTable
 
@@ -82,6 +83,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
         files: What was read: the file itself, and profiles that do not ship.
         interpreter: Who may be shown what is not understood; None: nobody.
         api: How the API is served; None: nothing listens.
+        webhooks: Who elsewhere is told what happens.
         begin_anew: Said on the command line: a record that was lost is begun anew.
     """
 
@@ -105,6 +107,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     interpreter: InterpreterSettings | None = None
     begin_anew: bool = False
     api: ApiSettings | None = None
+    webhooks: tuple[WebhookSettings, ...] = ()
 
 
 class ReadConfig(NamedTuple):
@@ -168,6 +171,7 @@ def read_config(
         source, Path(path).parent, os.environ if environ is None else environ
     )
     messengers, interpreter = reading.with_secrets(resolving, needed=secrets)
+    webhooks = reading.webhooks(resolving) if secrets else ()
     robots = reading.robots(units)
     missions = () if reading.errors else reading.missions(robots, units)
     if reading.errors:
@@ -192,6 +196,7 @@ def read_config(
         files=tuple(reading.files),
         interpreter=interpreter,
         api=_api(file.api, Path(path).parent),
+        webhooks=webhooks,
     )
     return ReadConfig(config, [], reading.advice)
 
@@ -278,6 +283,28 @@ class _Reading:
         return InterpreterSettings(
             endpoint=endpoint, model=table.model, key=key, timeout_s=table.timeout_s
         )
+
+    def webhooks(self, secrets: SecretSettings) -> tuple[WebhookSettings, ...]:
+        """Return who elsewhere is told what happens."""
+        found: list[WebhookSettings] = []
+        for index, table in enumerate(self._file.webhook):
+            place = ("webhook", index, "secret")
+            before = len(secrets.errors)
+            secret = secrets.resolve(table.secret, place)
+            if len(secrets.errors) > before:
+                self.errors += secrets.errors[before:]
+                continue
+            try:
+                key_of(secret)
+            except ValueError as wrong:
+                self.errors.append(self._source.error(place, f"{wrong}.", ""))
+                continue
+            topics = frozenset(table.events)
+            made = WebhookSettings(
+                url=table.url, secret=secret, topics=topics, private=table.private
+            )
+            found.append(made)
+        return tuple(found)
 
     def robots(self, units: UnitTable | None) -> tuple[Profile, ...]:
         found: list[Profile | None] = [

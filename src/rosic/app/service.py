@@ -10,7 +10,7 @@ from rosic.app import runtime
 from rosic.app.admin.api import books_of
 from rosic.app.admin.control_socket import ControlServer, socket_path
 from rosic.app.admin.dispatch import AdminApi, AdminDispatcher
-from rosic.app.api import GatewayApi
+from rosic.app.api import GatewayApi, webhooks_of
 from rosic.app.builder import latch_of, parts_of, settings_of
 from rosic.app.closing import CLOSE_WITHIN_S, close_in_time, console_of, mind_console, on_signals
 from rosic.app.gateway import Gateway, GatewayParts
@@ -156,8 +156,7 @@ class GatewayService:
             serving = asyncio.create_task(self._api.server_of(self._gateway).run())
             tasks.append(serving)
             serving.add_done_callback(lambda _: self._end())
-        if isinstance(store := self._parts.store, ForgettingStore):
-            tasks.append(asyncio.create_task(forget_daily(store, self._clock)))
+        tasks += self._besides()
         try:
             await asyncio.wait((working, ending), return_when=asyncio.FIRST_COMPLETED)
             for task in tasks:
@@ -169,6 +168,15 @@ class GatewayService:
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
+
+    def _besides(self) -> list[asyncio.Task[None]]:
+        """Begin what the gateway does beside its work: tell other software, and forget."""
+        tasks = []
+        if hooks := self._config.webhooks:
+            tasks.append(asyncio.create_task(webhooks_of(self._gateway, hooks).run()))
+        if isinstance(store := self._parts.store, ForgettingStore):
+            tasks.append(asyncio.create_task(forget_daily(store, self._clock)))
+        return tasks
 
     async def _work(self, admin: AdminApi) -> None:
         messengers = self._parts.messengers

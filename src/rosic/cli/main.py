@@ -111,6 +111,7 @@ COMMANDS: dict[str, Subcommand] = {
     ),
     "sim": Subcommand("rosic.cli.sim:run", "the simulated robots as ROS 2 nodes"),
     "bench": Subcommand("rosic.bench:main", "measure how fast ROSIC is here"),
+    "webhook test": Subcommand("rosic.cli.webhook:test", "post one signed event, as a webhook is"),
     "completion": Subcommand(
         "rosic.cli.completion:run", "what makes a shell complete these commands"
     ),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
-from rosic.api.settings import OpenedTopicSettings, parse_listen
+from rosic.config.api_tables import ApiTable, WebhookTable, posted, served
 from rosic.config.missions import rulebook_of
 from rosic.config.profile_fields import NAMED
 from rosic.container.file_messages import MB
@@ -156,30 +156,6 @@ class LanguageTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     timeout_s: float = TIMEOUT_S
 
 
-class ApiTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The API beside the chat, and the page; nothing listens, if nothing stands here.
-
-    Attributes:
-        listen: Address of this machine and port: ``127.0.0.1:8765``.
-        hosts: Names by which it is reached, besides that address.
-        url: What links to it begin with, as people reach it: ``https://robots.example.org``.
-        certificate: File of its TLS certificate, with the chain; PEM.
-        private_key: File of the certificate's key; PEM.
-        proxies: Addresses of the proxies before it, whose word on clients counts.
-        without_tls: ``public address, no TLS`` serves others than this machine in the clear.
-        topic: Topics for clients of rosbridge, besides those that robots' profiles name.
-    """
-
-    listen: str = ""
-    hosts: tuple[str, ...] = ()
-    url: str = ""
-    certificate: str = ""
-    private_key: str = ""
-    proxies: tuple[str, ...] = ()
-    without_tls: str = ""
-    topic: tuple[OpenedTopicSettings, ...] = ()
-
-
 class PrincipalTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One person.
 
@@ -211,6 +187,7 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         files: How much people may keep here in files.
         language: Who may be shown what ROSIC does not understand.
         api: The API beside the chat, and the page.
+        webhook: Who elsewhere is told what happens.
     """
 
     gateway: GatewayTable = GatewayTable()
@@ -225,10 +202,9 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     files: FilesTable = FilesTable()
     language: LanguageTable = LanguageTable()
     api: ApiTable = ApiTable()
+    webhook: tuple[WebhookTable, ...] = ()
 
 
-WITHOUT_TLS: Final = "public address, no TLS"
-LISTEN_EXAMPLE: Final = 'For example listen = "127.0.0.1:8765".'
 _MODEL: Final = re.compile(r"[!-~]{1,200}").fullmatch
 _ADDRESS = FieldForm(
     r"[a-z][a-z0-9_]{0,31}:\S{1,255}",
@@ -277,7 +253,8 @@ def config_rules() -> Rules:
             LimitsTable: (_robots_rate,),
             FilesTable: (_roomy,),
             LanguageTable: (_interpreted,),
-            ApiTable: (_served,),
+            ApiTable: (served,),
+            WebhookTable: (posted,),
             PrincipalTable: (_reachable,),
             ConfigFile: (_people, _talkers, _something),
         },
@@ -325,32 +302,6 @@ def _interpreted(language: LanguageTable) -> Iterator[ValidationFinding]:
     if not _MODEL(language.model):
         yield ValidationFinding(
             ("model",), "'model' names none of its models.", 'For example model = "qwen3:8b".'
-        )
-
-
-def _served(api: ApiTable) -> Iterator[ValidationFinding]:
-    if not api.listen:
-        if api != ApiTable():
-            yield ValidationFinding(
-                ("listen",), "No address is named, so nothing listens.", LISTEN_EXAMPLE
-            )
-        return
-    try:
-        listen = parse_listen(api.listen)
-    except ValueError as wrong:
-        yield ValidationFinding(("listen",), f"{wrong}.", LISTEN_EXAMPLE)
-        return
-    if bool(api.certificate) != bool(api.private_key):
-        yield ValidationFinding(
-            ("certificate",), "A certificate and its private key belong together.", "Name both."
-        )
-    in_clear = not (api.certificate or (api.proxies and api.url.startswith("https://")))
-    if not listen.is_loopback and in_clear and api.without_tls != WITHOUT_TLS:
-        yield ValidationFinding(
-            ("listen",),
-            f"{api.listen} is reached from other machines, and nothing there is encrypted.",
-            "Name a certificate, or a proxy and its https url; or say without_tls = "
-            f'"{WITHOUT_TLS}".',
         )
 
 

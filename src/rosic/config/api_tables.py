@@ -1,0 +1,92 @@
+"""The tables of the configuration that say how ROSIC is reached by, and tells, other software."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from rosic.api.settings import OpenedTopicSettings, parse_listen
+from rosic.api.webhooks.settings import WebhookTopic, check_url
+from rosic.contracts.file_rules import ValidationFinding
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+WITHOUT_TLS: Final = "public address, no TLS"
+LISTEN_EXAMPLE: Final = 'For example listen = "127.0.0.1:8765".'
+
+
+class ApiTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The API beside the chat, and the page; nothing listens, if nothing stands here.
+
+    Attributes:
+        listen: Address of this machine and port: ``127.0.0.1:8765``.
+        hosts: Names by which it is reached, besides that address.
+        url: What links to it begin with, as people reach it: ``https://robots.example.org``.
+        certificate: File of its TLS certificate, with the chain; PEM.
+        private_key: File of the certificate's key; PEM.
+        proxies: Addresses of the proxies before it, whose word on clients counts.
+        without_tls: ``public address, no TLS`` serves others than this machine in the clear.
+        topic: Topics for clients of rosbridge, besides those that robots' profiles name.
+    """
+
+    listen: str = ""
+    hosts: tuple[str, ...] = ()
+    url: str = ""
+    certificate: str = ""
+    private_key: str = ""
+    proxies: tuple[str, ...] = ()
+    without_tls: str = ""
+    topic: tuple[OpenedTopicSettings, ...] = ()
+
+
+class WebhookTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Software elsewhere that is told what happens, by posts that are signed.
+
+    Attributes:
+        url: Where it is posted: ``https://hooks.example.org/rosic``.
+        secret: ``whsec_`` and 24 to 64 bytes in base64; better one that stands elsewhere.
+        events: Of what it is told: ``orders``, ``stops``, ``robots``, ``alerts``; left out: of all.
+        private: It may be on this machine or in a private network.
+    """
+
+    url: str
+    secret: str | dict[str, str]
+    events: tuple[WebhookTopic, ...] = tuple(WebhookTopic)
+    private: bool = False
+
+
+def posted(webhook: WebhookTable) -> Iterator[ValidationFinding]:
+    """Yield what is wrong with a table of a webhook."""
+    try:
+        check_url(webhook.url)
+    except ValueError as wrong:
+        yield ValidationFinding(("url",), f"{wrong}.", "It begins with https://")
+
+
+def served(api: ApiTable) -> Iterator[ValidationFinding]:
+    """Yield what is wrong with the table of the API."""
+    if not api.listen:
+        if api != ApiTable():
+            yield ValidationFinding(
+                ("listen",), "No address is named, so nothing listens.", LISTEN_EXAMPLE
+            )
+        return
+    try:
+        listen = parse_listen(api.listen)
+    except ValueError as wrong:
+        yield ValidationFinding(("listen",), f"{wrong}.", LISTEN_EXAMPLE)
+        return
+    if bool(api.certificate) != bool(api.private_key):
+        yield ValidationFinding(
+            ("certificate",), "A certificate and its private key belong together.", "Name both."
+        )
+    in_clear = not (api.certificate or (api.proxies and api.url.startswith("https://")))
+    if not listen.is_loopback and in_clear and api.without_tls != WITHOUT_TLS:
+        yield ValidationFinding(
+            ("listen",),
+            f"{api.listen} is reached from other machines, and nothing there is encrypted.",
+            "Name a certificate, or a proxy and its https url; or say without_tls = "
+            f'"{WITHOUT_TLS}".',
+        )
