@@ -56,6 +56,7 @@ SECONDS = {
     "tests/api/test_rosbridge.py": 40,
     "tests/api/test_client.py": 35,
     "tests/console/test_hostile.py": 35,
+    "tests/console/test_breaks.py": 30,
     "tests/console/test_tabs.py": 60,
     "tests/real/ros2/test_rosbridge.py": 45,
     "tests/real/ros2/test_console.py": 35,

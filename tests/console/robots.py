@@ -32,6 +32,10 @@ DRAINED: set[str] = set()
 """Robots whose battery is nearly empty."""
 
 
+SAYING: dict[str, float | str] = {}
+"""What omni measures instead of what it does, by name."""
+
+
 class NotingRobot(SimulatedRobot):
     """A simulated robot that notes when it was handed a stop."""
 
@@ -49,6 +53,8 @@ class NotingRobot(SimulatedRobot):
 
     def presence(self) -> Presence:
         found = super().presence()
+        if SAYING and self.profile.id == "omni":
+            found = replace(found, values=SAYING)
         if self.profile.id in DRAINED:
             found = replace(found, values={**found.values, "battery": 7.0})
         return replace(found, online=False, age_s=2.0) if self.profile.id in CUT else found
