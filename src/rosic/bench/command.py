@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rosic.bench.report import BenchReport, as_json, as_text
@@ -60,7 +62,14 @@ def _language(quick: bool) -> BenchReport:
     return measure(quick=quick)
 
 
+def _api(quick: bool, rosbridge: Path | None = None) -> BenchReport:
+    from rosic.bench.api import measure  # noqa: PLC0415 - only the bench that runs is loaded
+
+    return measure(quick=quick, rosbridge=rosbridge)
+
+
 BENCHES: dict[str, Callable[[bool], BenchReport]] = {
+    "api": _api,
     "fleet": _fleet,
     "language": _language,
     "pipeline": _pipeline,
@@ -80,8 +89,19 @@ def main(
     parser.add_argument("name", choices=sorted(benches))
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--quick", action="store_true", help="one short run of each case")
+    parser.add_argument(
+        "--rosbridge",
+        type=Path,
+        metavar="PATH",
+        help="api: beside this checkout of rosbridge_suite",
+    )
     chosen = parser.parse_args(arguments)
-    report = benches[chosen.name](chosen.quick)
+    run = benches[chosen.name]
+    if chosen.rosbridge is not None:
+        if chosen.name != "api":
+            parser.error("--rosbridge belongs to: rosic bench api")
+        run = partial(_api, rosbridge=chosen.rosbridge)
+    report = run(chosen.quick)
     sys.stdout.write((as_json(report) if chosen.json else as_text(report)) + "\n")
     sys.stdout.flush()  # before what did not hold, wherever both go
     for failure in report.failures:

@@ -24,6 +24,8 @@ class BenchCase(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
         permitted_share: Of what a platform permits, how much was used; left out elsewhere.
         bytes_each: Memory of each of many, where that is what a case is about; else not shown.
         cost_m: What a choice costs, where that is what a case is about; else not shown.
+        lost_share: Of what was sent, how much did not come, where that is asked; else not shown.
+        processor_us: What a server needs for each, where that is asked; else not shown.
     """
 
     name: str
@@ -33,6 +35,8 @@ class BenchCase(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     permitted_share: float | msgspec.UnsetType = msgspec.UNSET
     bytes_each: float | None = None
     cost_m: float | None = None
+    lost_share: float | None = None
+    processor_us: float | None = None
 
     def beside(self) -> Iterator[str]:
         """Yield what a table says besides rate and times."""
@@ -42,6 +46,10 @@ class BenchCase(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
             yield f"{self.bytes_each:.0f} bytes each"
         if self.cost_m is not None:
             yield f"costs {self.cost_m:.2f} m a pair"
+        if self.lost_share is not None:
+            yield f"{self.lost_share:>6.1%} lost"
+        if self.processor_us is not None:
+            yield f"processor {self.processor_us:.0f} us each"
 
 
 class BenchReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
