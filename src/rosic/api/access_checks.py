@@ -14,6 +14,7 @@ import msgspec
 
 from rosic.api.problems import PROBLEM, problem
 from rosic.api.read_rates import headers_of
+from rosic.api.rosbridge.endpoint import PATH as ROSBRIDGE
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, MutableMapping
@@ -34,6 +35,8 @@ FILE_BYTES: Final = 25_000_000
 FILES_PATH: Final = "/v1/files"
 KEYED_PATHS: Final = frozenset({"/foxglove"})
 """What shows and changes nothing, to programs that can show a key in an address alone."""
+BRIDGE_PATHS: Final = frozenset({ROSBRIDGE, ""})
+"""Where clients of rosbridge come in; on a port of their own without any path."""
 SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 SITES: Final = frozenset({"same-origin", "none"})
 LOCAL_NAMES: Final = ("localhost", "127.0.0.1", "::1")
@@ -83,6 +86,7 @@ class AccessChecks:
             if settings.listen.is_loopback
             else (settings.listen.host,)
         )
+        self._origins = frozenset(each.encode() for each in settings.origins)
         self._hosts = frozenset({*own, *settings.hosts, *((named,) if named else ())})
         self._headers = (*HEADERS, TLS_HEADER) if settings.is_tls else HEADERS
 
@@ -97,6 +101,8 @@ class AccessChecks:
             await _refuse(scope, send, refusal, self._headers)
             return
         if scope["type"] == "websocket":
+            if self._is_named_page(scope, headers):
+                scope["headers"] = [pair for pair in scope["headers"] if pair[0] != b"cookie"]
             await self._app(scope, receive, send)
             return
         is_file = scope["path"].startswith(FILES_PATH)
@@ -109,7 +115,7 @@ class AccessChecks:
         if _hostname(host) not in self._hosts:
             return problem("wrong-host", WRONG_HOST, status=HTTPStatus.MISDIRECTED_REQUEST)
         safe = scope["type"] == "http" and scope["method"] in SAFE
-        safe = safe or _is_keyed(scope)
+        safe = safe or _is_keyed(scope) or self._is_named_page(scope, headers)
         if not safe and (why := self._foreign(headers, host)):
             return problem("wrong-origin", why, status=HTTPStatus.FORBIDDEN)
         length = headers.get(b"content-length", b"0")
@@ -117,6 +123,17 @@ class AccessChecks:
         if not length.isdigit() or int(length[:12]) > most:
             return problem("too-large", TOO_LARGE, status=HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
         return None
+
+    def _is_named_page(self, scope: Scope, headers: dict[bytes, bytes]) -> bool:
+        """Whether a page elsewhere that the configuration names comes as a client of rosbridge.
+
+        It shows a key or a ticket: what its browser shows by itself does not count.
+        """
+        return (
+            scope["type"] == "websocket"
+            and scope["path"].rstrip("/") in BRIDGE_PATHS
+            and headers.get(b"origin") in self._origins
+        )
 
     def _foreign(self, headers: dict[bytes, bytes], host: str) -> str:
         """Return why a page may not ask for something; empty: it may, or it is no page."""

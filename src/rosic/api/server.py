@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import resource
 import socket
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, cast
 
@@ -14,6 +15,7 @@ from litestar import Litestar, Router
 from litestar.di import Provide
 from litestar.exceptions import HTTPException, ValidationException
 from litestar.openapi import OpenAPIConfig
+from msgspec.structs import replace
 
 from rosic import __version__
 from rosic.api.access_checks import (
@@ -36,14 +38,13 @@ from rosic.api.ordering import CallerRequests, RefusedOrder
 from rosic.api.problems import answer, problem, problem_of
 from rosic.api.read_rates import ReadRates, asking_from
 from rosic.api.resource_routes import ROUTES as RESOURCES
-from rosic.api.rosbridge.endpoint import RosbridgeEndpoint, RosbridgeRouter
+from rosic.api.rosbridge.endpoint import RosbridgeEndpoint, RosbridgePort, RosbridgeRouter
 from rosic.api.rosbridge.topics import check_topics
 from rosic.api.routes import OPEN, ROUTES, events
 from rosic.api.tickets import TicketBook, new_ticket
 from rosic.errors import ConfigurationError, RosicError, Unrecognised
 
 if TYPE_CHECKING:
-    import asyncio
     from collections.abc import Callable, Iterator
     from typing import TypeAlias
 
@@ -53,7 +54,7 @@ if TYPE_CHECKING:
 
     from rosic.api.access_checks import App
     from rosic.api.page_messenger import PageMessenger
-    from rosic.api.settings import ApiSettings
+    from rosic.api.settings import ApiSettings, HostPort, ServingLimits
     from rosic.gateway.delivery.translation import ChatLanguages
     from rosic.gateway.feature import Kernel
     from rosic.gateway.programs import ProgramService
@@ -63,6 +64,8 @@ if TYPE_CHECKING:
 
 CLOSE_WITHIN_S: Final = 1
 CALLER: Final = "rosic-caller"
+CLIENTS_AT_MOST: Final = 256
+"""Connections at a time on the port of rosbridge."""
 CHECKS: Final = "/check"
 """What only looks what an order would come to counts as a read."""
 FAILED: Final = "Something went wrong here. It is not known what was done; please look."
@@ -86,6 +89,7 @@ class ApiServer:
     Attributes:
         context: What the routes work with.
         port: On which it listens.
+        rosbridge_port: On which clients of rosbridge come in besides; 0: none.
         stream: Tells what happens, as it happens.
         app: What answers, behind the checks.
     """
@@ -116,19 +120,20 @@ class ApiServer:
         self._tickets = TicketBook(callers, kernel.machine_clock, kernel.entropy.token)
         self._rosbridge = RosbridgeEndpoint(self.context, self._speech, self._tickets)
         self.port = settings.listen.port
+        self.rosbridge_port = 0 if settings.rosbridge is None else settings.rosbridge.port
         self._rates = ReadRates(kernel.machine_clock, settings.limits.reads)
         self.app = self._application()
-        self._uvicorn: _Uvicorn | None = None
+        self._uvicorns: tuple[_Uvicorn, ...] = ()
 
     @property
     def listens(self) -> bool:
         """Whether it listens now."""
-        return self._uvicorn is not None and self._uvicorn.started
+        return bool(self._uvicorns) and all(each.started for each in self._uvicorns)
 
     @property
     def connections(self) -> int:
         """How many connections there are now."""
-        return 0 if self._uvicorn is None else len(self._uvicorn.server_state.connections)
+        return sum(len(each.server_state.connections) for each in self._uvicorns)
 
     async def run(self) -> None:
         """Listen until cancelled.
@@ -136,25 +141,38 @@ class ApiServer:
         Raises:
             ConfigurationError: It cannot listen there.
         """
-        with self._listener() as listener:
+        settings = self._settings
+        with ExitStack() as opened:
+            listener = opened.enter_context(_listener(settings.listen, "listen"))
             self.port = listener.getsockname()[1]
-            server = self._uvicorn = _Uvicorn(self._config())
-            try:
-                log.info("the API listens on %s", self._settings.listen)
-                await server.serve(sockets=[listener])
-            finally:
-                server.force_exit = True
-                await server.shutdown(sockets=[listener])
-                await self.stream.close()
-                await self._speech.close()
+            serving = {listener: self._config(settings, self._routed(), settings.limits)}
+            if settings.rosbridge is not None:
+                there = opened.enter_context(_listener(settings.rosbridge, "rosbridge"))
+                self.rosbridge_port = there.getsockname()[1]
+                limits = replace(settings.limits, connections=CLIENTS_AT_MOST)
+                alone = replace(settings, listen=settings.rosbridge)
+                serving[there] = self._config(alone, RosbridgePort(self._rosbridge), limits)
+            await self._serve({_Uvicorn(config): where for where, config in serving.items()})
 
-    def _config(self) -> uvicorn.Config:
-        settings, limits = self._settings, self._settings.limits
-        cookie = self.context.callers.cookie
+    async def _serve(self, servers: dict[_Uvicorn, socket.socket]) -> None:
+        self._uvicorns = tuple(servers)
+        try:
+            log.info("the API listens on %s", self._settings.listen)
+            await asyncio.gather(
+                *(server.serve(sockets=[listener]) for server, listener in servers.items())
+            )
+        finally:
+            for server, listener in servers.items():
+                await server.end(listener)
+            await self.stream.close()
+            await self._speech.close()
+
+    def _routed(self) -> App:
         served: App = RosbridgeRouter(self.app, self._rosbridge)
-        if self._pages is not None:
-            served = self._pages(served)
-        app = AccessChecks(served, settings, cookie, self._rates.policy)
+        return served if self._pages is None else self._pages(served)
+
+    def _config(self, settings: ApiSettings, served: App, limits: ServingLimits) -> uvicorn.Config:
+        app = AccessChecks(served, settings, self.context.callers.cookie, self._rates.policy)
         silent = IdleConnections(limits, _connections_at_most(limits.connections))
         return uvicorn.Config(
             app,
@@ -177,21 +195,6 @@ class ApiServer:
             ssl_certfile=settings.certificate or None,
             ssl_keyfile=settings.private_key or None,
         )
-
-    def _listener(self) -> socket.socket:
-        listen = self._settings.listen
-        family = socket.AF_INET6 if ":" in listen.host else socket.AF_INET
-        listener = socket.socket(family)
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            listener.bind((listen.host, listen.port))
-        except OSError as error:
-            listener.close()
-            raise ConfigurationError(
-                f"{listen} of this machine cannot be listened on ({error.strerror}).",
-                hint="Name another address and port as listen of [api].",
-            ) from error
-        return listener
 
     def _passkeys(self) -> tuple[tuple[HTTPRouteHandler, ...], dict[str, Provide]]:
         """Return the routes of passkeys, and what they work with; nothing without their library."""
@@ -321,6 +324,21 @@ def _http(_request: Request[Any, Any, Any], error: HTTPException) -> Response[by
     return answer(problem(code, detail, status=error.status_code))
 
 
+def _listener(listen: HostPort, key: str) -> socket.socket:
+    family = socket.AF_INET6 if ":" in listen.host else socket.AF_INET
+    listener = socket.socket(family)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind((listen.host, listen.port))
+    except OSError as error:
+        listener.close()
+        raise ConfigurationError(
+            f"{listen} of this machine cannot be listened on ({error.strerror}).",
+            hint=f"Name another address and port as {key} of [api].",
+        ) from error
+    return listener
+
+
 def _connections_at_most(wanted: int) -> int:
     """Return how many are let in: half of the files that may be open are for everything else."""
     files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -334,6 +352,11 @@ def _caller(request: ASGIConnection[Any, Any, Any, Any]) -> ApiCaller:
 
 class _Uvicorn(uvicorn.Server):
     """Signals are the gateway's business."""
+
+    async def end(self, listener: socket.socket) -> None:
+        """Close every connection, and wait for none."""
+        self.force_exit = True
+        await self.shutdown(sockets=[listener])
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ipaddress
+import re
 from typing import Final
 
 import msgspec
@@ -44,6 +45,22 @@ def parse_listen(text: str) -> HostPort:
     if not 0 <= number <= PORT_MOST:
         raise ValueError(f"{text!r} is no address and port of this machine")
     return HostPort(host, number)
+
+
+_ORIGIN: Final = re.compile(
+    r"https?://[a-z0-9.-]+(:[0-9]{1,5})?|https?://\[[0-9a-f:]+\](:[0-9]{1,5})?"
+)
+
+
+def parse_origin(text: str) -> str:
+    """Read the origin of a page, as browsers say it: ``https://panel.example.org``.
+
+    Raises:
+        ValueError: It is none; one clear sentence without a full stop.
+    """
+    if not _ORIGIN.fullmatch(text):
+        raise ValueError(f"{text!r} is no origin of a page")
+    return text
 
 
 class ServingLimits(msgspec.Struct, frozen=True, kw_only=True):
@@ -98,6 +115,8 @@ class ApiSettings(msgspec.Struct, frozen=True, kw_only=True):
             counts.
         limits: What clients may take.
         topics: That are open to clients of rosbridge, besides what robots report.
+        rosbridge: Where clients of rosbridge come in besides, as they expect; None: nowhere.
+        origins: Pages elsewhere that may be such clients, with a key or a ticket and no cookie.
     """
 
     listen: HostPort
@@ -108,6 +127,8 @@ class ApiSettings(msgspec.Struct, frozen=True, kw_only=True):
     proxies: tuple[str, ...] = ()
     limits: ServingLimits = ServingLimits()
     topics: tuple[OpenedTopicSettings, ...] = ()
+    rosbridge: HostPort | None = None
+    origins: tuple[str, ...] = ()
 
     @property
     def reached_at(self) -> str:

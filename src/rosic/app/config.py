@@ -217,6 +217,8 @@ def _api(table: ApiTable, folder: Path) -> ApiSettings | None:
         private_key=found(table.private_key),
         proxies=table.proxies,
         topics=table.topic,
+        rosbridge=parse_listen(table.rosbridge) if table.rosbridge else None,
+        origins=table.origins,
     )
 
 

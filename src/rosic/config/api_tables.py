@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from rosic.api.settings import OpenedTopicSettings, parse_listen
+from rosic.api.settings import OpenedTopicSettings, parse_listen, parse_origin
 from rosic.api.webhooks.settings import WebhookTopic, check_url
 from rosic.contracts.file_rules import ValidationFinding
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 WITHOUT_TLS: Final = "public address, no TLS"
 LISTEN_EXAMPLE: Final = 'For example listen = "127.0.0.1:8765".'
+ORIGIN_EXAMPLE: Final = 'As browsers say it, for example "https://panel.example.org".'
 
 
 class ApiTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -28,6 +29,8 @@ class ApiTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
         private_key: File of the certificate's key; PEM.
         proxies: Addresses of the proxies before it, whose word on clients counts.
         without_tls: ``public address, no TLS`` serves others than this machine in the clear.
+        rosbridge: Where clients of rosbridge come in besides: ``127.0.0.1:9090``.
+        origins: Pages elsewhere that may be clients of rosbridge: ``https://panel.example.org``.
         topic: Topics for clients of rosbridge, besides those that robots' profiles name.
     """
 
@@ -38,6 +41,8 @@ class ApiTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     private_key: str = ""
     proxies: tuple[str, ...] = ()
     without_tls: str = ""
+    rosbridge: str = ""
+    origins: tuple[str, ...] = ()
     topic: tuple[OpenedTopicSettings, ...] = ()
 
 
@@ -73,20 +78,35 @@ def served(api: ApiTable) -> Iterator[ValidationFinding]:
                 ("listen",), "No address is named, so nothing listens.", LISTEN_EXAMPLE
             )
         return
-    try:
-        listen = parse_listen(api.listen)
-    except ValueError as wrong:
-        yield ValidationFinding(("listen",), f"{wrong}.", LISTEN_EXAMPLE)
-        return
     if bool(api.certificate) != bool(api.private_key):
         yield ValidationFinding(
             ("certificate",), "A certificate and its private key belong together.", "Name both."
         )
+    yield from _listening(api, "listen", api.listen)
+    if api.rosbridge:
+        yield from _listening(api, "rosbridge", api.rosbridge)
+        if api.rosbridge == api.listen:
+            yield ValidationFinding(
+                ("rosbridge",), f"The API listens on {api.listen} already.", "Name another port."
+            )
+    for number, origin in enumerate(api.origins):
+        try:
+            parse_origin(origin)
+        except ValueError as wrong:
+            yield ValidationFinding(("origins", number), f"{wrong}.", ORIGIN_EXAMPLE)
+
+
+def _listening(api: ApiTable, key: str, where: str) -> Iterator[ValidationFinding]:
+    try:
+        listen = parse_listen(where)
+    except ValueError as wrong:
+        yield ValidationFinding((key,), f"{wrong}.", LISTEN_EXAMPLE.replace("listen", key))
+        return
     in_clear = not (api.certificate or (api.proxies and api.url.startswith("https://")))
     if not listen.is_loopback and in_clear and api.without_tls != WITHOUT_TLS:
         yield ValidationFinding(
-            ("listen",),
-            f"{api.listen} is reached from other machines, and nothing there is encrypted.",
+            (key,),
+            f"{where} is reached from other machines, and nothing there is encrypted.",
             "Name a certificate, or a proxy and its https url; or say without_tls = "
             f'"{WITHOUT_TLS}".',
         )

@@ -43,6 +43,7 @@ ENDED: Final = 4401
 SLOW: Final = 1013
 MANY: Final = "Too many connections are open already. Close one first."
 TOO_SLOW: Final = "You take too little of what you are sent, so you are told nothing more."
+SOCKETS: Final = "Clients of rosbridge come in here, by a WebSocket."
 NOBODY: Final = "No key was shown in time. Show one by the op auth, in a header, or by a ticket."
 
 log = logging.getLogger("rosic.api")
@@ -223,3 +224,25 @@ class RosbridgeRouter:
             await self._endpoint(scope, receive, send)
         else:
             await self._app(scope, receive, send)
+
+
+class RosbridgePort:
+    """Serves clients of rosbridge on a port of their own, where most of them name no path.
+
+    Args:
+        endpoint: Of rosbridge.
+    """
+
+    def __init__(self, endpoint: RosbridgeEndpoint) -> None:
+        self._endpoint = endpoint
+
+    async def __call__(self, scope: Event, receive: Receive, send: Send) -> None:
+        """Serve one connection."""
+        if scope["type"] == "websocket" and scope["path"].rstrip("/") in {"", PATH}:
+            await self._endpoint(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": ENDED, "reason": SOCKETS})
+        else:
+            headers = [(b"content-type", b"text/plain"), (b"content-length", b"%d" % len(SOCKETS))]
+            await send({"type": "http.response.start", "status": 426, "headers": headers})
+            await send({"type": "http.response.body", "body": SOCKETS.encode()})
