@@ -17,10 +17,12 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 IN_CLEAR = "is reached from other machines, and nothing there is encrypted."
+TAKEN = "The API listens on 127.0.0.1:8765 already."
+NO_ORIGIN = "'*' is no origin of a page."
 TOGETHER = "A certificate and its private key belong together."
 NO_ADDRESS = "is no address and port of this machine"
 NOTHING = "No address is named, so nothing listens."
-SENTENCES = (IN_CLEAR, TOGETHER, NO_ADDRESS, NOTHING)
+SENTENCES = (TAKEN, NO_ORIGIN, IN_CLEAR, TOGETHER, NO_ADDRESS, NOTHING)
 
 
 async def test_it_speaks_tls_with_the_files_that_are_named(tmp_path: Path) -> None:
@@ -71,6 +73,13 @@ async def test_it_speaks_tls_with_the_files_that_are_named(tmp_path: Path) -> No
         ),
         ('listen = "127.0.0.1:8765"\ncertificate = "c.pem"', TOGETHER),
         ('listen = "robots.example.org:8765"', NO_ADDRESS),
+        ('listen = "127.0.0.1:8765"\nrosbridge = "127.0.0.1:9090"', ""),
+        ('listen = "127.0.0.1:8765"\nrosbridge = "0.0.0.0:9090"', IN_CLEAR),
+        ('listen = "127.0.0.1:8765"\nrosbridge = "localhost"', NO_ADDRESS),
+        ('listen = "127.0.0.1:8765"\nrosbridge = "127.0.0.1:8765"', TAKEN),
+        ('rosbridge = "127.0.0.1:9090"', NOTHING),
+        ('listen = "127.0.0.1:8765"\norigins = ["https://panel.example.org"]', ""),
+        ('listen = "127.0.0.1:8765"\norigins = ["*"]', NO_ORIGIN),
         ('url = "https://robots.example.org"', NOTHING),
     ],
 )
