@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 STILL = "tests/rosic_sim/robots/test_standing_still.py"
+RUNTIME = "tests/real/ros2/test_runtime.py"
 AFTER = "tests/gateway/test_after_a_break.py"
 AWAY = "tests/features/alerts/test_offline_notices.py"
 DEAD_MAN = "tests/core/test_deadman.py"
@@ -201,6 +202,15 @@ OF_BREAKS = (
         without="",
         caught_by=(
             f"{AWAY}::test_a_robot_that_vanishes_at_work_is_said_to_be_away_and_to_be_back",
+        ),
+    ),
+    Fault(
+        name="I6 a goal goes on whose acceptance came as whoever sent it was cut off",
+        file="robots/ros2/client/executor_thread.py",
+        guard="    if answered and late is not None:\n        late(answer.result())\n",
+        without="    assert answered is not None\n",
+        caught_by=(
+            f"{RUNTIME}::test_an_answer_in_the_turn_in_which_whoever_asked_is_cut_off_is_late",
         ),
     ),
 )

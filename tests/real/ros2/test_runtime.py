@@ -6,8 +6,9 @@ import subprocess
 import sys
 import textwrap
 import threading
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -47,6 +48,30 @@ async def test_work_is_done_on_the_ros_thread_and_its_failure_comes_back(
         await runtime.thread.run(lambda: 1 / 0)
     assert runtime.alive
     assert runtime.thread.faults == 0
+
+
+async def test_an_answer_in_the_turn_in_which_whoever_asked_is_cut_off_is_late(
+    runtime: RosRuntime,
+) -> None:
+    thread, sent = runtime.thread, threading.Event()
+    late: list[object] = []
+    asked: Any = import_module("rclpy.task").Future()
+
+    def send() -> object:
+        sent.set()
+        return asked
+
+    def cut_off() -> None:
+        asking.cancel()
+
+    asking = asyncio.create_task(thread.ask(send, "/omni/move", timeout_s=None, late=late.append))
+    assert await asyncio.to_thread(sent.wait, 60 * pace())
+    await thread.run(lambda: None)  # after it was sent it is waited for
+    asked.set_result("accepted")
+    thread.hand_over(cut_off)
+    with pytest.raises(asyncio.CancelledError):
+        await asking
+    assert late == ["accepted"], "a goal would go on that nobody knows of"
 
 
 async def test_a_turn_that_fails_does_not_end_the_link(

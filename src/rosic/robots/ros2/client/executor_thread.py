@@ -206,7 +206,11 @@ class RosThread:
         try:
             return await self._wait(answer, timeout_s)
         except TimeoutError:
+            _pass_on_late(answer, late)
             raise NoAnswer(f"{what} did not answer within {timeout_s:g} s.") from None
+        except asyncio.CancelledError:
+            _pass_on_late(answer, late)
+            raise
         finally:
             if answer.cancelled() and self._alive:
                 self.post(partial(self._give_up, question, wait_on=late is not None))
@@ -338,6 +342,15 @@ def _settle(
         answer.set_result(done.result())
     elif late is not None:
         late(done.result())
+
+
+def _pass_on_late(
+    answer: asyncio.Future[RosObject], late: Callable[[RosObject], None] | None
+) -> None:
+    """Pass on what was answered in the very turn in which whoever asked was cut off."""
+    answered = answer.done() and not answer.cancelled() and answer.exception() is None
+    if answered and late is not None:
+        late(answer.result())
 
 
 def _not_taken(what: str, error: Exception) -> NotSent:
