@@ -105,6 +105,13 @@ def test_a_command_is_added_in_one_folder(tmp_path: Path) -> None:
     assert "texts, 0 without a translation" in run(tmp_path, "tests.texts")
     shape = (f"shape/test_{name}.py" for name in ("measures", "names", "texts"))
     tests = ("features/media/test_battery.py", "app/test_commands.py", *shape)
-    run(tmp_path, "pytest", "-q", "-p", "no:cacheprovider", *(f"tests/{test}" for test in tests))
+    run(
+        tmp_path,
+        "pytest",
+        "-q",
+        "-pno:cacheprovider",
+        "-pno:schemathesis",
+        *(f"tests/{test}" for test in tests),
+    )
     run(tmp_path, "ruff", "check", *touched)
     run(tmp_path, "ruff", "format", "--check", *touched)

@@ -69,7 +69,16 @@ def test_a_feature_is_added_in_one_folder(tmp_path: Path) -> None:
     for command in (
         [sys.executable, "-m", "tests.commands"],
         [sys.executable, "-m", "tests.architecture"],
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", made[-1], *SHAPE],
+        [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "-pno:cacheprovider",
+            "-pno:schemathesis",
+            made[-1],
+            *SHAPE,
+        ],
         [ruff, "check", FEATURE, made[-1]],
         [ruff, "format", "--check", FEATURE, made[-1]],
     ):

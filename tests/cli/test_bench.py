@@ -137,6 +137,7 @@ def test_what_did_not_hold_is_said_behind_all_that_was_seen(
         assert json.loads(printed.out)["failures"] == ["slow: fell."]
 
 
+@pytest.mark.campaign
 @pytest.mark.limit(410)
 def test_the_bench_of_the_pipeline_covers_a_large_place() -> None:
     ran = rosic("bench", "pipeline", "--quick", "--json", within_s=400)

@@ -30,6 +30,7 @@ from typing import IO, TYPE_CHECKING
 import msgspec
 
 from rosic.cli.main import COMMANDS
+from rosic.config.lexicons import known_phrases
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -201,6 +202,7 @@ def main() -> None:
     """Serve, or become a command and end as it ends."""
     for module in WARM:
         import_module(module)
+    known_phrases()
     gc.freeze()
     found = _Server(socket.socket(fileno=int(sys.argv[1]))).next()
     if found is None:

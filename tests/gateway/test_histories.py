@@ -18,7 +18,7 @@ from tests.gateway.judging import everybody_is_answered_once, judge, nothing_is_
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
 
-A_FEW = 600
+A_FEW = 150
 MANY = 20_000
 
 # What a history is about. Few robots and few words make it likely that things meet.

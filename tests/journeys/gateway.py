@@ -118,6 +118,9 @@ def _warm_up() -> None:
 
     known_units()
     if COLD not in sys.argv:
+        from rosic.config.lexicons import known_phrases  # noqa: PLC0415 - after the path was set
+
+        known_phrases()
         for module in WARMER:
             __import__(module)
     gc.freeze()  # what all of them share is no litter of any of them

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from tests.journeys.running import Launcher
 
 SEED = int(os.environ.get("ROSIC_SEED", "20261121"))
-KILLS = int(os.environ.get("ROSIC_KILLS", "60"))
+KILLS = int(os.environ.get("ROSIC_KILLS", "20"))
 
 
 @pytest.mark.limit(590)
-async def test_nothing_is_done_twice_and_everything_is_told_over_60_kills(
+async def test_nothing_is_done_twice_and_everything_is_told_over_20_kills(
     tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
 ) -> None:
     report = await journey(Plan(kills=KILLS, seed=SEED), tmp_path, launcher)

@@ -181,6 +181,8 @@ def _run(module: Module, order: Order, results: Path, root: Path, within_s: floa
                 "--tb=no",
                 "-p",
                 "tests.mutants.running",
+                "-pno:faker",
+                "-pno:schemathesis",
                 f"--hypothesis-profile={PROFILE}",
                 "-o",
                 "faulthandler_timeout=0",

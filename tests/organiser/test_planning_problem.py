@@ -54,9 +54,12 @@ def test_the_plan_of_a_small_problem_is_the_best_of_all_plans(seed: int) -> None
 
 
 @pytest.mark.limit(120)
-def test_over_twenty_weeks_the_plan_is_lawful_and_never_worse_than_the_order_of_arrival() -> None:
+@pytest.mark.parametrize("weeks", [6, pytest.param(20, marks=pytest.mark.campaign)])
+def test_over_many_weeks_the_plan_is_lawful_and_never_worse_than_the_order_of_arrival(
+    weeks: int,
+) -> None:
     gained = []
-    for seed in range(20):
+    for seed in range(weeks):
         problem = generated_week(seed, wishes=90)
         arrival = first_come_first_served(problem, grid_s=900)
         proposal = propose(problem, grid_s=900, limit_s=0.5 * slowness())

@@ -38,8 +38,15 @@ WARM = (
     "telegram",
     "telegram.ext",
     "aiohttp.web",
+    "dateutil.rrule",
+    "graphlib",
+    "packaging.version",
+    "pdb",
+    "readline",
     "yaml",
 )
+# What they bring is used by none of the tests that catch a fault, and takes long to load.
+UNUSED = ("faker", "schemathesis", "xdist", "xdist.looponfail")
 # The rewriting of assertions wants to see plugins before they are loaded. It need not see these.
 QUIETLY = ("-W", "ignore::pytest.PytestAssertRewriteWarning")
 
@@ -66,7 +73,8 @@ def main() -> None:
         with suppress(ModuleNotFoundError):
             import_module(module)
     for plugin in entry_points(group="pytest11"):
-        plugin.load()
+        if plugin.name not in UNUSED:
+            plugin.load()
     assert "rosic" not in sys.modules, "each run brings its own"
     gc.freeze()  # what is loaded here is no litter of a run, which need not look for any in it
     for line in sys.stdin:
@@ -104,7 +112,9 @@ def _become(run: Run) -> None:
         os.environ["PYTHONPATH"] = os.pathsep.join(run.paths)
         sys.path[:0] = run.paths
         random.seed()
-        status = int(pytest.main([*QUIETLY, *run.arguments]))
+        gc.disable()  # until all is loaded: none of that is litter
+        without = [f"-pno:{name}" for name in UNUSED]
+        status = int(pytest.main([*QUIETLY, *without, *run.arguments]))
     finally:
         sys.stdout.flush()
         sys.stderr.flush()

@@ -28,15 +28,25 @@ WITHIN_S = 240
 # A plugin of the run that is to fail: which source it was that failed, and what was no link in it.
 SAYS_WHERE = "says_where"
 WHERE = """
-import os, sys
+import functools, gc, os, sys
 from tests.pace import pace
+def pytest_collection_finish():
+    gc.freeze()
+    gc.enable()
+def pytest_sessionfinish():
+    gc.freeze()  # what it would look for now, it would throw away with the process
+@functools.cache
+def real(folder):
+    return os.path.realpath(folder)
 def pytest_terminal_summary(terminalreporter):
     import rosic
     terminalreporter.write_line(f"source: {rosic.__file__}")
-    here = os.path.realpath(os.path.dirname(__file__))
+    here = real(os.path.dirname(__file__))
     for module in tuple(sys.modules.values()):
         file = getattr(module, "__file__", None) or ""
-        if file != __file__ and os.path.realpath(file).startswith(here):
+        if file == __file__ or os.path.islink(file):
+            continue
+        if real(os.path.dirname(file)).startswith(here):
             terminalreporter.write_line(f"changed: {file}")
 """
 

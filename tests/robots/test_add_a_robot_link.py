@@ -32,6 +32,8 @@ TABLE = re.compile(r"```toml\n(.*?)```", re.DOTALL)
 SAID = re.compile(r"```text\n(crawler\.yaml.*?)```", re.DOTALL)
 DRIVEN = re.compile(r"```text\n(> .*?)```", re.DOTALL)
 PYTEST = re.compile(r"`pytest (-o asyncio_mode=auto test_crawler\.py)`")
+# Nothing here uses these, and what they bring takes longer to load than a rule to be tried.
+UNUSED = ("-pno:cacheprovider", "-pno:faker", "-pno:schemathesis")
 RULES = sum(name.startswith("test_") for name in vars(RobotConformance))
 
 
@@ -66,7 +68,7 @@ def conforming(folder: Path, *options: str) -> subprocess.CompletedProcess[str]:
     """Run the tests of the page as it says; options are added."""
     [words] = PYTEST.findall(PAGE.read_text(encoding="utf-8"))
     return subprocess.run(  # noqa: S603 - our own tests
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *words.split(), *options],
+        [sys.executable, "-m", "pytest", "-q", *UNUSED, *words.split(), *options],
         cwd=folder,
         env=environment(with_it(folder)),
         capture_output=True,

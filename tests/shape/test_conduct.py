@@ -51,6 +51,10 @@ def test_never_seen(): pass
 """
 
 
+# Nothing in the subject uses these, and what they bring takes long to load.
+FEW = ("-pno:xdist", "-pno:faker", "-pno:schemathesis")
+
+
 def run_pytest(
     folder: Path, *arguments: str, require_all: bool = False, pace: float = 1.0
 ) -> dict[str, str]:
@@ -64,7 +68,7 @@ def run_pytest(
     (folder / "test_absent.py").write_text(ABSENT)
     own = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
     done = subprocess.run(  # noqa: S603
-        [sys.executable, "-m", "pytest", "-rA", "-p", "no:xdist", *arguments, "."],
+        [sys.executable, "-m", "pytest", "-rA", *FEW, *arguments, "."],
         cwd=folder,
         env=own | {"ROSIC_REQUIRE_ALL": "1" if require_all else "", PACE: f"{pace}"},
         capture_output=True,

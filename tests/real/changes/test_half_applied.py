@@ -117,7 +117,7 @@ def look(gateway: Gateway, acts: Counter[tuple[str, str]]) -> Found:
 @pytest.mark.parametrize(
     "kills",
     [
-        pytest.param(20, marks=pytest.mark.limit(300)),
+        pytest.param(10, marks=pytest.mark.limit(300)),
         pytest.param(1_000, marks=[pytest.mark.campaign, pytest.mark.limit(7_200)]),
     ],
 )
