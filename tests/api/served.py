@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from rosic.api.server import ApiServer
     from rosic.contracts.adapter import RobotFactory
     from rosic.contracts.store import Store
+    from rosic.core.fleet.mission import Mission
     from rosic.core.robot.profile import Profile
 
 ANYWHERE = HostPort("127.0.0.1", 0)
@@ -123,6 +124,7 @@ async def served(
     profiles: tuple[Profile, ...] = (),
     store: Store | None = None,
     robots_of: Callable[[str], RobotFactory] = robot_factory,
+    missions: tuple[Mission, ...] = (),
 ) -> AsyncIterator[ServedGateway]:
     """Yield a gateway whose API listens, until the test is over."""
     clock = SystemClock()
@@ -146,7 +148,9 @@ async def served(
     )
     book = rules or RoleRules(roles=DEFAULT_ROLES)
     robots = profiles or tuple(fleet())
-    gateway = Gateway(GatewaySettings(profiles=robots, people=people, rulebook=book), parts)
+    gateway = Gateway(
+        GatewaySettings(profiles=robots, people=people, rulebook=book, missions=missions), parts
+    )
     await gateway.open()
     server = api.server_of(gateway)
     tasks = [asyncio.create_task(gateway.run()), asyncio.create_task(server.run())]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import csv
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,8 @@ from tests.api.served import problem, served
 from tests.pace import pace
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
     import httpx
 
 TOMORROW = (datetime.now(UTC) + timedelta(days=1)).replace(second=0, microsecond=0)
@@ -170,3 +173,64 @@ async def test_alarms_that_are_open_are_shown_and_nobody_sees_others() -> None:
         answer = await bo.post("/v1/robots/omni/alerts/seen")
         assert answer.status_code in {200, 409, 422}
         assert problem(await bo.post("/v1/robots/nobody/alerts/seen"))[:2] == (404, "not-found")
+
+
+async def test_a_file_is_sent_kept_once_and_refused_as_in_the_chat() -> None:
+    async with served() as place:
+        ada, hal = await place.person("Ada"), await place.program("operator")
+        for caller in (ada, hal):
+            content = b"one two three\n" * 20_000
+            sent = await caller.post("/v1/files", params={"name": "notes.txt"}, content=content)
+            assert sent.status_code == 201, sent.text
+            [kept] = (await caller.get("/v1/files")).json()
+            assert sent.json() == kept
+            assert (kept["name"], kept["size"]) == ("notes.txt", len(content))
+            assert (await caller.get(f"/v1/files/{kept['id']}")).content == content
+
+        async def pieces() -> AsyncIterator[bytes]:
+            for _ in range(3):
+                yield b"some words\n"
+
+        streamed = await ada.post("/v1/files", params={"name": "more.txt"}, content=pieces())
+        assert streamed.status_code == 201, streamed.text
+        assert streamed.json()["size"] == 33
+        empty = await ada.post("/v1/files", params={"name": "empty.txt"})
+        assert problem(empty)[0] == 422
+        unknown = await ada.post(
+            "/v1/files", params={"name": "x.bin"}, content=b"\x00\x01\x02" * 50
+        )
+        assert problem(unknown)[0] == 422
+        lines = await ada.post("/v1/files", params={"name": "a\nstop"}, content=b"x")
+        assert problem(lines)[:2] == (422, "not-understood")
+        assert len((await ada.get("/v1/files")).json()) == 2
+
+
+async def test_what_a_robot_shows_is_a_picture_for_whoever_sees_it() -> None:
+    async with served() as place:
+        hal = await place.program("viewer")
+        shown = await hal.get("/v1/robots/omni/views/map")
+        assert shown.status_code == 200, shown.text
+        assert shown.headers["content-type"].startswith("image/")
+        assert shown.headers["rosic-taken"].endswith("Z")
+        assert shown.content[:4] in {b"\x89PNG", b"\xff\xd8\xff\xe0"}
+        assert problem(await hal.get("/v1/robots/kuka1/views/map"))[:2] == (404, "nothing-to-see")
+        assert problem(await hal.get("/v1/robots/nobody/views/map"))[:2] == (404, "not-found")
+        assert problem(await hal.get("/v1/robots/omni/views/soul"))[0] in {400, 404}
+
+
+async def test_the_past_is_searched_in_words_and_kept_as_a_table() -> None:
+    async with served() as place:
+        bo, vi = await place.person("Bo"), await place.person("Vi")
+        order = {"skill": "move", "arguments": {"distance": 0.1}, "wait_s": 30}
+        await bo.post("/v1/robots/omni/orders", json=order)
+        await bo.post("/v1/chat", json={"text": "=omni fly"})
+        [moved] = (await bo.get("/v1/history", params={"text": "MOVE"})).json()
+        assert "0.10 m" in moved["asked"]
+        assert moved["came"]
+        assert (await bo.get("/v1/history", params={"text": "nonsense"})).json() == []
+        assert (await vi.get("/v1/history", params={"text": "move"})).json() == []
+        table = await bo.get("/v1/history/export")
+        assert table.headers["content-type"].startswith("text/csv")
+        rows = list(csv.DictReader(table.text.splitlines()))
+        assert {row["skill"] for row in rows} >= {"move"}
+        assert not any(cell.startswith("=") for row in rows for cell in row.values())

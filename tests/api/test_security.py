@@ -22,7 +22,15 @@ if TYPE_CHECKING:
 
     from rosic.core.records import Record
 
-NAMES = {"robot": "omni", "order": "00", "person": "x", "file": "x", "request": "x"}
+NAMES = {
+    "robot": "omni",
+    "order": "00",
+    "person": "x",
+    "file": "x",
+    "request": "x",
+    "task": "1",
+    "act": "cancel",
+}
 SIGNS_IN = frozenset(
     {
         ("POST", "/v1/sessions"),

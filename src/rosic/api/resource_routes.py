@@ -20,7 +20,6 @@ from rosic.api.resource_schemas import (
     BookingIn,
     BookingOut,
     FileOut,
-    HistoryEntryOut,
     PersonOut,
     SampleOut,
     TelemetryOut,
@@ -28,7 +27,6 @@ from rosic.api.resource_schemas import (
 from rosic.api.routes import Api, Speech, Who
 from rosic.api.schemas import AnswerOut, moment
 from rosic.container.files import pieces_of
-from rosic.core.history import HistoryQuery
 from rosic.core.i18n import in_language, said
 from rosic.core.time_units import DAY_NS, MINUTE_NS, SECOND_NS
 from rosic.errors import NotFound, NotPermitted, NotUnderstood
@@ -49,7 +47,6 @@ NO_MINUTE: Final = said("A booking begins at a full minute.")
 SPAN: Final = said("Ask for at most 62 days at once, the earlier day first.")
 UNKNOWN_BOOKING: Final = said("There is no such booking, as far as you may see.")
 UNKNOWN_FILE: Final = said("You keep no such file here.")
-NO_RECORD: Final = said("This record cannot be looked into.")
 PEOPLE_ONLY: Final = said("Who is known here is shown to whoever looks after people.")
 Robot = Annotated[str, QueryParameter(name="robot", max_length=64)]
 
@@ -266,47 +263,6 @@ def _own_file(api: ApiContext, caller: ApiCaller, file: str) -> tuple[ContainerC
     raise NotFound(UNKNOWN_FILE)
 
 
-# ---- the past ----
-
-
-@get("/history", summary="What was asked before", tags=["history"])
-async def history(
-    api: Api,
-    caller: Who,
-    robot: Robot = "",
-    since_s: Annotated[float, QueryParameter(name="since_s", ge=0, le=3e8)] = 86_400.0,
-    most: Annotated[int, QueryParameter(name="limit", ge=1, le=LISTED_AT_MOST)] = 100,
-) -> list[HistoryEntryOut]:
-    """Return what was asked for, the newest first.
-
-    One's own; of a robot also what others asked, for whoever may read that.
-    """
-    containers = _containers(api, caller)
-    if containers is None:
-        raise NotFound(NO_RECORD)
-    named = api.profile(caller, robot).id if robot else ""
-    whole = bool(named) and api.oversees(caller, named)
-    query = HistoryQuery(
-        principal="" if whole else caller.principal,
-        robot=named,
-        since_ns=max(0, api.kernel.clock.wall_ns() - int(since_s * SECOND_NS)),
-        limit=most,
-    )
-    name = api.kernel.rooms.authoriser.directory.name
-    return [
-        HistoryEntryOut(
-            at=moment(one.at_ns),
-            who=name(one.principal),
-            kind=one.kind,
-            robot=one.robot,
-            skill=one.skill,
-            outcome=one.outcome,
-            ended=moment(one.ended_ns) if one.ended_ns else None,
-        )
-        for one in await containers.container_store.history(query)
-    ]
-
-
 ROUTES: Final = (
     telemetry,
     bookings,
@@ -318,5 +274,4 @@ ROUTES: Final = (
     files,
     file_content,
     delete_file,
-    history,
 )

@@ -109,6 +109,8 @@ class HistoryEntryOut(msgspec.Struct, frozen=True):
     Attributes:
         kind: ``claimed``, ``refused``, ``resumed`` or ``stopped``.
         outcome: How it ended, or why it was refused; empty while it goes on.
+        asked: In words: ``omni: move, 0.50 m left``; empty where they were erased.
+        came: What came of it, as it was told.
     """
 
     at: str
@@ -118,3 +120,5 @@ class HistoryEntryOut(msgspec.Struct, frozen=True):
     skill: str
     outcome: str
     ended: str | None
+    asked: str = ""
+    came: str = ""

@@ -32,9 +32,12 @@ from rosic.api.connections import IdleConnections, LimitedHttp, LimitedSocket
 from rosic.api.context import ApiContext
 from rosic.api.description import DescribedProblems
 from rosic.api.events import EventStream
+from rosic.api.file_routes import ROUTES as FILES
 from rosic.api.foxglove import FoxgloveConnections, foxglove
+from rosic.api.history_routes import ROUTES as HISTORY
 from rosic.api.order_feed import OrderFeed
 from rosic.api.ordering import CallerRequests, RefusedOrder
+from rosic.api.people_routes import ROUTES as PEOPLE
 from rosic.api.problems import answer, problem, problem_of
 from rosic.api.read_rates import ReadRates, asking_from
 from rosic.api.resource_routes import ROUTES as RESOURCES
@@ -42,6 +45,7 @@ from rosic.api.rosbridge.endpoint import RosbridgeEndpoint, RosbridgePort, Rosbr
 from rosic.api.rosbridge.topics import check_topics
 from rosic.api.routes import OPEN, ROUTES, events
 from rosic.api.tickets import TicketBook, new_ticket
+from rosic.api.work_routes import ROUTES as WORK
 from rosic.errors import ConfigurationError, RosicError, Unrecognised
 
 if TYPE_CHECKING:
@@ -216,7 +220,17 @@ class ApiServer:
             route_handlers=[
                 Router(
                     "/v1",
-                    route_handlers=[*ROUTES, *RESOURCES, *passkeys, new_ticket, events],
+                    route_handlers=[
+                        *ROUTES,
+                        *RESOURCES,
+                        *PEOPLE,
+                        *WORK,
+                        *FILES,
+                        *HISTORY,
+                        *passkeys,
+                        new_ticket,
+                        events,
+                    ],
                     guards=[known],
                 ),
                 foxglove,

@@ -7,7 +7,6 @@ import random
 from contextlib import aclosing
 from secrets import token_urlsafe
 from typing import TYPE_CHECKING, Final, Self
-from urllib.parse import quote
 
 from rosic.api.event_schemas import OrderEvent
 from rosic.api.schemas import (
@@ -35,6 +34,7 @@ from rosic.client.errors import (
     TooManyCalls,
 )
 from rosic.client.events import Connected, EventConnection
+from rosic.client.resources import ResourceCalls, part
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Awaitable, Callable, Mapping
@@ -61,7 +61,7 @@ ASK_EVERY_S: Final = 1.0
 MOST_LISTED: Final = 200
 
 
-class RosicClient:
+class RosicClient(ResourceCalls):
     """Asks a gateway. Use it as ``async with RosicClient(url, key) as gateway:``.
 
     What only looks is asked again while nobody answers; an order is known by a key of its own, so
@@ -113,11 +113,11 @@ class RosicClient:
 
     async def robot(self, robot: str) -> RobotOut:
         """Return one robot as it is now."""
-        return await self._look(f"robots/{_part(robot)}", RobotOut)
+        return await self._look(f"robots/{part(robot)}", RobotOut)
 
     async def skills(self, robot: str) -> list[SkillOut]:
         """Return what I may ask of a robot, with the schema of its arguments."""
-        return await self._look(f"robots/{_part(robot)}/skills", list[SkillOut])
+        return await self._look(f"robots/{part(robot)}/skills", list[SkillOut])
 
     async def orders(self, robot: str = "", *, limit: int = 50) -> list[OrderOut]:
         """Return the newest orders of robots that I may see, whoever gave them; newest first."""
@@ -138,7 +138,7 @@ class RosicClient:
             NotAnswered: The gateway does not answer.
         """
         body = OrderIn(skill, dict(arguments or {}))
-        call = ApiCall("POST", f"robots/{_part(robot)}/orders/check", body)
+        call = ApiCall("POST", f"robots/{part(robot)}/orders/check", body)
         return await _again(lambda: ask(self._http, call, CheckOut), READ_WITHIN_S)
 
     async def order(
@@ -168,7 +168,7 @@ class RosicClient:
         """
         body = OrderIn(skill, dict(arguments or {}))
         headers = {"Idempotency-Key": key or token_urlsafe(24)}
-        call = ApiCall("POST", f"robots/{_part(robot)}/orders", body, headers)
+        call = ApiCall("POST", f"robots/{part(robot)}/orders", body, headers)
         placed: OrderOut = await _again(lambda: ask(self._http, call, OrderOut), ORDER_WITHIN_S)
         return await self.wait(placed, wait_s) if wait_s > 0 else placed
 
@@ -193,7 +193,7 @@ class RosicClient:
 
     async def _order(self, order: str, wait_s: float) -> OrderOut:
         return await self._look(
-            f"orders/{_part(order)}", OrderOut, params={"wait_s": wait_s}, more_s=wait_s
+            f"orders/{part(order)}", OrderOut, params={"wait_s": wait_s}, more_s=wait_s
         )
 
     async def follow(self, order: OrderOut | str) -> AsyncGenerator[OrderOut, None]:
@@ -230,7 +230,7 @@ class RosicClient:
             NotAnswered: `NotKnown`: it may have been done; otherwise it was not.
         """
         order_id = order if isinstance(order, str) else order.id
-        return await self._once(f"orders/{_part(order_id)}/cancel", AnswerOut, None)
+        return await self._once(f"orders/{part(order_id)}/cancel", AnswerOut, None)
 
     # ---- stops ----
 
@@ -320,9 +320,11 @@ class RosicClient:
         call = ApiCall("GET", path, params=params, within_s=ANSWER_S + more_s)
         return await _again(lambda: ask(self._http, call, type_), READ_WITHIN_S)
 
-    async def _once(self, path: str, type_: type[T], body: object, more_s: float = 0.0) -> T:
+    async def _once(
+        self, path: str, type_: type[T], body: object, more_s: float = 0.0, *, method: str = "POST"
+    ) -> T:
         """Ask for what may change something: again only where nobody has heard of it."""
-        call = ApiCall("POST", path, body, within_s=ANSWER_S + more_s)
+        call = ApiCall(method, path, body, within_s=ANSWER_S + more_s)
         return await _again(lambda: ask(self._http, call, type_), READ_WITHIN_S, unheard=True)
 
 
@@ -357,8 +359,3 @@ def _pause(most_s: float) -> float:
 def _progress(order: OrderOut) -> tuple[bool, int, float]:
     """Return how far an order has come: what was on its way may be older than what was asked."""
     return order.over, len(order.stages), order.fraction or 0.0
-
-
-def _part(name: str) -> str:
-    """Return a name as a part of a path."""
-    return quote(name, safe="") or "-"

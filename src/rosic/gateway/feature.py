@@ -36,8 +36,14 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
     from rosic.gateway.container_context import ContainerContext
     from rosic.gateway.delivery.notifier import Notifier
-    from rosic.gateway.observed_state import OpenAlerts, TelemetryHistory
+    from rosic.gateway.observed_state import (
+        HistoryReader,
+        OpenAlerts,
+        RobotViews,
+        TelemetryHistory,
+    )
     from rosic.gateway.order_services import AlertTasks, OrderServices
+    from rosic.gateway.pending_work import FleetWork, PendingAnswers
     from rosic.gateway.pipeline import Pipeline
     from rosic.gateway.policy_service import PolicyEnforcer
     from rosic.gateway.robot_argument import RobotArgument
@@ -152,6 +158,10 @@ class SharedParts:
         page_url: Where the page is, if there is one.
         telemetry: What robots reported in the last minutes.
         alerts: Which alarms are open.
+        pending: Who waits for an answer about people and rights.
+        work: What robots are given to do.
+        history: What was asked before, in words.
+        views: Makes pictures of what robots show.
         grants_ended: Tells of the rights that have just ended by the clock.
         file_offers: Return what may be done with a file that somebody has sent, as buttons.
     """
@@ -166,6 +176,10 @@ class SharedParts:
         self.page_url: Provided[str] = Provided("a page")
         self.telemetry: Provided[TelemetryHistory] = Provided("what robots reported")
         self.alerts: Provided[OpenAlerts] = Provided("open alarms")
+        self.pending: Provided[PendingAnswers] = Provided("who waits for an answer")
+        self.work: Provided[FleetWork] = Provided("tasks and missions")
+        self.history: Provided[HistoryReader] = Provided("what was asked before")
+        self.views: Provided[RobotViews] = Provided("pictures of what robots show")
         self.robot_adder: Provided[RobotAdder] = Provided("adding robots")
         self.alarm_news: Signal[[RobotId, str, bool]] = Signal()
         self.grants_ended: Signal[[Sequence[tuple[PrincipalId, Grant]]]] = Signal()

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
+    from rosic.core.history import HistoryEntry, HistoryQuery
     from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import RobotId
+    from rosic.core.robot.view import ViewKind
 
 
 class TelemetryHistory(Protocol):
@@ -37,6 +39,59 @@ class OpenAlert(NamedTuple):
     at_ns: int
     measured: str
     by: PrincipalId
+
+
+class HistoryLine(NamedTuple):
+    """Something that was asked before, in words.
+
+    Attributes:
+        asked: ``omni: move, 0.50 m left``; empty where its words were erased.
+        came: What came of it, as it was told.
+    """
+
+    entry: HistoryEntry
+    asked: str
+    came: str
+
+
+class HistoryReader(Protocol):
+    """What was asked before, in words; whether somebody may read it is asked before."""
+
+    async def read(self, query: HistoryQuery) -> Sequence[HistoryLine]:
+        """Return it, the newest first.
+
+        Raises:
+            RecordUnavailable: It cannot be read now.
+        """
+        ...
+
+
+class ShownView(NamedTuple):
+    """What a robot shows, as a picture.
+
+    Attributes:
+        taken_ns: Wall clock.
+    """
+
+    media_type: str
+    content: bytes
+    taken_ns: int
+
+
+class RobotViews(Protocol):
+    """Makes pictures of what robots show."""
+
+    async def picture(
+        self, who: PrincipalId, robot: RobotId, kind: ViewKind, *, low: bool
+    ) -> ShownView:
+        """Look, and draw; it takes some seconds.
+
+        Raises:
+            NothingToSee: Nothing is shown, or nobody here can draw.
+            TooManyRequests: Not now.
+            NotPermitted: They may not see it any more.
+        """
+        ...
 
 
 class OpenAlerts(Protocol):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rosic.contracts.messenger import invite_link_of
 from rosic.core.i18n import joined
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from rosic.gateway.feature import Kernel
 
 __all__ = ["AccessFeature", "setup"]
+
+PROVIDES: Final = ("pending",)
 
 
 class AccessFeature(Feature):
@@ -109,10 +111,12 @@ def setup(kernel: Kernel) -> AccessFeature:
     request_commands = AccessRequestCommands(
         registry, admin_policy, access.access_requests, granting, places
     )
+    pending = PendingRequests(admitting, request_commands)
+    kernel.shared.pending.provide(pending)
     about = AccountCommands(
         registry,
         admin_policy,
-        PendingRequests(admitting, request_commands),
+        pending,
         slots=partial(_slots_of, kernel),
         zone_of=places.zone_of,
         shown=places.shown,

@@ -13,6 +13,7 @@ from rosic.errors import Expired, NotPermitted, NotUnderstood, OutOfBounds
 from rosic.features.access import request_messages as words
 from rosic.features.access.access_request_parser import read_tail, want_of
 from rosic.gateway.commands import Reply
+from rosic.gateway.pending_work import PendingRequest
 from rosic.organiser import access_request_messages
 from rosic.organiser.access_requests import (
     LONGEST_S,
@@ -313,6 +314,18 @@ class AccessRequestCommands:
                 self._buttons(access_request, name),
             )
             for name, access_request in named
+        )
+
+    def pending(
+        self, *, by: PrincipalId = "", principal: PrincipalId = ""
+    ) -> tuple[PendingRequest, ...]:
+        """Return every open access request that somebody may answer, or that is their own."""
+        own = (p for p in self._access_requests.open() if p.principal == principal)
+        return tuple(
+            PendingRequest(
+                p.id, "right", self._registry.name(p.principal), self._asked_for(p), "", p.lapses_ns
+            )
+            for p in (self.waiting(by) if by else own)
         )
 
     def own(self, principal: PrincipalId) -> tuple[str, ...]:

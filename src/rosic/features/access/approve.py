@@ -12,6 +12,7 @@ from rosic.errors import Expired, NotUnderstood
 from rosic.features.access import messages as words
 from rosic.features.access.admin_policy import INVITE
 from rosic.gateway.commands import Reply
+from rosic.gateway.pending_work import PendingRequest
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -139,6 +140,20 @@ class ApprovalCommands:
             applicant
             for applicant in self._enrolment.applicants.all()
             if self._admin_policy.may_admit(by, applicant.pending.given)
+        )
+
+    def pending(self, by: PrincipalId) -> tuple[PendingRequest, ...]:
+        """Return the same, for whoever shows it."""
+        return tuple(
+            PendingRequest(
+                a.pending.id,
+                "newcomer",
+                a.name,
+                a.pending.given.words,
+                a.words,
+                a.pending.expires_ns,
+            )
+            for a in self.waiting(by)
         )
 
     def questions(

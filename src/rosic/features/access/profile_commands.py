@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from rosic.features.access.approve import ApprovalCommands
     from rosic.features.access.context import AccessContext
     from rosic.gateway.commands import CommandContext
+    from rosic.gateway.pending_work import PendingRequest
     from rosic.organiser.timezones import Zone
 
 MOST_LINES = 30
@@ -47,6 +48,15 @@ class PendingRequests(NamedTuple):
 
     newcomers: ApprovalCommands
     rights: AccessRequestCommands | None
+
+    def waiting_for(self, by: PrincipalId) -> tuple[PendingRequest, ...]:
+        """Return what somebody may answer; see `PendingAnswers`."""
+        rights = () if self.rights is None else self.rights.pending(by=by)
+        return (*self.newcomers.pending(by), *rights)
+
+    def asked_by(self, principal: PrincipalId) -> tuple[PendingRequest, ...]:
+        """Return what somebody waits for themselves."""
+        return () if self.rights is None else self.rights.pending(principal=principal)
 
 
 class AccountCommands:

@@ -25,7 +25,7 @@ from rosic.features.fleet.mission_schedule import KIND as TIMES
 from rosic.features.fleet.mission_schedule import MissionSchedule
 from rosic.features.fleet.monitor import FleetMonitor
 from rosic.features.fleet.multi_robot import MultiRobotCommands
-from rosic.features.fleet.overview import FleetOverview, FleetUsage
+from rosic.features.fleet.overview import FleetOverview, FleetUsage, FleetWorkList
 from rosic.features.fleet.pause import PauseCommands
 from rosic.features.fleet.robot_commands import RobotCommands
 from rosic.features.fleet.shift_handover import ShiftHandoverCommands
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 __all__ = ["FleetFeature", "setup"]
 
 NEEDS: Final = ("engaged",)
-PROVIDES: Final = ("fleet", "alert_tasks", "robot_tasks", "file_offers")
+PROVIDES: Final = ("fleet", "alert_tasks", "robot_tasks", "file_offers", "work")
 
 _ENDS = {
     OrderEnding.DONE.value: e.AttemptEnd.DONE,
@@ -101,6 +101,7 @@ class FleetFeature(Feature):
             rooms, kernel.changes, tasks, builder, self._timetable, zone
         )
         self._missions.register(kernel.commands)
+        kernel.shared.work.provide(FleetWorkList(tasks, self._missions, self.book))
         steps = AgreementSteps(rooms, self.dispatching.fleet, tasks, self._missions)
         kernel.pipeline.hooks.task_steps.bind(steps.of)
 

@@ -108,7 +108,7 @@ class MissionCommands:
 
     async def missions(self, asked: CommandContext) -> Reply:
         """List what there is, and what runs."""
-        runs = [self._run_line(run) for run in self._open_runs(asked.caller.principal)]
+        runs = [self._run_line(run) for run in self.open_runs(asked.caller.principal)]
         runs += self._times()
         missions = self._book.of(asked.caller.principal)
         known = [words.known(mission.name, mission.title) for mission in missions.values()]
@@ -216,7 +216,7 @@ class MissionCommands:
         return [run for run in runs if run == name or run.rpartition(NUMBERED)[0] == name]
 
     def _running(self, asked: CommandContext, name: str) -> str:
-        sees = self._open_runs(asked.caller.principal)
+        sees = self.open_runs(asked.caller.principal)
         found = [run for run in self._runs_of(name) if run in sees]
         if not found:
             raise NotUnderstood(words.not_running(name))
@@ -225,7 +225,8 @@ class MissionCommands:
             raise NotUnderstood(words.which(name), offers=offers)
         return found[0]
 
-    def _open_runs(self, who: PrincipalId) -> list[str]:
+    def open_runs(self, who: PrincipalId) -> list[str]:
+        """Return the missions that run, as far as somebody may see."""
         fleet, visible = self._dispatching.fleet, self._rooms.organiser.visible(who)
         return [
             run
@@ -238,7 +239,7 @@ class MissionCommands:
 
     def _show(self, asked: CommandContext, name: str) -> Reply:
         who = asked.caller.principal
-        runs = [run for run in self._open_runs(who) if run in self._runs_of(name)]
+        runs = [run for run in self.open_runs(who) if run in self._runs_of(name)]
         lines = [line for run in runs for line in (self._run_line(run), *self._tasks_of(run, who))]
         mission = self._book.of(who).get(name)
         if mission is not None:

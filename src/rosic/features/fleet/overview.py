@@ -6,9 +6,11 @@ from collections import Counter
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet.task import RESTING, FleetMembership, TaskState
+from rosic.core.fleet.template import bounds
 from rosic.core.time_units import SECOND_NS
 from rosic.features.fleet import messages
 from rosic.features.fleet import robot_messages as words
+from rosic.gateway.pending_work import MissionRun, OfferedMission
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Sequence
@@ -19,8 +21,12 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
     from rosic.features.fleet.dispatcher import TaskDispatcher
     from rosic.features.fleet.integration import TaskNotifications
+    from rosic.features.fleet.mission_book import MissionBook
+    from rosic.features.fleet.mission_commands import MissionCommands
     from rosic.features.fleet.monitor import FleetMonitor
+    from rosic.features.fleet.task_commands import TaskCommands
     from rosic.gateway.components import Components
+    from rosic.gateway.pending_work import TaskEntry
 
 
 # ---- ``/fleet`` ----
@@ -227,3 +233,35 @@ class FleetUsage:
         if self.works(robot):
             return 0
         return (self._now_ns() - self._since_ns.get(robot, self._begun_ns)) // SECOND_NS
+
+
+# ---- elsewhere than in a chat ----
+
+
+class FleetWorkList:
+    """Lists tasks and missions by the rules of the commands that list them; see `FleetWork`."""
+
+    def __init__(self, tasks: TaskCommands, missions: MissionCommands, book: MissionBook) -> None:
+        self._tasks, self._missions, self._book = tasks, missions, book
+
+    def tasks_for(self, who: PrincipalId) -> tuple[TaskEntry, ...]:
+        """Return the open tasks that somebody may see."""
+        return tuple(self._tasks.entry(task, who) for task in self._tasks.open_for(who))
+
+    def missions_for(self, who: PrincipalId) -> tuple[OfferedMission, ...]:
+        """Return the missions that somebody may start."""
+        return tuple(
+            OfferedMission(
+                mission.name,
+                mission.title,
+                tuple(bounds(*quantity) for quantity in mission.parameters.items()),
+            )
+            for mission in self._book.of(who).values()
+        )
+
+    def runs_for(self, who: PrincipalId) -> tuple[MissionRun, ...]:
+        """Return the missions that run, as far as somebody may see."""
+        fleet = self._tasks.dispatching.fleet
+        return tuple(
+            MissionRun(run, tuple(fleet.mission(run))) for run in self._missions.open_runs(who)
+        )

@@ -36,6 +36,7 @@ from rosic.features.fleet.task_parser import (
 )
 from rosic.gateway.cancel import CancelGeneration
 from rosic.gateway.commands import Reply
+from rosic.gateway.pending_work import TaskEntry
 from rosic.gateway.requests import check_command_fresh
 
 if TYPE_CHECKING:
@@ -105,10 +106,20 @@ class TaskCommands:
         """List the tasks that are open, as far as their robots may be seen."""
         return Reply(self._list(asked.caller.principal))
 
-    def _list(self, who: PrincipalId) -> str:
+    def open_for(self, who: PrincipalId) -> list[Task]:
+        """Return the open tasks that somebody may see, those that have a robot first."""
         visible = self._rooms.organiser.visible(who)
         found = [t for t in self.dispatching.fleet.open() if self._sees(who, t, visible)]
         found.sort(key=lambda task: (task.state not in HELD, -task.priority))
+        return found
+
+    def entry(self, task: Task, who: PrincipalId) -> TaskEntry:
+        """Return one task, as somebody may read it."""
+        why = self._waits(task, who) if task.state is TaskState.QUEUED else ""
+        return TaskEntry(task, self._telling.what(task, who), why)
+
+    def _list(self, who: PrincipalId) -> str:
+        found = self.open_for(who)
         if not found:
             return words.NONE_OPEN
         lines = [self.line(task, who) for task in found[:SHOWN_AT_MOST]]
@@ -122,8 +133,8 @@ class TaskCommands:
     def line(self, task: Task, who: PrincipalId) -> str:
         """Return one task in a list, as somebody may read it."""
         shown = self._telling.shown(task.robot) if task.robot else ""
-        why = self._waits(task, who) if task.state is TaskState.QUEUED else ""
-        return words.line(task, self._telling.what(task, who), shown or task.wanted, why)
+        _, what, why = self.entry(task, who)
+        return words.line(task, what, shown or task.wanted, why)
 
     def _waits(self, task: Task, who: PrincipalId) -> str:
         visible = self._rooms.organiser.visible(who)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MediaFeature", "setup"]
 
-PROVIDES: Final = ("camera", "telemetry")
+PROVIDES: Final = ("camera", "telemetry", "views")
 
 
 class MediaFeature(Feature):
@@ -90,6 +90,8 @@ def setup(kernel: Kernel) -> MediaFeature:
     )
     register_commands(kernel.commands, media)
     pipeline.hooks.view_buttons.bind(partial(view_buttons, media))
-    kernel.shared.camera.provide(DashboardCamera(media))
+    camera = DashboardCamera(media)
+    kernel.shared.camera.provide(camera)
+    kernel.shared.views.provide(camera)
     kernel.shared.telemetry.provide(media.sampler)
     return MediaFeature(media, pipeline.executor)

@@ -9,7 +9,7 @@ import asyncio
 import logging
 from collections.abc import Awaitable, Callable
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
@@ -79,7 +79,7 @@ class RenderQueue:
         self._issue = issue
         self._shown = shown
         self._buckets: dict[PrincipalId, Bucket] = {}
-        self._tasks: dict[str, asyncio.Task[None]] = {}
+        self._tasks: dict[str, asyncio.Task[Any]] = {}
         self._drawing = asyncio.Semaphore(DRAWN_AT_ONCE)
 
     @property
@@ -117,21 +117,60 @@ class RenderQueue:
             NothingToSee: Pictures cannot be drawn or sent here.
             TooManyRequests: Not now. Nothing was begun.
         """
-        if self._renderer is None:
-            raise NothingToSee(words.NO_RENDERER)
-        if asked.messenger.file_bytes <= 0:
+        if self._renderer is not None and asked.messenger.file_bytes <= 0:
             raise NothingToSee(words.NO_FILES)
         key = f"{robot} {kept}"
+        self._check_room(key, robot, AT_ONCE // 2 if unasked else AT_ONCE)
+        self._charge(asked.caller.principal, cost)
+        say = _nothing if unasked else self._say
+        self._follow(key, asyncio.create_task(self._make(asked, robot, take, say)))
+
+    async def drawn(
+        self,
+        who: PrincipalId,
+        robot: RobotId,
+        cost: float,
+        take: Callable[[], Awaitable[RenderJob]],
+    ) -> Drawing:
+        """Make a picture for somebody who waits for it, and is sent no message.
+
+        Raises:
+            NothingToSee: Nothing is shown, or pictures cannot be drawn here.
+            TooManyRequests: Not now. Nothing was begun.
+            NotPermitted: They may not see that robot any more.
+        """
+        key = f"{robot} "
+        self._check_room(key, robot, AT_ONCE)
+        self._charge(who, cost)
+        task = asyncio.create_task(self._drawn(who, take))
+        self._follow(key, task)
+        drawing = await task
+        if not self._may_see(who, robot):  # seconds have passed since it was asked
+            raise NotPermitted(words.GONE)
+        return drawing
+
+    def _check_room(self, key: str, robot: RobotId, most: int) -> None:
+        if self._renderer is None:
+            raise NothingToSee(words.NO_RENDERER)
         if key in self._tasks:
             sentence = words.somebody_looks(self._shown(robot))
             raise TooManyRequests(sentence, retry_after_s=SOON_S)
-        if len(self._tasks) >= (AT_ONCE // 2 if unasked else AT_ONCE):
+        if len(self._tasks) >= most:
             raise TooManyRequests(words.too_many_look(), retry_after_s=SOON_S)
-        self._charge(asked.caller.principal, cost)
-        say = _nothing if unasked else self._say
-        task = asyncio.create_task(self._make(asked, robot, take, say))
+
+    def _follow(self, key: str, task: asyncio.Task[Any]) -> None:
         self._tasks[key] = task
         task.add_done_callback(lambda _: self._tasks.pop(key, None))
+
+    async def _drawn(self, who: PrincipalId, take: Callable[[], Awaitable[RenderJob]]) -> Drawing:
+        return await self._draw(await take(), who)
+
+    async def _draw(self, shot: RenderJob, who: PrincipalId) -> Drawing:
+        renderer = self._renderer
+        assert renderer is not None  # noqa: S101 - nothing is begun without one
+        async with self._drawing:
+            say = partial(in_language, catalogue=self._chat_sender.languages.of(who))
+            return await asyncio.to_thread(renderer, shot.subject, low=shot.low, say=say)
 
     def _charge(self, principal: PrincipalId, cost: float) -> None:
         now_ns = self._clock.monotonic_ns()
@@ -149,14 +188,9 @@ class RenderQueue:
         take: Callable[[], Awaitable[RenderJob]],
         tell: Callable[[CommandContext, str], None],
     ) -> None:
-        renderer = self._renderer
-        assert renderer is not None  # noqa: S101 - nothing is begun without one
         try:
             shot = await take()
-            async with self._drawing:
-                reader = self._chat_sender.languages.of(asked.caller.principal)
-                say = partial(in_language, catalogue=reader)
-                drawing = await asyncio.to_thread(renderer, shot.subject, low=shot.low, say=say)
+            drawing = await self._draw(shot, asked.caller.principal)
             await self._send(asked, robot, shot, drawing)
         except Refusal as refusal:
             tell(asked, refusal.sentence)

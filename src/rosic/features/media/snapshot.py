@@ -17,11 +17,13 @@ from rosic.errors import NothingToSee, NotUnderstood
 from rosic.features.media import messages as words
 from rosic.features.media.render_queue import RenderJob
 from rosic.gateway.commands import Reply
+from rosic.gateway.observed_state import ShownView
 from rosic.gateway.robot_argument import RobotArgument
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
+    from rosic.core.identity import PrincipalId
     from rosic.core.message import Outbound
     from rosic.core.robot.profile import RobotId
     from rosic.features.media.context import MediaContext
@@ -78,6 +80,25 @@ class SnapshotCommands:
             return replace(shot, deliver=partial(deliver, at_ns))
 
         self._media.render_queue.begin(asked, robot, PICTURE_COST, take, unasked=unasked)
+
+    async def shown_to(
+        self, who: PrincipalId, robot: RobotId, kind: ViewKind, *, low: bool
+    ) -> ShownView:
+        """Return what a robot shows now, as a picture; see `RobotViews`."""
+        taken_ns = 0
+
+        async def take() -> RenderJob:
+            nonlocal taken_ns
+            view = await self._first(robot, kind)
+            taken_ns = self._media.clock.wall_ns() - int(self._media.age_s(view.taken_ns) * 1e9)
+            return self._shot(robot, view, words.camera(), (), low=low)
+
+        shown = self._media.profiles[robot]
+        if not shown.offers(kind):
+            why = words.no_camera if kind is ViewKind.PICTURE else words.no_map
+            raise NothingToSee(why(shown.shown))
+        drawing = await self._media.render_queue.drawn(who, robot, PICTURE_COST, take)
+        return ShownView(drawing.media_type, drawing.content, taken_ns)
 
     async def clip(self, asked: CommandContext) -> Reply:
         """Show some seconds. Raises as `picture` does."""
@@ -226,7 +247,7 @@ def _size(view: View) -> int:
 
 
 class DashboardCamera:
-    """What live cards look through."""
+    """What live cards, and whoever shows pictures elsewhere than in a chat, look through."""
 
     def __init__(self, media: MediaContext) -> None:
         self._media = media
@@ -252,3 +273,9 @@ class DashboardCamera:
             Refusal: Not now; nothing was begun.
         """
         self._looking.picture_for(asked, robot, deliver, unasked=unasked)
+
+    async def picture(
+        self, who: PrincipalId, robot: RobotId, kind: ViewKind, *, low: bool
+    ) -> ShownView:
+        """Look, and draw, within the bounds of all pictures; see `RobotViews`."""
+        return await self._looking.shown_to(who, robot, kind, low=low)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rosic.authoriser.directory import SOMEBODY
 from rosic.container.messages import SETTINGS_DAMAGED
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from rosic.gateway.robot_registry import AddedRobot
 
 __all__ = ["PersonalDataFeature", "setup"]
+
+PROVIDES: Final = ("history",)
 
 PERSON = re.compile("p[0-9a-f]{16}")  # how ids of people look
 
@@ -112,7 +114,8 @@ def setup(kernel: Kernel) -> Feature:
     if containers is None:
         return Feature()
     erasing = ErasureCommands(containers, _erasure_queries(kernel))
-    register_commands(kernel.commands, containers, erasing)
+    history = register_commands(kernel.commands, containers, erasing)
+    kernel.shared.history.provide(history)
     take_over(kernel.memory.facts, containers, erasing)
     kernel.access.forget_newcomer.bind(erasing.stranger)
     return PersonalDataFeature(kernel, containers, erasing)

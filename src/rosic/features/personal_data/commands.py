@@ -237,19 +237,25 @@ class MyDataCommands:
 
 def register_commands(
     commands: CommandRegistry, data_context: ContainerContext, erasing: ErasureCommands
-) -> None:
-    """Let what people ask about what is kept be done: settings, mydata, history, archive, ..."""
+) -> OrderHistory:
+    """Let what people ask about what is kept be done: settings, mydata, history, archive, ...
+
+    Returns:
+        Who reads what was asked before.
+    """
     settings, mine = SettingsCommands(data_context), MyDataCommands(data_context, erasing)
     commands.register("settings", settings.settings)
     commands.register("language", settings.language)
     commands.register("mydata", mine.my_data)
     commands.register("forget", mine.forget)
-    commands.register("history", OrderHistory(data_context).history)
+    history = OrderHistory(data_context)
+    commands.register("history", history.history)
     commands.register("archive", ArchiveCommands(data_context).archive)
     commands.register("data", SharedDataCommands(data_context).data)
     sharing = ShareCommands(data_context)
     commands.register("share", sharing.share)
     commands.register("shelf", sharing.shelf)
+    return history
 
 
 def keepers(

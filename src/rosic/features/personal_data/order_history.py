@@ -23,6 +23,7 @@ from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotPermitted, NotUnderstood, RecordUnavailable, StoreFault
 from rosic.features.personal_data import messages as words
 from rosic.gateway.commands import Reply, check_private
+from rosic.gateway.observed_state import HistoryLine
 from rosic.organiser.calendar_messages import moment
 
 if TYPE_CHECKING:
@@ -104,6 +105,15 @@ class OrderHistory:
         ]
         further = Button(said("More"), " ".join(("/history", *named, _MORE)))
         return Reply(joined("\n", lines), ((further,),) if limit < len(found) <= MORE else ())
+
+    async def read(self, query: HistoryQuery) -> tuple[HistoryLine, ...]:
+        """Return what was asked, in words; see `HistoryReader`."""
+        try:
+            found = await self._data_context.container_store.history(query)
+        except StoreFault as fault:
+            raise RecordUnavailable(words.NOT_READABLE) from fault
+        vocabulary = self._data_context.vocabulary
+        return tuple(HistoryLine(entry, _asked(entry, vocabulary), _came(entry)) for entry in found)
 
     def _robot(self, who: PrincipalId, named: list[str]) -> RobotId:
         if not named:

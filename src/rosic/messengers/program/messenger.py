@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
+from rosic.core.i18n import said
 from rosic.core.identity import PROGRAM
-from rosic.core.message import AnswerState, Chat, Inbound, Outbound
+from rosic.core.message import AnswerState, Chat, Inbound, IncomingFile, Outbound
 from rosic.core.traffic import TrafficCount, TrafficCounter
 from rosic.errors import MessengerFault
 from rosic.messengers.program.calls import OpenCalls, ToolCall, UnsolicitedMessages
@@ -27,8 +28,9 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Receive
     from rosic.contracts.programs import Programs
     from rosic.core.identity import Address
-    from rosic.core.message import IncomingFile
 
+FETCH_BYTES: Final = 25_000_000
+MOST_MB: Final = FETCH_BYTES / 1e6
 NOT_RUNNING: Final = "The gateway does not listen yet, or not any more. Nothing was done."
 
 
@@ -44,7 +46,8 @@ class ProgramMessenger:
     assurance = "local"
     edits = True
     pins = False
-    file_bytes = fetch_bytes = 0
+    file_bytes = 0
+    fetch_bytes = FETCH_BYTES
 
     def __init__(self, name: str, clock: Clock) -> None:
         self.name = name
@@ -56,6 +59,7 @@ class ProgramMessenger:
         self._handing_over: asyncio.TaskGroup | None = None
         self._serial = count(1)
         self._traffic = TrafficCounter()
+        self._uploads: dict[str, AsyncIterator[bytes]] = {}
         # Ids must not come again in another run: the record remembers them (I1).
         self._run_id = f"{clock.wall_ns():x}-{os.getpid()}"
         self._since_ns = 0
@@ -120,6 +124,37 @@ class ProgramMessenger:
         self.calls.open(tapped.message, call)
         self.hand_over(tapped)
         return tapped
+
+    def begin_file(
+        self, address: Address, name: str, size: int, pieces: AsyncIterator[bytes]
+    ) -> tuple[ToolCall, Inbound]:
+        """Send a file, as one encloses it in a message; it is read while it is taken in.
+
+        Args:
+            address: Who sends it.
+            name: Of the file.
+            size: As it is said; 0: nobody knows.
+            pieces: Its content.
+
+        Returns:
+            The call, and the message. Whoever closes the call drops the file, too.
+
+        Raises:
+            MessengerFault: Nobody listens. Nothing was sent.
+        """
+        plain = self.inbound(address, "")
+        enclosure = IncomingFile(id=plain.message, name=name, size=size)
+        inbound = msgspec.structs.replace(plain, enclosed=enclosure)
+        self._uploads[plain.message] = pieces
+        try:
+            return self.begin(inbound), inbound
+        except MessengerFault:
+            self.drop_file(inbound)
+            raise
+
+    def drop_file(self, inbound: Inbound) -> None:
+        """Give a file out no more."""
+        self._uploads.pop(inbound.message, None)
 
     def inbound(self, address: Address, text: str, message: str = "") -> Inbound:
         """Return a line of a program as a message that comes in now.
@@ -211,13 +246,27 @@ class ProgramMessenger:
             void = Outbound(chat=inbound.chat, text=text, state=AnswerState.NOT_DONE)
             call.told(inbound.message, void)
 
-    def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:  # noqa: ARG002 - the contract
-        """Refuse: a program sends no files.
+    async def fetch(self, enclosure: IncomingFile) -> AsyncIterator[bytes]:
+        """Yield a file that is being sent, once.
 
         Raises:
-            MessengerFault: Always.
+            MessengerFault: It is not being sent, is too large, or not as long as was said.
         """
-        raise MessengerFault("A program sends no files.")
+        if enclosure.size > self.fetch_bytes:
+            raise MessengerFault(said("Files of up to {most:.0f} MB are taken here.", most=MOST_MB))
+        pieces, count = self._uploads.pop(enclosure.id, None), 0
+        if pieces is None:
+            raise MessengerFault(said("The file is not there any more. Send it again."))
+        async for piece in pieces:
+            count += len(piece)
+            if count > self.fetch_bytes:
+                raise MessengerFault(
+                    said("Files of up to {most:.0f} MB are taken here.", most=MOST_MB)
+                )
+            if piece:
+                yield piece
+        if enclosure.size not in {0, count}:
+            raise MessengerFault(said("The file is not as long as was said. Send it again."))
 
 
 async def _received(receive: Receive, inbound: Inbound) -> None:
