@@ -1,5 +1,7 @@
 """Installs what tests start or use and no wheel brings: `make servers`.
 
+Programs come from the distribution, packages of JavaScript from npm.
+
 What is there already is left alone, so that a second call costs nothing. Tests ask `needed`.
 """
 
@@ -9,6 +11,7 @@ import os
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 from typing import Final, NamedTuple
 
 import pytest
@@ -35,8 +38,14 @@ NEEDS: Final = (
     Need("chromium", "chromium", "the page in a browser"),
     Need("gcc", "gcc", "ROS 2 interfaces, and tests under another date"),
     Need("g++", "g++", "ROS 2 interfaces"),
+    Need("node", "nodejs", "clients of rosbridge in JavaScript"),
+    Need("npm", "npm", "clients of rosbridge in JavaScript"),
     Need("zsh", "zsh", "completion in zsh"),
 )
+LISTED: Final = Path(__file__).parents[1] / "requirements" / "node"
+"""Which packages of npm tests use, pinned by hash."""
+PACKAGES: Final = Path(sys.prefix) / "node"
+"""Where they are: with the environment, and gone with it."""
 
 _QUIETLY: Final = ("-qq", "-o", "Acquire::Retries=3", "-o", "DPkg::Lock::Timeout=120")
 _APT: Final = (
@@ -51,6 +60,32 @@ def needed(command: str) -> str:
     if found is None:
         pytest.skip(f"{command} is not installed: run make servers")
     return found
+
+
+def node_modules() -> Path:
+    """Return where packages of npm are; skip the test that asks, where they are not installed."""
+    needed("node")
+    if not _packages_are_here():
+        pytest.skip("packages of npm are not installed: run make servers")
+    return PACKAGES / "node_modules"
+
+
+def _packages_are_here() -> bool:
+    lock, there = LISTED / "package-lock.json", PACKAGES / "package-lock.json"
+    whole = PACKAGES / "node_modules" / ".package-lock.json"
+    return whole.exists() and there.read_bytes() == lock.read_bytes()
+
+
+def install_packages() -> str:
+    """Install packages of npm, running nothing of theirs; return why not, or nothing."""
+    npm = shutil.which("npm")
+    if npm is None or _packages_are_here():
+        return ""
+    PACKAGES.mkdir(exist_ok=True)
+    for name in ("package.json", "package-lock.json"):
+        shutil.copyfile(LISTED / name, PACKAGES / name)
+    quietly = ("--ignore-scripts", "--no-audit", "--no-fund", "--prefix", str(PACKAGES))
+    return _run((npm, "ci", *quietly))
 
 
 def missing() -> list[Need]:
@@ -95,17 +130,24 @@ def main() -> int:
     """Install what is missing; return 1 and say it in one sentence where that cannot be."""
     wanted = missing()
     if not wanted:
-        return 0
+        return _packages_status()
     packages = [need.package for need in wanted]
     sys.stdout.write(f"Installing {', '.join(packages)}\n")
     sys.stdout.flush()
     why = install(packages)
     lacking = missing()
     if not lacking:
-        return 0
+        return _packages_status()
     names = ", ".join(f"{need.command} (for {need.what_for})" for need in lacking)
     sys.stderr.write(f"Not installed: {names}: {why or 'apt-get installed something else'}.\n")
     return 1
+
+
+def _packages_status() -> int:
+    why = install_packages()
+    if why:
+        sys.stderr.write(f"Packages of npm (for clients of rosbridge): {why}.\n")
+    return int(bool(why))
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ if read -r line; then exit 8; fi
 """
 INSTALLS = """
 case "$*" in *install*)
-    for name in {packages}; do printf '#!/bin/sh\n' >{bin}/$name; chmod +x {bin}/$name; done ;;
+    for name in {commands}; do printf '#!/bin/sh\n' >{bin}/$name; chmod +x {bin}/$name; done ;;
 esac
 """
 
@@ -33,8 +33,8 @@ esac
 def servers(folder: Path, then: str | None) -> subprocess.CompletedProcess[str]:
     """Run it where there is nothing on the path but this apt, if any."""
     if then is not None:
-        packages = " ".join(need.package for need in NEEDS)
-        then = then.replace("{packages}", packages).replace("{bin}", str(folder))
+        commands = " ".join(need.command for need in NEEDS)
+        then = then.replace("{commands}", commands).replace("{bin}", str(folder))
         for name, text in (
             ("apt-get", APT.format(bin=folder, then=then)),
             ("sudo", SUDO),
