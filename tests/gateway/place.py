@@ -218,8 +218,10 @@ class Place:
         await self.gateway.open()
         running = asyncio.create_task(self.gateway.run())
         await settle()
+        within_s = 1.0  # what has failed may leave something behind that never ends
         try:
             yield self
+            within_s = 60.0
         finally:
             running.cancel()
             await asyncio.gather(running, return_exceptions=True)
@@ -230,7 +232,7 @@ class Place:
                 if closing.done():
                     break
                 await self.clock.advance(0.01)
-            await asyncio.wait_for(closing, 60 * pace())
+            await asyncio.wait_for(closing, within_s * pace())
 
     async def say(self, text: str, **how: object) -> str:
         """Say something and return everything that was told because of it, newest last."""

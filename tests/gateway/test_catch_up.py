@@ -134,8 +134,7 @@ async def test_what_a_disk_is_slow_to_take_holds_up_no_further_message_of_its_ch
         for number in range(1, 6):
             sent_ns = place.clock.wall_ns() - HOUR_NS
             place.chat.say(f"omni move {number} m", sent_ns=sent_ns)
-        await place.chat.wait_until_received(timeout_s=30)
-        await settle()
+        await place.quiet()
         assert store.asked == before + 5, "one waited for the other's commit"
         assert not await place.chat.settle(0.01), "it would be confirmed before it is on disk"
         assert not place.gateway.quiet
@@ -157,8 +156,7 @@ async def test_a_refusal_that_a_disk_is_slow_to_take_holds_up_no_further_message
         before = store.asked
         for number in range(1, 6):
             place.chat.say(f"omni move {number}00 m")
-        await place.chat.wait_until_received(timeout_s=30)
-        await settle()
+        await place.quiet()
         assert store.asked == before + 5, "one waited for the other's commit"
         assert not await place.chat.settle(0.01), "it would be confirmed before it is on disk"
         await place.clock.advance(0.9)

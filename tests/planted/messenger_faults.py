@@ -9,6 +9,8 @@ LIMITER = "tests/messengers/test_rate_limiter.py"
 STOPPING = "tests/gateway/test_stopping.py"
 STOP_WORDS = "tests/core/language/test_stopping.py"
 STEPS = "tests/gateway/test_steps.py"
+GROUPS = "tests/real/telegram/test_groups.py"
+RECEIVING = "tests/real/telegram/test_receiving.py"
 
 MESSENGER_FAULTS = (
     Fault(
@@ -133,14 +135,14 @@ MESSENGER_FAULTS = (
         file="messengers/telegram/outgoing.py",
         guard="if self._chats.gone(chat):",
         without="if False:",
-        caught_by=("tests/real/telegram/test_groups.py",),
+        caught_by=(f"{GROUPS}::test_where_we_were_put_out_nothing_is_tried_until_we_are_let_in",),
     ),
     Fault(
         name="what is said to another bot is taken for ours",
         file="messengers/telegram/incoming.py",
         guard="if to_another and",
         without="if False and to_another and",
-        caught_by=("tests/real/telegram/test_groups.py",),
+        caught_by=(f"{GROUPS}::test_of_two_bots_in_a_group_the_addressed_one_answers",),
     ),
     Fault(
         name="a reply means whatever was chosen, not the robot it replies to",
@@ -154,14 +156,16 @@ MESSENGER_FAULTS = (
         file="messengers/telegram/chats.py",
         guard="return chat in self._moved and (chat, message) not in self._since",
         without="return False",
-        caught_by=("tests/real/telegram/test_receiving.py",),
+        caught_by=(
+            f"{RECEIVING}::test_what_stayed_behind_when_a_group_moved_changes_nothing_where_it_is_now",
+        ),
     ),
     Fault(
         name="everything in a topic is an answer to whoever created it",
         file="messengers/telegram/incoming.py",
         guard="if first is not None and message.is_topic_message:",
         without="if False:",
-        caught_by=("tests/real/telegram/test_groups.py",),
+        caught_by=(f"{GROUPS}::test_in_a_topic_that_a_bot_created_people_are_heard_as_anywhere",),
     ),
     Fault(
         name="a bank card's number can be tapped",
