@@ -120,6 +120,7 @@ async def test_a_send_that_is_cancelled_calls_its_goal_off(
     move: ActionLink, mover: RosProcess
 ) -> None:
     mover.say("hesitate")
+    await asyncio.to_thread(mover.expect, "ok hesitate")
     sending = asyncio.create_task(move.send(metres(4), timeout_s=30))
     await asyncio.to_thread(mover.expect, "goal forward 4")
     sending.cancel()
