@@ -9,6 +9,7 @@ import time
 
 from rosic.cli.client import begun_ns
 from tests.cli.running import environment
+from tests.pace import pace
 
 AGE = "import time; from rosic.cli.client import begun_ns; print(time.monotonic_ns() - begun_ns())"
 # As the ROS wheels do: another program, the same process.
@@ -25,7 +26,7 @@ def age_s(code: str) -> float:
         capture_output=True,
         text=True,
         check=True,
-        timeout=120,
+        timeout=120 * pace(),
         env=environment(),
     )
     return int(done.stdout) / 1e9

@@ -98,7 +98,7 @@ def test_a_piped_demonstration_imports_nothing_it_does_not_use() -> None:
         capture_output=True,
         text=True,
         check=True,
-        timeout=120,
+        timeout=120 * pace(),
         env=environment(),
     )
     imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}

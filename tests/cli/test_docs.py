@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rosic.cli.main import COMMANDS
 from tests.cli.running import ROSIC, environment
+from tests.pace import pace
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -29,7 +30,7 @@ def test_what_can_be_pasted_into_a_shell_works() -> None:
         ["/bin/sh", "-c", script],
         capture_output=True,
         text=True,
-        timeout=150,
+        timeout=150 * pace(),
         check=False,
         env=environment(),
     )

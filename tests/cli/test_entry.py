@@ -13,6 +13,7 @@ import pytest
 import rosic as package
 from rosic.cli.main import COMMANDS, main
 from tests.cli.running import ROSIC, cold_rosic, environment, rosic
+from tests.pace import pace
 
 # Half of what is allowed: the rest is for a slower machine.
 CPU_S = 0.25
@@ -43,7 +44,7 @@ def test_help_imports_nothing_heavy() -> None:
         capture_output=True,
         text=True,
         check=True,
-        timeout=120,
+        timeout=120 * pace(),
         env=environment(),
     )
     imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
@@ -134,7 +135,7 @@ def test_a_reader_who_goes_away_causes_no_trace() -> None:
             stderr=subprocess.PIPE,
             text=True,
             check=False,
-            timeout=120,
+            timeout=120 * pace(),
             env=environment(),
         )
 

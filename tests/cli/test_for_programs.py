@@ -13,6 +13,7 @@ from rosic.cli.main import COMMANDS, main
 from tests.cli.offline import MEMORY, Place
 from tests.cli.running import gateway, rosic, write_config
 from tests.cli.terminal import shell_at
+from tests.pace import pace
 from tests.servers import needed
 
 if TYPE_CHECKING:
@@ -127,7 +128,7 @@ def bash(script: Path, *words: str) -> list[str]:
         ["/bin/bash", "-c", f'{asked}; printf "%s\\n" "${{COMPREPLY[@]}}"'],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=60 * pace(),
         check=True,
     )
     return done.stdout.split()

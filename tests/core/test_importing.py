@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 from tests.cli.running import SOURCE, environment
+from tests.pace import pace
 
 # Each in a process forked from one that has imported nothing of ROSIC.
 EACH_FIRST = """
@@ -31,7 +32,7 @@ def test_every_module_of_the_core_can_be_imported_first() -> None:
         capture_output=True,
         text=True,
         check=True,
-        timeout=150,
+        timeout=150 * pace(),
         env=environment(),
     )
     assert done.stdout == "all\n"

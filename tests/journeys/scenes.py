@@ -18,6 +18,7 @@ from rosic_sim.scenarios.robots import FOLDER
 from tests.journeys.fleet import Person
 from tests.journeys.lab import Lab, lab
 from tests.journeys.ros import VARIABLES
+from tests.pace import pace
 from tests.real.ros2.simulated import link_lost, set_fault
 
 if TYPE_CHECKING:
@@ -217,7 +218,7 @@ async def scenes(folder: Path, launcher: Launcher) -> AsyncIterator[Scenes]:
     (folder / "restock.yaml").write_text(MISSION)
     with RosGraph(folder) as graph:
         named = (*SHIPPED, *(robot for _, robot, _ in MADE))
-        graph.start(PROGRAM, "--actuations", acted, *link_lost(), *named, timeout_s=120.0)
+        graph.start(PROGRAM, "--actuations", acted, *link_lost(), *named, timeout_s=120 * pace())
         types = TypeRegistry([SET_PARAMETERS])
         opening = RosRuntime.open(types, node_name="onlooker", domain_id=graph.domain_id)
         async with await opening as runtime, lab(folder, launcher, robots=robots) as place:

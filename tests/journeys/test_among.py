@@ -24,6 +24,7 @@ from tests.journeys.acts import side_by_side
 from tests.journeys.lab import Lab, lab
 from tests.journeys.ros import VARIABLES
 from tests.journeys.scenes import BRAINS, PROGRAM, ROVERS, profile
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -135,7 +136,7 @@ async def _rovers(folder: Path, launcher: Launcher) -> AsyncIterator[Here]:
         )
     tables.append(ROLES)
     with RosGraph(folder) as graph:
-        graph.start(PROGRAM, *ROVERS, timeout_s=120.0)
+        graph.start(PROGRAM, *ROVERS, timeout_s=120 * pace())
         brains = graph.start(BRAINS, *ROVERS)
         async with lab(folder, launcher, robots=tables) as place:
             here = Here(place, brains)

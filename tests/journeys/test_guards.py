@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from tests.journeys.running import ROOT
+from tests.pace import pace
 from tests.planted.faults import Fault
 
 if TYPE_CHECKING:
@@ -188,7 +189,7 @@ def test_the_journey_needs_its_guard(fault: Fault, tmp_path: Path) -> None:
         },
         capture_output=True,
         text=True,
-        timeout=280,
+        timeout=280 * pace(),
         check=False,
     )
 

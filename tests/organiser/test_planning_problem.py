@@ -35,7 +35,7 @@ from tests.organiser.planning import (
     score,
     small_problem,
 )
-from tests.pace import patience, slowness
+from tests.pace import pace, patience, slowness
 
 # ---- lawful and best ----
 
@@ -249,7 +249,7 @@ def test_without_scipy_the_order_of_arrival_and_the_name_of_the_extra() -> None:
         capture_output=True,
         text=True,
         check=True,
-        timeout=150,
+        timeout=150 * pace(),
     )
 
     assert ran.stdout.splitlines()[-1] == (

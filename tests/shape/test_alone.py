@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from tests.pace import pace
 
 ROOT = Path(__file__).parents[2]
 FAILS_ONCE = """
@@ -21,6 +24,8 @@ def test_it():
 FAILS = "def test_it():\n    assert False\n"
 PASSES = "def test_it():\n    pass\n"
 AGAIN = "run once more alone"
+# Nothing in these projects uses them, and what they bring takes long to load.
+FEW = "-p no:faker -p no:schemathesis"
 
 
 def run(folder: Path, **files: str) -> tuple[int, str]:
@@ -33,9 +38,10 @@ def run(folder: Path, **files: str) -> tuple[int, str]:
     ended = subprocess.run(  # noqa: S603 - our own interpreter
         [sys.executable, ROOT / "tests" / "alone.py", "-p", "no:cacheprovider", "tests"],
         cwd=folder,
+        env=os.environ | {"PYTEST_ADDOPTS": FEW},
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=60 * pace(),
         check=False,
     )
     return ended.returncode, ended.stdout

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from tests.conftest import SECONDS
-from tests.pace import PACE
+from tests.pace import PACE, pace
 
 ROOT = Path(__file__).parents[2]
 
@@ -56,7 +56,7 @@ FEW = ("-pno:xdist", "-pno:faker", "-pno:schemathesis")
 
 
 def run_pytest(
-    folder: Path, *arguments: str, require_all: bool = False, pace: float = 1.0
+    folder: Path, *arguments: str, require_all: bool = False, paced: float = 1.0
 ) -> dict[str, str]:
     """Outcome of each test by its name; the whole output stands under the empty name."""
     shutil.copy(ROOT / "pyproject.toml", folder)
@@ -70,10 +70,10 @@ def run_pytest(
     done = subprocess.run(  # noqa: S603
         [sys.executable, "-m", "pytest", "-rA", *FEW, *arguments, "."],
         cwd=folder,
-        env=own | {"ROSIC_REQUIRE_ALL": "1" if require_all else "", PACE: f"{pace}"},
+        env=own | {"ROSIC_REQUIRE_ALL": "1" if require_all else "", PACE: f"{paced}"},
         capture_output=True,
         text=True,
-        timeout=150,
+        timeout=150 * pace(),
         check=False,
     )
     outcomes = re.findall(
@@ -109,7 +109,7 @@ def test_where_everything_must_run_a_skip_fails_with_its_sentence(tmp_path: Path
 
 
 def test_on_a_slow_machine_a_test_may_take_longer(tmp_path: Path) -> None:
-    output = run_pytest(tmp_path, "-k", "sleeps", pace=3.0)[""]
+    output = run_pytest(tmp_path, "-k", "sleeps", paced=3.0)[""]
 
     assert "Failed: took longer than 0.6 s" in output
 
@@ -139,7 +139,7 @@ def test_the_longest_files_come_first_and_are_there(tmp_path: Path) -> None:
             env=own,
             capture_output=True,
             text=True,
-            timeout=150,
+            timeout=150 * pace(),
             check=True,
         )
         assert re.findall(r"\btests/\S+\.py", done.stdout)[0] == first, done.stdout

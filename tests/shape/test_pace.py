@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tests.pace import PACE
+from tests.pace import PACE, pace
 
 ROOT = Path(__file__).parents[2]
 BUSY = 4
@@ -25,7 +25,7 @@ def said(arguments: list[str], **changed: str) -> str:
         stdout=subprocess.PIPE,
         text=True,
         check=True,
-        timeout=150,
+        timeout=150 * pace(),
     ).stdout
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.pace import pace
 from tests.servers import NEEDS, needed
 
 ROOT = Path(__file__).parents[2]
@@ -49,7 +50,7 @@ def servers(folder: Path, then: str | None) -> subprocess.CompletedProcess[str]:
         env=os.environ | {"PATH": str(folder)},
         capture_output=True,
         text=True,
-        timeout=150,
+        timeout=150 * pace(),
         check=False,
     )
 

@@ -10,6 +10,7 @@ import pint
 import pytest
 
 from rosic.config import units as table_of_names
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -190,7 +191,11 @@ def test_factors_that_cannot_be_read_do_not_count(content: bytes | None, tmp_pat
 def test_with_what_ships_pint_is_not_imported() -> None:
     code = "import sys; from rosic.config.units import compile_units as c; c(); print(*sys.modules)"
     done = subprocess.run(  # noqa: S603 - our own interpreter
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120 * pace(),
     )
 
     assert {"rosic.config.units", "msgspec"} <= set(done.stdout.split())

@@ -17,6 +17,7 @@ from rosic.core.order import OrderEnding
 from rosic.core.order_gate import OrderGate
 from rosic.errors import OrderVoid
 from rosic.system import SystemClock
+from tests.pace import pace
 from tests.real.ros2.simulated import opened, shipped
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ async def test_robots_that_were_told_one_after_another_begin_together(
 ) -> None:
     file, clock = tmp_path / "starts", SystemClock()
     for names in (NAMES[:2], NAMES[2:]):
-        graph.start("-m", SIMULATION, "--starts", file, "--punctual", *names, timeout_s=60.0)
+        graph.start("-m", SIMULATION, "--starts", file, "--punctual", *names, timeout_s=60 * pace())
     async with AsyncExitStack() as stack:
         robots = [await stack.enter_async_context(opened(one_more(n), clock)) for n in NAMES]
         start_ns = clock.monotonic_ns() + 3_000_000_000
@@ -79,7 +80,7 @@ async def test_who_hears_of_a_common_start_too_late_does_not_begin(
     graph: RosGraph, tmp_path: Path
 ) -> None:
     file, clock = tmp_path / "starts", SystemClock()
-    graph.start("-m", SIMULATION, "--starts", file, "omni", timeout_s=60.0)
+    graph.start("-m", SIMULATION, "--starts", file, "omni", timeout_s=60 * pace())
     async with opened(shipped("omni"), clock) as robot:
 
         def late() -> Order:

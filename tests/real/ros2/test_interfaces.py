@@ -15,6 +15,7 @@ from rosic.robots.ros2.interfaces.build import InterfacePackage
 from rosic.robots.ros2.interfaces.cache import OWN, default_cache, ensure_built, make_importable
 from rosic.robots.ros2.messages.encode import slots, to_message
 from rosic.robots.ros2.messages.types import TypeRegistry
+from tests.pace import pace
 
 GRIPPER = "control_msgs/action/GripperCommand"
 ACTIONS = {
@@ -163,7 +164,7 @@ def test_the_command_explains_itself() -> None:
         env={"PATH": "/usr/bin:/bin", "PYTHONPATH": str(Path(__file__).parents[3] / "src")},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=120 * pace(),
         check=True,
     )
     assert "--output" in done.stdout

@@ -79,7 +79,7 @@ def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
+        timeout=120 * pace(),
         env=dict(os.environ),
         stdin=subprocess.DEVNULL,
     )

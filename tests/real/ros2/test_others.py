@@ -155,7 +155,7 @@ async def test_a_stop_brings_it_to_measured_rest_and_voids_what_was_meant(
 
     assert rest.confirmed
     assert (await carried.end()).ending is OrderEnding.CANCELLED
-    await odometry.newer(odometry.received, timeout_s=5)
+    await odometry.newer(odometry.received, timeout_s=5 * pace())
     message: Any = odometry.message()
     twist = message.twist.twist
     assert abs(twist.linear.x) < 0.01
@@ -215,7 +215,7 @@ async def test_what_the_profiles_name_is_on_the_graph(onlooker: RosRuntime) -> N
 
 async def joints_of(onlooker: RosRuntime) -> dict[str, tuple[float, float]]:
     states = await onlooker.latest("/picker/joint_states", JOINTS)
-    await states.newer(states.received + 2, timeout_s=10)
+    await states.newer(states.received + 2, timeout_s=10 * pace())
     message: Any = states.message()
     both = zip(message.position, message.velocity, strict=True)
     return dict(zip(message.name, both, strict=True))
@@ -231,7 +231,7 @@ async def test_an_arm_goes_to_a_pose_no_faster_than_its_share(
         fastest.append(max(map(abs, message.velocity)))
 
     states = await onlooker.latest("/picker/joint_states", JOINTS, on_new=see)
-    await states.newer(0, timeout_s=10)
+    await states.newer(0, timeout_s=10 * pace())
     carried = CarriedOrder(picker, "pose", {"pose": "ready", "speed": 0.4})
     outcome = await carried.end()
 

@@ -14,6 +14,7 @@ from rosic.system import SystemClock
 from rosic.testing.factories import OrderBook
 from rosic.testing.live_robots import LiveRobotConformance
 from rosic.testing.ros2.graph import RosGraph
+from tests.pace import pace
 from tests.real.ros2.simulated import TriedRobot, opened, shipped
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ class Omni:
 
     def __init__(self, graph: RosGraph, folder: Path) -> None:
         self._file = folder / "actuations"
-        self._process = graph.start(NODE, self._file, timeout_s=120.0)
+        self._process = graph.start(NODE, self._file, timeout_s=120 * pace())
 
     def acted(self) -> int:
         return len(self._file.read_text().splitlines()) if self._file.exists() else 0

@@ -17,6 +17,7 @@ from rosic.robots.ros2.client import node
 from rosic_sim.robots.machines.omni import WATCHDOG_S
 from rosic_sim.ros2 import faults, machine_node, reports, waiting_clock
 from rosic_sim.ros2.endpoints import MODELS
+from tests.pace import pace
 
 PAGES = Path(__file__).parents[3] / "docs" / "robots"
 
@@ -94,7 +95,7 @@ def test_interfaces_of_ones_own_are_built_and_looked_into_command_by_command(
         capture_output=True,
         text=True,
         check=False,
-        timeout=200,
+        timeout=200 * pace(),
     )
 
     assert done.returncode == 0, done.stderr

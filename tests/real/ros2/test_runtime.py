@@ -35,7 +35,7 @@ def python(
         env=environment | {"PYTHONPATH": str(SOURCES)},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=120 * pace(),
         check=False,
     )
 

@@ -149,7 +149,7 @@ def test_a_robot_that_does_not_exist_is_named() -> None:
         [sys.executable, "-m", SIMULATION, "omny"],
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=120 * pace(),
         check=False,
     )
     assert done.returncode == 2

@@ -20,6 +20,7 @@ from rosic.stores.record_mark import DATABASE
 from rosic.stores.stop_latch import FileLatch
 from rosic.testing.clock import ManualClock
 from rosic.testing.factories import ADA, OMNI, a_claim, a_stop
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -265,7 +266,7 @@ def opened_as_modes_say(folder: Path) -> str:
         capture_output=True,
         text=True,
         check=True,
-        timeout=150,
+        timeout=150 * pace(),
     ).stdout
 
 

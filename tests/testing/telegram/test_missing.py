@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from tests.pace import pace
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -41,7 +43,7 @@ def test_what_is_missing_is_said_in_one_sentence(
         check=False,
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=60 * pace(),
         env={**os.environ, "PYTHONPATH": str(tmp_path)},
     )
     assert done.returncode == 1
