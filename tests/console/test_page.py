@@ -268,6 +268,9 @@ async def test_the_live_page_at_the_desk_and_on_the_phone(there: OpenPage) -> No
     await expect(there.page.locator("table.orders tbody tr")).to_contain_text(["done"])
     await there.go("live")
     await expect(there.page.locator("table.orders tbody tr")).to_have_count(3)
+    camera = there.page.get_by_role("img", name="What omni sees now")
+    await expect(camera).to_be_visible()
+    await expect(there.page.locator(".view")).to_contain_text("Taken at")
     await there.picture("live-desk", whole=True)
     await there.page.set_viewport_size(PHONE)  # type: ignore[arg-type]
     wide = await there.page.evaluate("document.documentElement.scrollWidth")

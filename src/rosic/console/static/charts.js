@@ -3,10 +3,11 @@
 import { html, useEffect, useRef, useState } from "./lib.js";
 import { Pill } from "./robots.js";
 import { ask, recall, state, useStore } from "./store.js";
-import { number, spoken, t } from "./texts.js";
+import { clock, number, spoken, t } from "./texts.js";
 
 const HEIGHT = 190;
-const PICTURE_MS = 1000;
+const PICTURE_MS = 5000;
+const STILL_MS = 20_000; // a picture of what does not move is worth less than the work
 const KEPT_S = 900;
 
 function colour(name) {
@@ -119,18 +120,20 @@ export function Camera({ robot }) {
     async function look() {
       let next = PICTURE_MS;
       if (!document.hidden && state.link === "up") {
-        const answer = await fetch(`/v1/robots/${encodeURIComponent(robot.id)}/picture.png`).catch(
+        const answer = await fetch(`/v1/robots/${encodeURIComponent(robot.id)}/views/picture?low=true`).catch(
           () => null,
         );
         if (over) return;
         if (answer?.ok) {
           const before = url;
           url = URL.createObjectURL(await answer.blob());
-          show({ url, why: "" });
+          show({ url, why: "", taken: answer.headers.get("rosic-taken") });
           if (before) setTimeout(() => URL.revokeObjectURL(before), 1000);
+          if (state.robots.get(robot.id)?.presence.at_rest) next = STILL_MS;
         } else {
-          show({ url: "", why: t("There is no picture now.") });
-          next = 10 * PICTURE_MS;
+          const problem = await answer?.json().catch(() => null);
+          show({ url: "", why: problem?.detail || t("There is no picture now.") });
+          next = Math.max(STILL_MS, 1000 * (problem?.retry_after_s || 0));
         }
       }
       timer = setTimeout(look, next);
@@ -144,5 +147,8 @@ export function Camera({ robot }) {
   }, [robot.id, offers]);
   if (!offers) return html`<p class="quiet">${t("{robot} has no camera.", { robot: robot.name })}</p>`;
   if (!shown.url) return html`<p class="quiet">${shown.why || "…"}</p>`;
-  return html`<img class="camera" src=${shown.url} alt=${t("What {robot} sees now", { robot: robot.name })} />`;
+  return html`<figure>
+    <img class="camera" src=${shown.url} alt=${t("What {robot} sees now", { robot: robot.name })} />
+    ${shown.taken && html`<figcaption class="quiet small">${t("Taken at {time}.", { time: clock(shown.taken) })}</figcaption>`}
+  </figure>`;
 }

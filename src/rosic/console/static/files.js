@@ -2,7 +2,7 @@
 
 import { dayAndTime, Nothing, Said, useAsked, useDeed } from "./asked.js";
 import { html, useState } from "./lib.js";
-import { ask } from "./store.js";
+import { ask, upload } from "./store.js";
 import { number, t } from "./texts.js";
 
 const path = (file) => `/v1/files/${encodeURIComponent(file.id)}`;
@@ -11,6 +11,24 @@ const path = (file) => `/v1/files/${encodeURIComponent(file.id)}`;
 export function size(bytes) {
   if (bytes < 1000) return `${number(bytes, 0)} B`;
   return bytes < 1e6 ? `${number(bytes / 1e3, 1)} kB` : `${number(bytes / 1e6, 1)} MB`;
+}
+
+/** A file to keep: its content is sent as it is, and never opened here. */
+function Upload({ act, waits, again }) {
+  const send = (event) => {
+    const [file] = event.target.files;
+    event.target.value = "";
+    if (!file) return;
+    act(async () => {
+      const answer = await upload(file);
+      if (!answer.ok) return { kind: "bad", text: answer.why };
+      return { kind: "good", text: t("{file} is kept.", { file: answer.data.name }) };
+    }).then(again);
+  };
+  return html`<label class="button upload ${waits ? "waits" : ""}">
+    ${waits ? t("Sending …") : t("Send a file")}
+    <input type="file" class="hidden" disabled=${waits} onChange=${send} />
+  </label>`;
 }
 
 function File({ file, act, waits, again }) {
@@ -51,7 +69,10 @@ export function Files() {
   const { said, waits, act } = useDeed();
   const files = asked.data || [];
   return html`<section class="panel" aria-labelledby="h-files">
-    <h2 id="h-files">${t("My files")}</h2>
+    <div class="row week-bar">
+      <h2 id="h-files">${t("My files")}</h2>
+      <${Upload} act=${act} waits=${waits} again=${asked.again} />
+    </div>
     ${files.length
       ? html`<div class="scroll" tabindex="0" role="region" aria-label=${t("My files")}>
           <table class="stacked">
@@ -72,7 +93,7 @@ export function Files() {
             </tbody>
           </table>
         </div>`
-      : html`<${Nothing} asked=${asked} none=${t("You keep no files here. Send one in your chat, and it is kept.")} />`}
+      : html`<${Nothing} asked=${asked} none=${t("You keep no files here yet.")} />`}
     <${Said} said=${said} />
   </section>`;
 }

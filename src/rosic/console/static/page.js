@@ -4,6 +4,7 @@ import { Alerts, useAlertCount } from "./alerts.js";
 import { Questions } from "./asked.js";
 import { Drive } from "./drive.js";
 import { Files } from "./files.js";
+import { Fleet } from "./fleet.js";
 import { History } from "./history.js";
 import { html, render, useEffect, useRef, useState } from "./lib.js";
 import { Live } from "./live.js";
@@ -20,6 +21,7 @@ const TABS = {
   drive: { word: () => t("Drive"), Tab: Drive },
   times: { word: () => t("Times"), Tab: Times },
   people: { word: () => t("People"), Tab: People },
+  fleet: { word: () => t("Fleet"), Tab: Fleet },
   alerts: { word: () => t("Alerts"), Tab: Alerts },
   files: { word: () => t("Files"), Tab: Files },
   history: { word: () => t("History"), Tab: History },

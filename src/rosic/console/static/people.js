@@ -1,6 +1,7 @@
 // People: who is known here and what they may; one's own ways to sign in.
 
 import { command, Nothing, Said, useAsked, useDeed } from "./asked.js";
+import { Invitations, Requests } from "./invite.js";
 import { html, useState } from "./lib.js";
 import { Passkeys } from "./passkeys.js";
 import { Pill } from "./robots.js";
@@ -90,7 +91,7 @@ function Give({ people, again }) {
     const until = hours ? ` for ${hours}h` : "";
     act(() => command(`/grant ${whom} ${role}${robot && ` ${robot}`}${until}`)).then(again);
   };
-  return html`<form class="give" onSubmit=${give}>
+  return html`<form class="give" aria-label=${t("Give a right")} onSubmit=${give}>
     <label class="field">
       ${t("To whom")}
       <select required value=${whom} onChange=${(event) => name(event.target.value)}>
@@ -129,6 +130,14 @@ function Give({ people, again }) {
 export function People() {
   const asked = useAsked("/v1/people");
   return html`<div class="people">
+    <section class="panel" aria-labelledby="h-requests">
+      <h2 id="h-requests">${t("Who waits for an answer")}</h2>
+      <${Requests} />
+    </section>
+    <section class="panel" aria-labelledby="h-invite">
+      <h2 id="h-invite">${t("Invite somebody")}</h2>
+      <${Invitations} />
+    </section>
     <section class="panel known" aria-labelledby="h-known">
       <h2 id="h-known">${t("Who is known here")}</h2>
       <${Known} asked=${asked} />

@@ -74,15 +74,23 @@ export function notice(sentence) {
 // ---- REST ----
 
 /** Ask the gateway; return { ok, status, data, why }: `why` is one sentence where it was not done. */
-export async function ask(method, path, body, headers = {}) {
+export const ask = (method, path, body, headers = {}) =>
+  request(method, path, {
+    headers: body === undefined ? headers : { "Content-Type": "application/json", ...headers },
+    body: body === undefined ? undefined : JSON.stringify(body),
+  });
+
+/** Send a file to be kept. */
+export const upload = (file) =>
+  request("POST", `/v1/files?name=${encodeURIComponent(file.name)}`, {
+    headers: { "Content-Type": "application/octet-stream" },
+    body: file,
+  });
+
+async function request(method, path, sent) {
   let answer;
   try {
-    answer = await fetch(path, {
-      method,
-      headers: body === undefined ? headers : { "Content-Type": "application/json", ...headers },
-      body: body === undefined ? undefined : JSON.stringify(body),
-      cache: "no-store",
-    });
+    answer = await fetch(path, { method, cache: "no-store", ...sent });
   } catch {
     return { ok: false, status: 0, data: null, why: t("The gateway does not answer.") };
   }

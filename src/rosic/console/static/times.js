@@ -2,6 +2,7 @@
 
 import { command, dayAndTime, heard, Nothing, RobotChoice, Said, useAsked, useDeed } from "./asked.js";
 import { Calendar, timeWords } from "./calendar.js";
+import { asked } from "./invite.js";
 import { html, useEffect, useState } from "./lib.js";
 import { ask, useStore } from "./store.js";
 import { spoken, t } from "./texts.js";
@@ -9,6 +10,7 @@ import { dayAfter, dayIn, dayText, lengthOf, minutesIn, minutesOn, momentOf, mon
 
 const AHEAD_DAYS = 60;
 const DAYS = 7;
+const QUEUE_MS = 4_000;
 const moment = (date) => encodeURIComponent(date.toISOString());
 const path = (booking) => `/v1/bookings/${encodeURIComponent(booking.id)}`;
 
@@ -121,21 +123,40 @@ function Sharing({ robot }) {
   const { me } = useStore();
   const { said, waits, act } = useDeed();
   const [whom, name] = useState("");
+  const path = `/v1/robots/${encodeURIComponent(robot.id)}`;
+  const queue = useAsked(`/v1/queue?robot=${encodeURIComponent(robot.id)}`, QUEUE_MS);
+  const mine = queue.data?.find((each) => each.own);
+  const say = (method, what, word, main = false) =>
+    html`<button
+      type="button"
+      class=${main ? "main" : ""}
+      disabled=${waits}
+      onClick=${() => act(() => asked(method, `${path}/${what}`)).then(queue.again)}
+    >
+      ${word}
+    </button>`;
   const hand = (event) => {
     event.preventDefault();
     act(() => command(`/handover ${whom.trim()}`));
   };
-  return html`<p class="row">
-      <span>${t("{robot} is held by {who}", { robot: robot.name, who: robot.holder || t("nobody") })}</span>
-    </p>
+  return html`<p>${t("{robot} is held by {who}", { robot: robot.name, who: robot.holder || t("nobody") })}</p>
+    ${queue.data?.length
+      ? html`<ol class="list" aria-label=${t("Who waits for {robot}", { robot: robot.name })}>
+          ${queue.data.map(
+            (each) => html`<li key=${each.place}>
+              <span>${each.place}. <b>${each.who}</b></span>
+              ${each.offered && html`<span class="quiet">${t("it is their turn")}</span>`}
+            </li>`,
+          )}
+        </ol>`
+      : html`<${Nothing} asked=${queue} none=${t("Nobody waits for it.")} />`}
     <div class="row">
-      ${robot.holder === me.name
-        ? html`<button type="button" disabled=${waits} onClick=${() => act(() => command(`/end ${robot.id}`))}>
-            ${t("I have done with it")}
-          </button>`
-        : html`<button type="button" disabled=${waits} onClick=${() => act(() => command(`/wait ${robot.id}`))}>
-            ${t("Tell me when it is free")}
-          </button>`}
+      ${mine?.offered && say("POST", "queue/take", t("It is my turn: take it"), true)}
+      ${mine
+        ? say("DELETE", "queue", t("Wait no longer"))
+        : robot.holder !== me.name && say("POST", "queue", t("Wait for it"))}
+      ${robot.holder === me.name && say("POST", "release", t("I have done with it"))}
+      ${robot.holder && robot.holder !== me.name && say("POST", "take-over", t("Take it over"))}
     </div>
     <form class="row hand" onSubmit=${hand}>
       <label class="field">
