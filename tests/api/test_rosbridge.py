@@ -10,7 +10,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 from rosic.app.admin.api import AdminVerb
-from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
+from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules, SkillPrecondition
 from tests.api.bridge_client import BridgeClient, bridge
 from tests.api.served import ServedGateway, served
 from tests.gateway.place import ask_as_operator
@@ -221,6 +221,19 @@ async def test_whoever_only_looks_drives_nothing_and_is_told_and_it_is_recorded(
         await drive(client, 0.3)
         assert "Nothing was done" in await client.status() or client.told
         assert x_m(place) == 0
+
+
+async def test_whoever_needs_somebody_to_agree_is_told_how_and_nobody_is_asked_in_vain() -> None:
+    care = (SkillPrecondition(scopes=("omni:drive",), confirm=True),)
+    async with served(rules=RoleRules(roles=DEFAULT_ROLES, care=care)) as place:
+        async with bridge(place, await place.key("operator")) as client:
+            await drive(client, 0.2)
+            assert await client.status() == (
+                "Somebody has to agree to drive first, so /omni/cmd_vel does not drive omni. Give "
+                "it as an order (POST /v1/robots/omni/orders), or in a chat. Nothing was sent."
+            )
+        assert list(place.server.context.feed.newest()) == []
+        assert list(place.chat.told) == []
 
 
 async def test_a_second_who_drives_is_refused() -> None:

@@ -20,6 +20,7 @@ from tests.planted.faults_of_orders import OF_ORDERS
 from tests.planted.faults_of_programs import OF_PROGRAMS
 from tests.planted.faults_of_reading import OF_READING
 from tests.planted.faults_of_recording import OF_RECORDING
+from tests.planted.faults_of_rosbridge import OF_ROSBRIDGE
 from tests.planted.faults_of_scheduling import OF_SCHEDULING
 from tests.planted.faults_of_telling import OF_TELLING
 from tests.planted.faults_of_webhooks import OF_WEBHOOKS
@@ -47,6 +48,7 @@ ALL = (
     *OF_SCHEDULING,
     *OF_PROGRAMS,
     *OF_RECORDING,
+    *OF_ROSBRIDGE,
     *OF_WEBHOOKS,
     *MESSENGER_FAULTS,
 )

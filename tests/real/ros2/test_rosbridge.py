@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import base64
 import json
+import os
+import re
 import struct
 import sys
 import zlib
@@ -12,8 +14,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from msgspec.structs import replace
 
 from rosic.api.settings import ApiSettings, OpenedTopicSettings
+from rosic.app.config import read_config
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.messages.types import TypeRegistry
@@ -28,6 +32,7 @@ if TYPE_CHECKING:
 
 
 CLIENT = Path(__file__).with_name("roslibpy_client.py")
+PAGE = Path(__file__).parents[3] / "docs" / "howto" / "rosbridge.md"
 LISTENER = Path(__file__).with_name("topic_listener.py")
 BURST = 3_000
 STRING = "std_msgs/msg/String"
@@ -93,6 +98,38 @@ async def test_roslibpy_reads_publishes_drives_sends_goals_and_stops(place: Serv
     assert place.gateway.rooms.stops["omni"].latched
     skills = [order.skill for order in place.server.context.feed.newest()]
     assert skills == ["move", "drive"]
+
+
+async def test_the_program_on_the_page_drives(graph: RosGraph, tmp_path: Path) -> None:  # noqa: ARG001 - joined by its variables
+    page = PAGE.read_text()
+    [table] = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    [program] = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    config = tmp_path / "rosic.toml"
+    config.write_text(
+        '[[robot]]\nprofile = "omni"\nlink = "ros2"\n[[messenger]]\nkind = "terminal"\n' + table
+    )
+    config.chmod(0o600)
+    read = read_config(config, environ={})
+    assert read.config is not None
+    assert read.config.api is not None
+    asked = replace(read.config.api, listen=ANYWHERE, rosbridge=ANYWHERE)
+    async with served(asked, rules=read.config.rulebook, profiles=(shipped("omni"),)) as place:
+        await until(lambda: place.gateway.rooms.linker.presence("omni").online is True)
+        there = {
+            "ROSBRIDGE_URL": f"ws://127.0.0.1:{place.server.rosbridge_port}",
+            "ROSIC_KEY": await place.key("panel"),
+        }
+        running = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-c", program),
+            env={**os.environ, **there},
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.STDOUT,
+        )
+        async with asyncio.timeout(120 * pace()):
+            out, _ = await running.communicate()
+        lines = out.decode().splitlines()
+        assert {"heard on the way", "moved True", "at rest True"} <= set(lines), lines
+        assert [order.skill for order in place.server.context.feed.newest()] == ["drive"]
 
 
 async def test_of_what_is_published_nothing_is_lost_and_every_field_is_checked(

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rosic.api.live_orders import LiveOrders
 from rosic.core.i18n import said
+from rosic.core.policy.query import Deny
 from rosic.core.sample_gate import SampleVerdict
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RosicError
@@ -184,6 +185,18 @@ class TopicDriver:
     async def _opened(self) -> LiveInput | None:
         """Have the order's line carried out; return its controls, or None: it was refused."""
         live = self._live
+        if self._agreed_first():
+            asked = said(
+                "Somebody has to agree to {skill} first, so {topic} does not drive {robot}. "
+                "Give it as an order (POST /v1/robots/{id}/orders), or in a chat. "
+                "Nothing was sent.",
+                skill=live.skill,
+                topic=live.topic,
+                robot=self._shown,
+                id=live.robot,
+            )
+            self._tell("error", asked)
+            return None
         opened = await self._driven.orders.open(
             self._caller, live.robot, live.skill, within_s=ACCEPTED_WITHIN_S
         )
@@ -191,6 +204,13 @@ class TopicDriver:
             return opened
         self._tell("error", LATE if opened is None else opened.text)
         return None
+
+    def _agreed_first(self) -> bool:
+        """Whether anybody has to agree before; who publishes cannot wait for it."""
+        rooms, live = self._context.kernel.rooms, self._live
+        known = rooms.authoriser.stand_for(self._caller.principal)
+        decision = rooms.organiser.decision(known, live.robot, live.skill)
+        return not isinstance(decision, Deny) and bool(decision.needs)
 
     async def _first_sample(self, steered: LiveInput) -> None:
         """Let the newest message count as soon as the robot's turn has come."""
