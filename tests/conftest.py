@@ -46,7 +46,7 @@ settings.load_profile("rosic")
 # Where several workers share the files, the longest come first, or one would be left with them at
 # the end while the others wait. About how long each takes; what is not named takes less.
 SECONDS = {
-    "tests/journeys/test_kills.py": 130,
+    "tests/journeys/test_kills.py": 120,
     "tests/console/test_page.py": 140,
     "tests/planted/test_faults.py": 550,
     "tests/gateway/test_histories.py": 100,
@@ -82,7 +82,6 @@ SECONDS = {
     "tests/real/stores/test_kills.py": 45,
     "tests/journeys/test_among.py": 40,
     "tests/cli/test_run.py": 40,
-    "tests/core/language/test_total.py": 40,
     "tests/real/ros2/test_actions.py": 40,
     "tests/real/ros2/test_doctor_try.py": 40,
     "tests/journeys/test_account.py": 40,
