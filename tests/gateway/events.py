@@ -88,4 +88,39 @@ class Started(NamedTuple):
     gates: dict[str, tuple[int, int, int, bool]]
 
 
-Event = Said | Acted | Latched | Kept | Unlatched | Written | Revoked | Started
+class Steered(NamedTuple):
+    """A robot was given velocities, or zero, by a live order."""
+
+    robot: str
+    cid: bytes
+    moving: bool
+    at_ns: int
+
+
+class StopSent(NamedTuple):
+    """Somebody has sent a stop of these robots, and nobody has read it yet."""
+
+    who: str
+    robots: tuple[str, ...]
+
+
+class Sampled(NamedTuple):
+    """A hand at its controls has sent a velocity."""
+
+    who: str
+    at_ns: int
+
+
+Event = (
+    Said
+    | Acted
+    | Latched
+    | Kept
+    | Unlatched
+    | Written
+    | Revoked
+    | Started
+    | Steered
+    | Sampled
+    | StopSent
+)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
     from rosic.core.message import Button
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.profile import Profile
@@ -52,9 +53,14 @@ class World:
     """People who speak, one gateway at a time, and what outlives it.
 
     Attributes:
+        fleet: The robots.
+        kind: What they are.
         log: Everything that happened, in order.
         chat: The platform; it outlives gateways, too.
     """
+
+    fleet: tuple[Profile, ...] = FLEET
+    kind: type[Recorder] = Recorder
 
     def __init__(self, *, edits: bool = True) -> None:
         self.log: list[Event] = []
@@ -78,13 +84,13 @@ class World:
         self.disk = Disk(self)
         self.chat.listening_since_ns = self.clock.wall_ns() if self._runs > 1 else 0
         settings = GatewaySettings(
-            profiles=FLEET,
+            profiles=self.fleet,
             people=TWO_ADMINS,
             limit=RateLimit(burst=1e6, per_s=1e6),
             lease_idle_s=30.0,
         )
         parts = GatewayParts(
-            messengers=(Mouth(self.chat, self.disk),),
+            messengers=(Mouth(self.chat, self.disk), *self.besides()),
             robot_factory=lambda _kind: self._robot,
             store=self.disk,
             latch=self.latch,
@@ -103,8 +109,12 @@ class World:
         self._running = asyncio.create_task(self.gateway.run())
         await settle()
 
+    def besides(self) -> tuple[Messenger, ...]:
+        """Return what people and programs speak by besides the chat, in this run."""
+        return ()
+
     def _robot(self, profile: Profile, gate: OrderGate, clock: Clock) -> Recorder:
-        robot = Recorder(profile, WatchedGate(gate, self.log), clock)
+        robot = self.kind(profile, WatchedGate(gate, self.log), clock)
         robot.world = self
         return robot
 
@@ -242,7 +252,7 @@ class World:
         """Everything works again, and there is time for everything."""
         self.disk.broken = False
         self.disk.ready.set()
-        for name in ROBOTS:
+        for name in self.gateway.robots:
             self.robot(name).mode = Mode.WELL
         for seconds in (1.0, 60.0, 700.0, 60.0):
             await self.clock.advance(seconds)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from tests.gateway.events import Event
     from tests.gateway.histories import World
 
-MOVERS = {"Ada", "Bo"}
+MOVERS = {"Ada", "Bo", "Hal"}
 WATCHERS = {"Vi"}
 SWARM = {"cf1", "cf2"}
 QUESTIONS = {"use", "status", "resume"}

@@ -133,6 +133,14 @@ MODULES = (
             "tests/stores/test_opening.py",
         ),
     ),
+    Module(
+        "samples of live control",
+        "core/sample_gate.py",
+        (
+            "tests/core/test_sample_gate.py",
+            "tests/gateway/test_live_control.py",
+        ),
+    ),
     Module("rights", "core/policy/permissions.py", RIGHTS),
     Module("decision", "core/policy/evaluate.py", RIGHTS),
     Module("limits", "core/policy/limits.py", RIGHTS),

@@ -23,6 +23,7 @@ from tests.planted.faults_of_recording import OF_RECORDING
 from tests.planted.faults_of_rosbridge import OF_ROSBRIDGE
 from tests.planted.faults_of_scheduling import OF_SCHEDULING
 from tests.planted.faults_of_telling import OF_TELLING
+from tests.planted.faults_of_ways import OF_WAYS
 from tests.planted.faults_of_webhooks import OF_WEBHOOKS
 from tests.planted.messenger_faults import MESSENGER_FAULTS
 
@@ -49,6 +50,7 @@ ALL = (
     *OF_PROGRAMS,
     *OF_RECORDING,
     *OF_ROSBRIDGE,
+    *OF_WAYS,
     *OF_WEBHOOKS,
     *MESSENGER_FAULTS,
 )

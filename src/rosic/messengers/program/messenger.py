@@ -173,7 +173,8 @@ class ProgramMessenger:
             text=text,
             sent_ns=now_ns,
             received_ns=now_ns,
-            listening_since_ns=self._since_ns,
+            # A clock that was set back makes no line older than it is: nothing waits here unread.
+            listening_since_ns=min(self._since_ns, now_ns),
         )
 
     def hand_over(self, inbound: Inbound) -> None:
@@ -185,7 +186,12 @@ class ProgramMessenger:
         if self._handing_over is None or self._receive is None:
             raise MessengerFault(NOT_RUNNING)
         self._traffic.came(len(inbound.text.encode(errors="replace")))
-        self._handing_over.create_task(_received(self._receive, inbound))
+        received = _received(self._receive, inbound)
+        try:
+            self._handing_over.create_task(received)
+        except RuntimeError:  # it is leaving off at this moment
+            received.close()
+            raise MessengerFault(NOT_RUNNING) from None
 
     def next_id(self) -> str:
         """Return the id of a new message."""
