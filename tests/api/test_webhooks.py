@@ -64,6 +64,7 @@ class Receiver:
         self.asked: list[Taken] = []
         self.taken: list[Taken] = []
         self.answers: list[int] = []
+        self.led_elsewhere = 0
         self.refuses: Callable[[dict[str, Any]], bool] = lambda _: False
         self.hang = asyncio.Event()
         self.hang.set()
@@ -79,11 +80,15 @@ class Receiver:
         self.asked.append(got)
         await self.hang.wait()
         if self.answers and (status := self.answers.pop(0)) != 200:
-            where = {"Location": "http://127.0.0.1:9/"} if status in {302, 307} else {}
+            where = {"Location": "/elsewhere"} if status in {302, 307} else {}
             return web.Response(status=status, headers=where)
         if self.refuses(got.body):
             return web.Response(status=500)
         self.taken.append(got)
+        return web.Response(status=204)
+
+    async def lead_elsewhere(self, _request: web.Request) -> web.Response:
+        self.led_elsewhere += 1
         return web.Response(status=204)
 
 
@@ -98,6 +103,7 @@ def check_signature(headers: dict[str, str], raw: bytes) -> None:
 async def receiving() -> AsyncIterator[tuple[Receiver, str]]:
     receiver, app = Receiver(), web.Application()
     app.router.add_post("/hook", receiver.take)
+    app.router.add_route("*", "/elsewhere", receiver.lead_elsewhere)
     runner = web.AppRunner(app, access_log=None, shutdown_timeout=0.1)
     await runner.setup()
     await web.TCPSite(runner, "127.0.0.1", 0).start()
@@ -229,7 +235,8 @@ async def test_what_is_not_taken_is_told_again_with_the_same_id_and_longer_pause
     async with receiving() as (receiver, url), delivering(url) as delivery:
         receiver.answers = [status] * 4
         delivery.put("omni", event(1))
-        await until(lambda: receiver.taken)
+        await until(lambda: receiver.taken or receiver.led_elsewhere)
+        assert not receiver.led_elsewhere
         assert len(receiver.asked) == 5
         assert len({got.headers["webhook-id"] for got in receiver.asked}) == 1
         clock = delivery._clock
