@@ -13,6 +13,7 @@ from rosic.api.settings import ApiSettings, HostPort
 from rosic.app.api import GatewayApi
 from rosic.app.demo import fleet
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
+from rosic.app.health import GatewayHealth
 from rosic.app.people import ConfiguredPerson
 from rosic.app.runtime import face_of
 from rosic.authoriser.invitations import InvitedRights
@@ -30,6 +31,7 @@ from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
+    from pathlib import Path
 
     from websockets.asyncio.client import ClientConnection
 
@@ -117,7 +119,7 @@ class ServedGateway:
 
 
 @asynccontextmanager
-async def served(
+async def served(  # noqa: PLR0913, PLR0915 - a test says only what matters
     settings: ApiSettings | None = None,
     *,
     rules: RoleRules | None = None,
@@ -125,6 +127,7 @@ async def served(
     store: Store | None = None,
     robots_of: Callable[[str], RobotFactory] = robot_factory,
     missions: tuple[Mission, ...] = (),
+    data: Path | None = None,
 ) -> AsyncIterator[ServedGateway]:
     """Yield a gateway whose API listens, until the test is over."""
     clock = SystemClock()
@@ -152,6 +155,7 @@ async def served(
         GatewaySettings(profiles=robots, people=people, rulebook=book, missions=missions), parts
     )
     await gateway.open()
+    gateway.kernel.shared.health.provide(GatewayHealth(gateway, data, clock))
     server = api.server_of(gateway)
     tasks = [asyncio.create_task(gateway.run()), asyncio.create_task(server.run())]
     try:

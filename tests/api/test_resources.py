@@ -14,6 +14,7 @@ from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+    from pathlib import Path
 
     import httpx
 
@@ -234,3 +235,14 @@ async def test_the_past_is_searched_in_words_and_kept_as_a_table() -> None:
         rows = list(csv.DictReader(table.text.splitlines()))
         assert {row["skill"] for row in rows} >= {"move"}
         assert not any(cell.startswith("=") for row in rows for cell in row.values())
+
+
+async def test_how_it_does_is_shown_to_whoever_looks_after_people(tmp_path: Path) -> None:
+    async with served(data=tmp_path) as place:
+        ada, bo = await place.person("Ada"), await place.person("Bo")
+        assert problem(await bo.get("/v1/health"))[:2] == (403, "not-permitted")
+        found = {one["about"]: one for one in (await ada.get("/v1/health")).json()}
+        assert {"data", "record", "disk", "space", "memory", "page", "omni"} <= set(found)
+        assert found["data"]["verdict"] == "good"
+        assert "fsync" in found["disk"]["text"]
+        assert {one["verdict"] for one in found.values()} <= {"good", "look", "not-measured"}

@@ -15,6 +15,7 @@ import msgspec
 from rosic.api.problems import PROBLEM, problem
 from rosic.api.read_rates import headers_of
 from rosic.api.rosbridge.endpoint import PATH as ROSBRIDGE
+from rosic.api.settings import hostname
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, MutableMapping
@@ -112,7 +113,7 @@ class AccessChecks:
 
     def _refusal(self, scope: Scope, headers: dict[bytes, bytes]) -> Problem | None:
         host = headers.get(b"host", b"").decode("latin-1")
-        if _hostname(host) not in self._hosts:
+        if hostname(host) not in self._hosts:
             return problem("wrong-host", WRONG_HOST, status=HTTPStatus.MISDIRECTED_REQUEST)
         safe = scope["type"] == "http" and scope["method"] in SAFE
         safe = safe or _is_keyed(scope) or self._is_named_page(scope, headers)
@@ -174,13 +175,6 @@ def _is_keyed(scope: Scope) -> bool:
     return any(
         part.startswith(b"key=") and part != b"key=" for part in scope["query_string"].split(b"&")
     )
-
-
-def _hostname(host: str) -> str:
-    try:
-        return urlsplit(f"//{host}").hostname or ""
-    except ValueError:
-        return ""
 
 
 def _bounded(receive: Receive, most: int, within_s: float) -> Receive:

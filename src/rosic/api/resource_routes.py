@@ -20,6 +20,7 @@ from rosic.api.resource_schemas import (
     BookingIn,
     BookingOut,
     FileOut,
+    HealthFindingOut,
     PersonOut,
     SampleOut,
     TelemetryOut,
@@ -47,6 +48,7 @@ NO_MINUTE: Final = said("A booking begins at a full minute.")
 SPAN: Final = said("Ask for at most 62 days at once, the earlier day first.")
 UNKNOWN_BOOKING: Final = said("There is no such booking, as far as you may see.")
 UNKNOWN_FILE: Final = said("You keep no such file here.")
+DOCTORS_ONLY: Final = said("What the doctor finds is shown to whoever looks after people.")
 PEOPLE_ONLY: Final = said("Who is known here is shown to whoever looks after people.")
 Robot = Annotated[str, QueryParameter(name="robot", max_length=64)]
 
@@ -182,6 +184,19 @@ async def people(api: Api, caller: Who) -> list[PersonOut]:
     ]
 
 
+@get("/health", summary="What the doctor finds", tags=["health"])
+async def health(api: Api, caller: Who) -> list[HealthFindingOut]:
+    """Return how the gateway and its machine do, for whoever looks after people."""
+    organiser, doctor = api.kernel.rooms.organiser, api.kernel.shared.health.find()
+    if caller.principal not in api.kernel.admins() or caller.principal in organiser.locked:
+        raise NotPermitted(DOCTORS_ONLY)
+    catalogue = api.languages.of(caller.principal)
+    found = () if doctor is None else await doctor.findings()
+    return [
+        HealthFindingOut(one.about, one.verdict, in_language(one.text, catalogue)) for one in found
+    ]
+
+
 @get("/alerts", summary="What is wrong now", tags=["alerts"])
 async def alerts(api: Api, caller: Who) -> list[AlertOut]:
     """Return the open alarms of robots that the caller may see, the newest first."""
@@ -269,6 +284,7 @@ ROUTES: Final = (
     book,
     give_back,
     people,
+    health,
     alerts,
     seen,
     files,

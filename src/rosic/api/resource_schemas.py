@@ -77,6 +77,19 @@ class PersonOut(msgspec.Struct, frozen=True):
     locked: bool
 
 
+class HealthFindingOut(msgspec.Struct, frozen=True):
+    """Something that was looked at.
+
+    Attributes:
+        about: ``data``, ``disk``, a messenger's name, a robot's id.
+        verdict: ``good``, ``look`` (at this) or ``not-measured``.
+    """
+
+    about: str
+    verdict: str
+    text: str
+
+
 class AlertOut(msgspec.Struct, frozen=True):
     """An alarm that is open.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ipaddress
 import re
 from typing import Final
+from urllib.parse import urlsplit
 
 import msgspec
 
@@ -61,6 +62,14 @@ def parse_origin(text: str) -> str:
     if not _ORIGIN.fullmatch(text):
         raise ValueError(f"{text!r} is no origin of a page")
     return text
+
+
+def hostname(host: str) -> str:
+    """Return the name in the header ``Host``, without its port; empty: it is none."""
+    try:
+        return urlsplit(f"//{host}").hostname or ""
+    except ValueError:
+        return ""
 
 
 class ServingLimits(msgspec.Struct, frozen=True, kw_only=True):

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 from msgspec import inspect
 
+from rosic.api.metrics.endpoint import MetricsSettings
 from rosic.api.settings import ApiSettings, parse_listen
 from rosic.api.webhooks.settings import WebhookSettings, key_of
 from rosic.app.people import ConfiguredPerson
@@ -45,7 +46,7 @@ from rosic.interpreters.endpoint import advice_on, parse_endpoint
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from rosic.config.api_tables import ApiTable
+    from rosic.config.api_tables import ApiTable, MetricsTable
     from rosic.config.source_map import SourceMap
     from rosic.core.language import UnitTable
 
@@ -83,6 +84,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
         files: What was read: the file itself, and profiles that do not ship.
         interpreter: Who may be shown what is not understood; None: nobody.
         api: How the API is served; None: nothing listens.
+        metrics: Where metrics are served; None: nowhere.
         webhooks: Who elsewhere is told what happens.
         begin_anew: Said on the command line: a record that was lost is begun anew.
     """
@@ -107,6 +109,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     interpreter: InterpreterSettings | None = None
     begin_anew: bool = False
     api: ApiSettings | None = None
+    metrics: MetricsSettings | None = None
     webhooks: tuple[WebhookSettings, ...] = ()
 
 
@@ -196,6 +199,7 @@ def read_config(
         files=tuple(reading.files),
         interpreter=interpreter,
         api=_api(file.api, Path(path).parent),
+        metrics=_metrics(file.metrics),
         webhooks=webhooks,
     )
     return ReadConfig(config, [], reading.advice)
@@ -220,6 +224,12 @@ def _api(table: ApiTable, folder: Path) -> ApiSettings | None:
         rosbridge=parse_listen(table.rosbridge) if table.rosbridge else None,
         origins=table.origins,
     )
+
+
+def _metrics(table: MetricsTable) -> MetricsSettings | None:
+    if not table.listen:
+        return None
+    return MetricsSettings(listen=parse_listen(table.listen), hosts=table.hosts)
 
 
 def _robot_limits(file: ConfigFile, robots: Sequence[Profile]) -> dict[RobotId, RateLimit]:

@@ -117,6 +117,9 @@ async def demonstrate(
         messenger.show(in_language(greeting, of_locale(messenger.locale)))
         server = None if api is None else api.server_of(gateway)
         if server is not None:
+            from rosic.app.health import GatewayHealth  # noqa: PLC0415 - it loads the database
+
+            gateway.kernel.shared.health.provide(GatewayHealth(gateway, None, clock))
             code = gateway.access.page_sessions.offer(_whoever_sits_here(gateway))
             page = filled(PAGE, url=f"{server.context.settings.reached_at}/#code={code.reveal()}")
             messenger.show(in_language(page, of_locale(messenger.locale)))

@@ -6,6 +6,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
+from rosic.api.metrics.endpoint import MetricsEndpoint
 from rosic.app import runtime
 from rosic.app.admin.api import books_of
 from rosic.app.admin.control_socket import ControlServer, socket_path
@@ -14,6 +15,7 @@ from rosic.app.api import GatewayApi, webhooks_of
 from rosic.app.builder import latch_of, parts_of, settings_of
 from rosic.app.closing import CLOSE_WITHIN_S, close_in_time, console_of, mind_console, on_signals
 from rosic.app.gateway import Gateway, GatewayParts
+from rosic.app.health import GatewayHealth
 from rosic.contracts.console import AccountProbe, Console
 from rosic.contracts.store import ForgettingStore
 from rosic.core.i18n import said
@@ -152,6 +154,8 @@ class GatewayService:
             others = tuple(m.name for m in self._parts.messengers if not isinstance(m, Console))
             watching = mind_console(console, self._gateway, self._end, others)
             tasks.append(asyncio.create_task(watching))
+        health = GatewayHealth(self._gateway, config.data, self._clock)
+        self._gateway.kernel.shared.health.provide(health)
         if self._api is not None:
             serving = asyncio.create_task(self._api.server_of(self._gateway).run())
             tasks.append(serving)
@@ -172,6 +176,9 @@ class GatewayService:
     def _besides(self) -> list[asyncio.Task[None]]:
         """Begin what the gateway does beside its work: tell other software, and forget."""
         tasks = []
+        if (metrics := self._config.metrics) is not None:
+            serving = MetricsEndpoint(self._gateway.kernel, metrics)
+            tasks.append(asyncio.create_task(serving.run()))
         if hooks := self._config.webhooks:
             tasks.append(asyncio.create_task(webhooks_of(self._gateway, hooks).run()))
         if isinstance(store := self._parts.store, ForgettingStore):

@@ -16,7 +16,13 @@ from rosic.api.people_schemas import (
     RoleIn,
     RoleOut,
 )
-from rosic.api.resource_schemas import BookingIn, BookingOut, HistoryEntryOut, PersonOut
+from rosic.api.resource_schemas import (
+    BookingIn,
+    BookingOut,
+    HealthFindingOut,
+    HistoryEntryOut,
+    PersonOut,
+)
 from rosic.api.schemas import AnswerOut
 from rosic.api.work_schemas import MissionsOut, MissionStartIn, QueueEntryOut, TaskIn, TaskOut
 
@@ -172,7 +178,11 @@ class ResourceCalls:
         """Hold every task of a mission that runs, let them go on, or end them."""
         return await self._once(f"missions/runs/{part(run)}/{act}", AnswerOut, None)
 
-    # ---- the past ----
+    # ---- how it does, and the past ----
+
+    async def health(self) -> list[HealthFindingOut]:
+        """Return what the doctor finds, for whoever looks after people."""
+        return await self._look("health", list[HealthFindingOut])
 
     async def history(
         self, robot: str = "", *, text: str = "", since_s: float = 86_400.0, limit: int = 100

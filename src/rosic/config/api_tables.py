@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 WITHOUT_TLS: Final = "public address, no TLS"
 LISTEN_EXAMPLE: Final = 'For example listen = "127.0.0.1:8765".'
+METRICS_EXAMPLE: Final = 'For example listen = "127.0.0.1:9464".'
 ORIGIN_EXAMPLE: Final = 'As browsers say it, for example "https://panel.example.org".'
 
 
@@ -46,6 +47,20 @@ class ApiTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     topic: tuple[OpenedTopicSettings, ...] = ()
 
 
+class MetricsTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Metrics for Prometheus; nothing listens, if nothing stands here.
+
+    Attributes:
+        listen: Address of this machine and port, of its own: ``127.0.0.1:9464``.
+        hosts: Names by which it is reached, besides that address.
+        without_tls: ``public address, no TLS`` lets other machines read them, in the clear.
+    """
+
+    listen: str = ""
+    hosts: tuple[str, ...] = ()
+    without_tls: str = ""
+
+
 class WebhookTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Software elsewhere that is told what happens, by posts that are signed.
 
@@ -68,6 +83,27 @@ def posted(webhook: WebhookTable) -> Iterator[ValidationFinding]:
         check_url(webhook.url)
     except ValueError as wrong:
         yield ValidationFinding(("url",), f"{wrong}.", "It begins with https://")
+
+
+def measured(metrics: MetricsTable) -> Iterator[ValidationFinding]:
+    """Yield what is wrong with the table of metrics."""
+    if not metrics.listen:
+        if metrics != MetricsTable():
+            yield ValidationFinding(
+                ("listen",), "No address is named, so nothing listens.", METRICS_EXAMPLE
+            )
+        return
+    try:
+        listen = parse_listen(metrics.listen)
+    except ValueError as wrong:
+        yield ValidationFinding(("listen",), f"{wrong}.", METRICS_EXAMPLE)
+        return
+    if not listen.is_loopback and metrics.without_tls != WITHOUT_TLS:
+        yield ValidationFinding(
+            ("listen",),
+            f"{metrics.listen} is reached from other machines, and nothing there is encrypted.",
+            f'Have an agent on this machine read it; or say without_tls = "{WITHOUT_TLS}".',
+        )
 
 
 def served(api: ApiTable) -> Iterator[ValidationFinding]:

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
-from rosic.config.api_tables import ApiTable, WebhookTable, posted, served
+from rosic.config.api_tables import (
+    ApiTable,
+    MetricsTable,
+    WebhookTable,
+    measured,
+    posted,
+    served,
+)
 from rosic.config.missions import rulebook_of
 from rosic.config.profile_fields import NAMED
 from rosic.container.file_messages import MB
@@ -187,6 +194,7 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         files: How much people may keep here in files.
         language: Who may be shown what ROSIC does not understand.
         api: The API beside the chat, and the page.
+        metrics: What monitoring reads.
         webhook: Who elsewhere is told what happens.
     """
 
@@ -202,6 +210,7 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     files: FilesTable = FilesTable()
     language: LanguageTable = LanguageTable()
     api: ApiTable = ApiTable()
+    metrics: MetricsTable = MetricsTable()
     webhook: tuple[WebhookTable, ...] = ()
 
 
@@ -254,6 +263,7 @@ def config_rules() -> Rules:
             FilesTable: (_roomy,),
             LanguageTable: (_interpreted,),
             ApiTable: (served,),
+            MetricsTable: (measured,),
             WebhookTable: (posted,),
             PrincipalTable: (_reachable,),
             ConfigFile: (_people, _talkers, _something),

@@ -5,6 +5,7 @@ Features ask and change it through the kernel; what is written down becomes so h
 
 from __future__ import annotations
 
+from collections import Counter
 from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -99,6 +100,7 @@ class AccessRegistry:
         enrolment, keys, programs, page_sessions, passkeys, locks, two_factor, misuse, counters,
             time, security, waiting, access_requests: The books.
         calendar: Whose time it is.
+        refusals: How often what was refused to people who are known, by code, in this run.
         forget_newcomer: Erases what was kept of somebody who was not let in; nothing is kept
             before it is bound.
         may_invite: Whether somebody may let a person in with that; nobody, until it is bound.
@@ -131,6 +133,7 @@ class AccessRegistry:
             EnrolmentRules(self.may_invite),
         )
         self.two_factor = TwoFactor(self.time, entropy, self.counters, place=place.place)
+        self.refusals: Counter[str] = Counter()
         self.misuse = AbuseDetector(
             self.time, AbuseLimits(), only_admin=self.is_only_admin, name=authoriser.directory.name
         )
@@ -299,6 +302,7 @@ class AbuseResponse:
             access.misuse,
         )
         self._changes, self._keys = access.changes, access.keys
+        self._refusals = access.refusals
         self._organiser, self._reach = organiser, reach
         self._tasks: BackgroundTasks[None] = BackgroundTasks()
 
@@ -309,6 +313,7 @@ class AbuseResponse:
 
     def refused(self, caller: Caller, refusal: Refusal) -> None:
         """Let the rules about misuse hear of refusals; what is only late is none."""
+        self._refusals[refusal.code] += 1
         if refusal.code not in SUSPICIOUS:
             return
         if not refusal.counted:

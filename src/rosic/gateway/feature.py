@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from rosic.gateway.container_context import ContainerContext
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.observed_state import (
+        HealthFindings,
         HistoryReader,
         OpenAlerts,
         RobotViews,
@@ -162,6 +163,7 @@ class SharedParts:
         work: What robots are given to do.
         history: What was asked before, in words.
         views: Makes pictures of what robots show.
+        health: Looks at the gateway and its machine.
         grants_ended: Tells of the rights that have just ended by the clock.
         file_offers: Return what may be done with a file that somebody has sent, as buttons.
     """
@@ -179,6 +181,7 @@ class SharedParts:
         self.pending: Provided[PendingAnswers] = Provided("who waits for an answer")
         self.work: Provided[FleetWork] = Provided("tasks and missions")
         self.history: Provided[HistoryReader] = Provided("what was asked before")
+        self.health: Provided[HealthFindings] = Provided("what the doctor finds")
         self.views: Provided[RobotViews] = Provided("pictures of what robots show")
         self.robot_adder: Provided[RobotAdder] = Provided("adding robots")
         self.alarm_news: Signal[[RobotId, str, bool]] = Signal()

@@ -94,6 +94,28 @@ class RobotViews(Protocol):
         ...
 
 
+class HealthFinding(NamedTuple):
+    """Something that was looked at.
+
+    Attributes:
+        about: ``data``, ``disk``, a messenger's name, a robot's id.
+        verdict: ``good``, ``look`` or ``not-measured``.
+        text: Figures, and what to do about them where something should be done.
+    """
+
+    about: str
+    verdict: str
+    text: str
+
+
+class HealthFindings(Protocol):
+    """Looks at the gateway and the machine that it runs on."""
+
+    async def findings(self) -> Sequence[HealthFinding]:
+        """Return what is found now."""
+        ...
+
+
 class OpenAlerts(Protocol):
     """Which alarms are open."""
 

@@ -1,0 +1,1 @@
+"""What an operator's monitoring reads of a gateway, on a port of its own."""

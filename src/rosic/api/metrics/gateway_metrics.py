@@ -1,0 +1,235 @@
+"""What is measured of a gateway: orders, stops, refusals, rates, queues, links, the event loop.
+
+No label names a person, and what a label may say is bounded: robots and messengers of the
+configuration, stages and endings of orders, codes of refusals.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import resource
+from collections import Counter, OrderedDict
+from typing import TYPE_CHECKING, Final
+
+from rosic import __version__
+from rosic.api.metrics.exposition import COUNTER, GAUGE, HISTOGRAM, Histogram, family, page, sample
+from rosic.api.rate_feed import messenger_counts, robot_counts
+from rosic.core.order import OrderStage
+from rosic.core.time_units import SECOND_NS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rosic.core.identity import CommandId
+    from rosic.core.order import Order, Outcome, StageReport
+    from rosic.core.traffic import TrafficCount
+    from rosic.gateway.feature import Kernel
+
+HOPS: Final = ("accepted-sent", "sent-received", "received-ended", "accepted-ended")
+HOP_BOUNDS: Final = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0)
+LAG_BOUNDS: Final = (0.001, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5)
+LAG_EVERY_S: Final = 0.25
+FOLLOWED_AT_MOST: Final = 5_000
+"""Orders under way whose hops are timed; of more than these the oldest are not."""
+
+
+class OrderMetrics:
+    """Counts orders by how they end, and times their hops; see `OrderObserver`.
+
+    Times are of the gateway's own clock: ``received`` is when its word came here.
+    """
+
+    def __init__(self, kernel: Kernel) -> None:
+        self._clock = kernel.machine_clock
+        self._began: OrderedDict[CommandId, dict[str, int]] = OrderedDict()
+        self._ended: Counter[tuple[str, str]] = Counter()
+        self._hops = {hop: Histogram(HOP_BOUNDS) for hop in HOPS}
+
+    def accepted(self, order: Order) -> None:
+        """Begin to time an order."""
+        self._began[order.cid] = {OrderStage.ACCEPTED.value: self._clock.monotonic_ns()}
+        if len(self._began) > FOLLOWED_AT_MOST:
+            self._began.popitem(last=False)
+
+    def reported(self, order: Order, report: StageReport) -> None:
+        """Note when a stage was reached."""
+        began = self._began.get(order.cid)
+        if began is not None:
+            began.setdefault(report.stage.value, self._clock.monotonic_ns())
+
+    def ended(self, order: Order, outcome: Outcome) -> None:
+        """Count how it ended."""
+        self._ended[order.robot, outcome.ending.value] += 1
+        stages = self._began.pop(order.cid, {}) | {"ended": self._clock.monotonic_ns()}
+        for hop, histogram in self._hops.items():
+            first, then = hop.split("-")
+            if first in stages and then in stages:
+                histogram.observe((stages[then] - stages[first]) / SECOND_NS)
+
+    def lines(self) -> Iterator[str]:
+        """Yield what was counted."""
+        name = "rosic_orders_total"
+        yield from family(
+            name,
+            COUNTER,
+            "Orders that are over, by robot and by how they ended.",
+            (sample(name, {"robot": r, "outcome": o}, n) for (r, o), n in self._ended.items()),
+        )
+        name = "rosic_order_hop_seconds"
+        yield from family(
+            name,
+            HISTOGRAM,
+            "How long orders took from one stage to another.",
+            (line for hop, found in self._hops.items() for line in found.lines(name, {"hop": hop})),
+        )
+        yield from _gauge("rosic_orders_under_way", "Orders accepted and not over.", self._began)
+
+
+class LoopMonitor:
+    """Measures how late the event loop comes to what is due."""
+
+    def __init__(self) -> None:
+        self._lag = Histogram(LAG_BOUNDS)
+
+    async def run(self) -> None:
+        """Measure until cancelled."""
+        loop = asyncio.get_running_loop()
+        while True:
+            due_s = loop.time() + LAG_EVERY_S
+            await asyncio.sleep(LAG_EVERY_S)
+            self._lag.observe(max(0.0, loop.time() - due_s))
+
+    def lines(self) -> Iterator[str]:
+        """Yield what was measured."""
+        name = "rosic_loop_lag_seconds"
+        about = "How late the event loop came to what was due, four times a second."
+        yield from family(name, HISTOGRAM, about, self._lag.lines(name, {}))
+
+
+class GatewayMetrics:
+    """Everything that is measured, put together when it is asked for.
+
+    Attributes:
+        loop: Has to run, to measure the event loop.
+    """
+
+    def __init__(self, kernel: Kernel) -> None:
+        self._kernel = kernel
+        self._orders = OrderMetrics(kernel)
+        self.loop = LoopMonitor()
+        kernel.pipeline.executor.watching.observe(self._orders)
+
+    def close(self) -> None:
+        """Follow orders no more."""
+        self._kernel.pipeline.executor.watching.observe(self._orders, wanted=False)
+
+    @property
+    def not_ready(self) -> tuple[str, ...]:
+        """Return why nobody should be led here now, a line each; empty: nothing speaks against."""
+        late = self._kernel.changes.late
+        return ("the record does not answer in time",) if late else ()
+
+    def page(self) -> bytes:
+        """Return all of it as Prometheus reads it."""
+        return page(self._lines())
+
+    def _lines(self) -> Iterator[str]:
+        yield from self._orders.lines()
+        yield from self._robots()
+        name, refusals = "rosic_refusals_total", self._kernel.access.refusals
+        yield from family(
+            name,
+            COUNTER,
+            "What was refused to somebody known, by code.",
+            (sample(name, {"code": code}, n) for code, n in refusals.items()),
+        )
+        yield from self._traffic("messenger", messenger_counts(self._kernel))
+        yield from self._traffic("robot", robot_counts(self._kernel))
+        yield from self.loop.lines()
+        yield from self._process()
+
+    def _robots(self) -> Iterator[str]:
+        rooms = self._kernel.rooms
+        robots = tuple(rooms.profiles)
+        stops = {robot: rooms.stops[robot] for robot in robots}
+        found = {robot: rooms.linker.presence(robot) for robot in robots}
+        yield from self._each(
+            "rosic_stops_total",
+            "Stops of a robot since its record began.",
+            {r: stop.generation for r, stop in stops.items()},
+            COUNTER,
+        )
+        yield from self._each(
+            "rosic_robot_stopped",
+            "1 while a robot is stopped.",
+            {r: int(stop.latched) for r, stop in stops.items()},
+        )
+        yield from self._each(
+            "rosic_robot_up",
+            "1 while a robot is heard; nothing where its link cannot tell.",
+            {r: int(one.online) for r, one in found.items() if one.online is not None},
+        )
+        yield from self._each(
+            "rosic_robot_age_seconds",
+            "Since a robot was last heard.",
+            {r: one.age_s for r, one in found.items() if one.age_s is not None},
+        )
+        yield from self._each(
+            "rosic_robot_queue_length",
+            "Orders that wait for a robot.",
+            {robot: len(rooms.linker.queues[robot]) for robot in robots},
+        )
+
+    @staticmethod
+    def _each(
+        name: str, about: str, values: dict[str, int] | dict[str, float], kind: str = GAUGE
+    ) -> Iterator[str]:
+        samples = (sample(name, {"robot": robot}, value) for robot, value in values.items())
+        yield from family(name, kind, about, samples)
+
+    @staticmethod
+    def _traffic(what: str, counts: dict[str, TrafficCount]) -> Iterator[str]:
+        for number, unit in enumerate(("messages", "bytes")):
+            name = f"rosic_{what}_{unit}_total"
+            yield from family(
+                name,
+                COUNTER,
+                f"{unit.capitalize()} that passed a {what}'s link.",
+                (
+                    sample(name, {what: link, "direction": way}, count[2 * number + place])
+                    for link, count in counts.items()
+                    for place, way in enumerate(("received", "sent"))
+                ),
+            )
+
+    def _process(self) -> Iterator[str]:
+        used = resource.getrusage(resource.RUSAGE_SELF)
+        name = "rosic_build_info"
+        about = "1; the version is a label."
+        yield from family(name, GAUGE, about, (sample(name, {"version": __version__}, 1),))
+        name = "process_cpu_seconds_total"
+        spent_s = used.ru_utime + used.ru_stime
+        yield from family(name, COUNTER, "Processor time used.", (sample(name, {}, spent_s),))
+        late = int(bool(self.not_ready))
+        yield from _value("rosic_record_late", "1 while the record does not answer in time.", late)
+        resident = _resident_bytes()
+        if resident:
+            yield from _value("process_resident_memory_bytes", "Memory in use.", resident)
+
+
+def _gauge(name: str, about: str, things: OrderedDict[CommandId, dict[str, int]]) -> Iterator[str]:
+    yield from _value(name, about, len(things))
+
+
+def _value(name: str, about: str, value: float) -> Iterator[str]:
+    yield from family(name, GAUGE, about, (sample(name, {}, value),))
+
+
+def _resident_bytes() -> int:
+    """Return how much memory is in use; 0 where it is not told."""
+    try:
+        with open("/proc/self/statm", encoding="ascii") as told:  # noqa: PTH123 - no file
+            return int(told.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    except (OSError, ValueError, IndexError):
+        return 0
