@@ -276,6 +276,15 @@ async def test_a_task_is_given_held_and_ended(site: Site) -> None:
     await expect(task).to_have_count(0)
 
 
+async def test_what_the_doctor_finds_is_shown(site: Site) -> None:
+    there = site.there
+    await there.go("health")
+    findings = there.page.locator(".findings li")
+    await expect(findings.filter(has_text="omni").first).to_be_visible()
+    assert await findings.count() > 1
+    await there.fits("health")
+
+
 async def test_a_typed_address_that_is_none_shows_the_first_tab(site: Site) -> None:
     there = site.there
     for address in ("constructor", "times/%E0%A4%A", "drive/nobody"):
@@ -310,7 +319,6 @@ async def test_a_passkey_signs_in_instead_of_a_code(browser: Browser) -> None:
         await page.get_by_role("button", name="Make a passkey").click()
         await expect(page.get_by_text("From now on Laptop signs you in here.")).to_be_visible()
         await page.get_by_role("button", name="Sign out").click()
-        await there.picture("passkey")
         await page.get_by_role("button", name="Sign in with a passkey").click()
         await there.connected()
         await expect(page.locator(".me")).to_contain_text("Ada")

@@ -294,4 +294,10 @@ TEXTS: Final = (
     said("Take it over"),
     said("Gives {rights}. The code is good until {time}, once, and is shown only now."),
     said("Taken at {time}."),
+    said("good"),
+    said("look at this"),
+    said("not measured"),
+    said("What the doctor finds"),
+    said("Nothing was looked at."),
+    said("Health"),
 )

@@ -5,6 +5,7 @@ import { Questions } from "./asked.js";
 import { Drive } from "./drive.js";
 import { Files } from "./files.js";
 import { Fleet } from "./fleet.js";
+import { Health } from "./health.js";
 import { History } from "./history.js";
 import { html, render, useEffect, useRef, useState } from "./lib.js";
 import { Live } from "./live.js";
@@ -25,6 +26,7 @@ const TABS = {
   alerts: { word: () => t("Alerts"), Tab: Alerts },
   files: { word: () => t("Files"), Tab: Files },
   history: { word: () => t("History"), Tab: History },
+  health: { word: () => t("Health"), Tab: Health },
 };
 
 function partOf() {
