@@ -13,7 +13,7 @@ from aiohttp import web
 
 from rosic.api.event_schemas import OrderEvent, RobotEvent
 from rosic.api.settings import ApiSettings
-from rosic.client import RosicClient
+from rosic.client import ApiProblem, RosicClient
 from rosic.client.errors import (
     GatewayUnreachable,
     NotAGateway,
@@ -402,3 +402,22 @@ def test_importing_the_client_imports_nothing_of_a_server() -> None:
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
     )
     assert run.stdout.strip() == "[]"
+
+
+async def test_what_there_is_beside_orders_is_asked_for_by_methods_of_its_own() -> None:
+    async with served() as place, RosicClient(place.url, await place.key("admin")) as gateway:
+        made = await gateway.invite("viewer for 2 hours")
+        assert [one.id for one in await gateway.invitations()] == [made.invitation.id]
+        await gateway.withdraw(made.invitation.id)
+        assert await gateway.invitations() == []
+        assert {"viewer", "admin"} <= {role.name for role in await gateway.roles()}
+        await gateway.give_task("omni", "move 2 m left")
+        [task] = await gateway.tasks()
+        await gateway.act_on_task(task.id, "cancel")
+        assert (await gateway.missions()).missions == ()
+        assert await gateway.queue() == []
+        assert await gateway.access_requests() == []
+        assert {one.about for one in await gateway.health()} >= {"data", "omni"}
+        assert await gateway.history(text="nonsense") == []
+        with pytest.raises(ApiProblem):
+            await gateway.take_role("viewer")
