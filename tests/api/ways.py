@@ -314,11 +314,16 @@ class WaysWorld(World):
     async def _stop(self, who: str, robots: tuple[str, ...], *, by_socket: bool) -> None:
         if by_socket:
             socket = await self.socket(who, "/v1/events")
-            self.log.append(StopSent(SPEAKER.get(), robots))
+            self._note_stop(who, robots)
             socket.say(op="stop", robots=robots, id="s")
         else:
-            self.log.append(StopSent(SPEAKER.get(), robots))
+            self._note_stop(who, robots)
             await self._ask(who, "/v1/stop", {"robots": robots, "wait_s": 0}, "")
+
+    def _note_stop(self, who: str, robots: tuple[str, ...]) -> None:
+        """Whoever has not signed in yet, as the disk is broken, stops by their chat."""
+        if who == "Hal" or who in self._cookies:
+            self.log.append(StopSent(SPEAKER.get(), robots))
 
     async def rotate(self) -> None:
         """Give Hal another secret; the one of before counts no more."""
