@@ -29,6 +29,9 @@ SHORT = ApiSettings(
     listen=ANYWHERE,
     limits=ServingLimits(head_s=0.5, body_s=0.5, idle_s=0.5, stalled_s=0.5, head_bytes=8_192),
 )
+LONG_WAITING = ApiSettings(
+    listen=ANYWHERE, limits=ServingLimits(head_s=3_600.0, idle_s=3_600.0, head_bytes=8_192)
+)
 SOON_S = 20.0
 
 
@@ -74,6 +77,7 @@ async def test_a_head_that_comes_byte_by_byte_is_ended_and_so_is_one_without_end
                     break
         assert reader.at_eof() or reader.exception()
         writer.close()
+    async with served(LONG_WAITING) as place:
         reader, writer = await asyncio.open_connection("127.0.0.1", place.server.port)
         writer.write(b"GET / HTTP/1.1\r\n" + b"X-Much: of it\r\n" * 2_000)
         assert await ended_after(reader) == b""

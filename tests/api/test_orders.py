@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+from time import monotonic_ns
 from typing import Any
 
 import pytest
 
+from rosic.api import order_feed
 from rosic.core.policy.roles import SkillPrecondition
+from rosic.core.time_units import SECOND_NS
+from rosic.messengers.program import messenger
+from rosic.messengers.program.standstill import AFTER_NS, STILL_NS, StandstillWatch
 from tests.api.served import problem, served
 from tests.gateway.test_rights import rules
 
@@ -194,3 +199,54 @@ async def test_what_others_asked_is_read_by_whoever_may_read_the_history() -> No
             {},
             "",
         )
+
+
+async def test_an_order_that_many_newer_ones_follow_is_still_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(order_feed, "KEPT", 2)
+    async with served() as place:
+        hal = await place.program("operator")
+        body = {"skill": "move", "arguments": {"distance": 0.01}, "wait_s": 20}
+        path, one = "/v1/robots/omni/orders", {"Idempotency-Key": "one"}
+        first = await hal.post(path, json=body, headers=one)
+        for _ in range(3):
+            await hal.post(path, json=body)
+        again = await hal.post(path, json=body, headers=one)
+        assert (again.json()["id"], again.json()["state"]) == (first.json()["id"], "done")
+
+
+async def test_what_waited_while_the_gateway_stood_still_moves_nothing_and_a_stop_stops(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    stood_ns = 0
+    monkeypatch.setattr(messenger, "running_ns", lambda: monotonic_ns() + stood_ns)
+    async with served() as place:
+        hal = await place.program("operator")
+        body = {"skill": "move", "arguments": {"distance": 0.3}, "wait_s": 20}
+        program = place.server.context.program
+        stood_ns = 9 * SECOND_NS
+        await place.until(program.waited_ns)
+        late = await hal.post("/v1/robots/omni/orders", json=body)
+        assert problem(late)[1] == "expired", late.text
+        assert (await hal.post("/v1/stop", json={})).json()["at_rest"] is True
+        await hal.post("/v1/chat", json={"text": "resume omni"})
+        await place.until(lambda: not program.waited_ns())
+        await hal.post("/v1/chat", json={"text": "resume omni"})
+        fresh = await hal.post("/v1/robots/omni/orders", json=body)
+        assert fresh.json()["state"] == "done"
+
+
+def test_a_loop_that_is_a_little_late_has_not_stood_still() -> None:
+    now_ns = 0
+    watch = StandstillWatch(lambda: now_ns)
+    for passed_ns, waited_ns in ((SECOND_NS // 5, 0), (STILL_NS + 1, STILL_NS + 1)):
+        now_ns += passed_ns
+        watch.look()
+        assert watch.waited_ns() == waited_ns
+    for _ in range(10):
+        now_ns += AFTER_NS // 10
+        watch.look()
+    assert watch.waited_ns() == STILL_NS + 1 + AFTER_NS
+    now_ns += 1
+    assert watch.waited_ns() == 0

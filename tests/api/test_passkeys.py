@@ -172,3 +172,16 @@ async def test_passkeys_outlive_a_restart_and_end_with_whoever_is_erased() -> No
         ended = tuple(passkeys.end_all(place.principal("Ada")))
         await place.gateway.access.changes.take_away(ended)
         assert problem(await sign_in(place, authenticator)) == NOT_GOOD
+
+
+async def test_strangers_who_only_ask_void_nobodys_challenge() -> None:
+    async with served(NAMED) as place:
+        _, authenticator = await made(place)
+        browser = place.client({"Origin": place.url})
+        options = (await browser.post("/v1/sessions/passkey/options")).json()
+        stranger = place.client({"Origin": place.url})
+        for _ in range(1_100):  # more than were ever kept for everybody together
+            await stranger.post("/v1/sessions/passkey/options")
+        body = {"credential": authenticator.get(options)}
+        assert (await browser.post("/v1/sessions/passkey", json=body)).status_code == 201
+        assert (await browser.post("/v1/sessions/passkey", json=body)).status_code == 401

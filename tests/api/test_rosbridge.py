@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import asyncio
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from websockets.exceptions import ConnectionClosed
 
+from rosic.api.rosbridge.connection import TASKS_AT_MOST
 from rosic.app.admin.api import AdminVerb
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules, SkillPrecondition
+from rosic.core.time_units import SECOND_NS
+from rosic.stores.memory import MemoryStore
 from tests.api.bridge_client import BridgeClient, bridge
 from tests.api.served import ServedGateway, served
 from tests.gateway.place import ask_as_operator
+
+if TYPE_CHECKING:
+    from rosic.core.records import Record
 
 AHEAD = {"linear": {"x": 0.2, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": 0.0}}
 REST = {"linear": {"x": 0, "y": 0, "z": 0}, "angular": {"x": 0, "y": 0, "z": 0}}
@@ -112,7 +118,8 @@ async def test_a_page_of_another_site_is_turned_away() -> None:
         ('{"op": "publish"}', "publish: Object missing required field `topic`"),
         ('{"op": "publish", "topic": "/omni/cmd_vel", "msg": {"x": NaN}}', "That is no JSON"),
         ('{"op": "fly", "id": "7"}', "There is no such op here."),
-        ("[" * 100_000, "That is no JSON object with an op."),
+        ("[" * 8_000, "That is no JSON object with an op."),
+        ("[" * 8_001, "That has more than 8000 lists, objects and fields."),
         (
             '{"op": "fragment", "id": "1", "data": "{", "num": 0, "total": 2}',
             "Fragments are not put together here. Send each message whole.",
@@ -345,3 +352,104 @@ async def test_a_flood_keeps_no_stop_waiting() -> None:
                 assert stopped.json()["at_rest"] is True
             finally:
                 flooding.cancel()
+
+
+async def test_zeros_of_another_connection_let_nobody_drive_on_after_a_stop() -> None:
+    async with served() as place:
+        hal = await place.program("operator")
+        key = str(hal.headers["authorization"]).removeprefix("Bearer ")
+        async with bridge(place, key) as controller, bridge(place, key) as stick:
+            publishing = asyncio.create_task(drive(controller, 4.0))
+            await place.until(lambda: x_m(place) > 0.02)
+            await hal.post("/v1/stop", json={"robots": ["omni"]})
+            resting_m = x_m(place)
+            await hal.post("/v1/chat", json={"text": "resume omni"})
+            await drive(stick, 0.5, REST)
+            await publishing
+            assert x_m(place) == pytest.approx(resting_m, abs=1e-3)
+            assert "Publish zeros" in await controller.status()
+            await controller.say("set_level", level="info")
+            await drive(controller, 0.1, REST)
+            await drive(controller, 0.5)
+            assert "is driven by" in await controller.status("info")
+
+
+async def test_a_connection_is_of_one_key() -> None:
+    async with served() as place:
+        first, second = await place.key("operator"), await place.key("viewer", name="Sal")
+        async with bridge(place, first) as client:
+            await client.say("auth", key=second)
+            assert "known by another key" in await client.status()
+            await client.say("set_level", level="info")
+            await client.say("auth", key=first)
+            assert await client.status("info") == "You are known by that key now."
+
+
+class SlowStore(MemoryStore):
+    """A store whose disk takes its time, once it is told to."""
+
+    slow_s = 0.0
+
+    async def write(self, *records: Record) -> None:
+        await asyncio.sleep(self.slow_s)
+        await super().write(*records)
+
+
+async def test_a_message_that_has_waited_for_a_slow_disk_moves_nothing() -> None:
+    store = SlowStore()
+    async with served(store=store) as place, bridge(place, await place.key("operator")) as client:
+        store.slow_s = 0.6
+        await client.say("set_level", level="info")
+        await client.say("publish", topic=CMD_VEL, msg=AHEAD)
+        assert "is driven by" in await client.status("info")
+        store.slow_s = 0.0
+        assert "never said anything" in await client.status("warning")
+        assert x_m(place) == 0
+
+
+class StoppedGraph:
+    """What stands for a graph whose topics are opened for ever, and that has a stop service."""
+
+    stop_service = "/omni/stop"
+    reported = dict.fromkeys((f"/omni/t{n}" for n in range(TASKS_AT_MOST)), "std_msgs/msg/String")
+
+    async def listen(self, *_: object) -> None:
+        await asyncio.Event().wait()
+
+
+async def test_a_stop_service_is_called_however_much_is_under_way(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with served() as place, bridge(place, await place.key("operator")) as client:
+        linker = place.gateway.rooms.linker
+        graph = {"omni": StoppedGraph()}
+        monkeypatch.setattr(linker, "graph_topics", graph.get)
+        for name in StoppedGraph.reported:
+            await client.say("subscribe", topic=name)
+        await client.say("call_service", service="/omni/home", id="more")
+        assert "Too much of yours is under way. Wait" in await client.status()
+        await client.say("call_service", service="/omni/stop", id="stop")
+        assert await client.status() == (
+            "The stop was given. Too much of yours is under way to answer it."
+        )
+        await place.until(lambda: place.gateway.rooms.stops["omni"].latched)
+
+
+async def test_a_ticket_is_void_after_a_minute_and_when_its_caller_is_known_no_more(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with served() as place:
+        hal = await place.program("operator")
+
+        async def refused(path: str) -> tuple[int, str]:
+            async with bridge(place, path=path) as client:
+                return await closed(client)
+
+        tickets = [(await hal.post("/v1/tickets")).json()["ticket"] for _ in range(2)]
+        clock = place.server.context.kernel.machine_clock
+        with monkeypatch.context() as later:
+            now_ns = clock.monotonic_ns
+            later.setattr(clock, "monotonic_ns", lambda: now_ns() + 61 * SECOND_NS)
+            assert (await refused(f"/rosbridge?ticket={tickets[0]}"))[0] == 4401
+        await ask_as_operator(place.gateway, AdminVerb.REVOKE, "Hal")
+        assert (await refused(f"/rosbridge?ticket={tickets[1]}"))[0] == 4401

@@ -6,6 +6,7 @@ from tests.planted.faults import Fault
 
 API = "tests/api/test_rosbridge.py"
 PORT = "tests/api/test_rosbridge_port.py"
+FLOODS = "tests/api/test_floods.py"
 
 OF_ROSBRIDGE = (
     Fault(
@@ -37,8 +38,48 @@ OF_ROSBRIDGE = (
     Fault(
         name="a cookie counts for a page elsewhere",
         file="api/access_checks.py",
-        guard="if self._is_named_page(scope, headers):",
+        guard="if self._is_named_page(scope, headers) or _is_keyed(scope):",
         without="if False:",
         caught_by=(f"{PORT}::test_a_cookie_is_worth_nothing_to_a_page_elsewhere",),
+    ),
+    Fault(
+        name="a head without its body keeps its place",
+        file="api/connections.py",
+        guard="        if self.parser.should_upgrade():\n",
+        without="        if True:\n",
+        caught_by=(f"{FLOODS}::test_heads_without_their_bodies_keep_nobody_from_stopping",),
+    ),
+    Fault(
+        name="every stop of a flood is given by itself",
+        file="api/stops.py",
+        guard="if wait_s <= 0:",
+        without="if True:",
+        caught_by=(
+            f"{FLOODS}::test_a_flood_of_stops_of_one_caller_is_given_as_few_and_none_is_lost",
+        ),
+    ),
+    Fault(
+        name="what goes on publishing after a stop drives on",
+        file="api/rosbridge/drive.py",
+        guard="if self._driven.held(*self._key) > self._rested:",
+        without="if False:",
+        caught_by=(f"{API}::test_zeros_of_another_connection_let_nobody_drive_on_after_a_stop",),
+    ),
+    Fault(
+        name="a second key takes over what the first has opened",
+        file="api/rosbridge/connection.py",
+        guard="if self.caller is not None and self.caller.secret != caller.secret:",
+        without="if False:",
+        caught_by=(f"{API}::test_a_connection_is_of_one_key",),
+    ),
+    Fault(
+        name="what waited while the gateway stood still counts as new",
+        file="messengers/program/messenger.py",
+        guard="sent_ns=now_ns - self.waited_ns(),",
+        without="sent_ns=now_ns,",
+        caught_by=(
+            "tests/api/test_orders.py::"
+            "test_what_waited_while_the_gateway_stood_still_moves_nothing_and_a_stop_stops",
+        ),
     ),
 )

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Final
-from urllib.parse import urlsplit
+from urllib.parse import parse_qs, urlsplit
 
 import msgspec
 
@@ -32,8 +32,11 @@ if TYPE_CHECKING:
     App: TypeAlias = Callable[[Any, Any, Any], Awaitable[None]]
 
 BODY_BYTES: Final = 262_144
+OPEN_BYTES: Final = 16_384
+"""Of a body to what is open to everybody: signing in."""
 FILE_BYTES: Final = 25_000_000
 FILES_PATH: Final = "/v1/files"
+OPEN_PATH: Final = "/v1/sessions"
 KEYED_PATHS: Final = frozenset({"/foxglove"})
 """What shows and changes nothing, to programs that can show a key in an address alone."""
 BRIDGE_PATHS: Final = frozenset({ROSBRIDGE, ""})
@@ -102,14 +105,14 @@ class AccessChecks:
             await _refuse(scope, send, refusal, self._headers)
             return
         if scope["type"] == "websocket":
-            if self._is_named_page(scope, headers):
+            if self._is_named_page(scope, headers) or _is_keyed(scope):
                 scope["headers"] = [pair for pair in scope["headers"] if pair[0] != b"cookie"]
             await self._app(scope, receive, send)
             return
         is_file = scope["path"].startswith(FILES_PATH)
-        most = FILE_BYTES if is_file else BODY_BYTES
         within_s = self._limits.file_s if is_file else self._limits.body_s
-        await self._app(scope, _bounded(receive, most, within_s), self._dressed(scope, send))
+        bounded = _bounded(receive, _bytes_at_most(scope["path"]), within_s)
+        await self._app(scope, bounded, self._dressed(scope, send))
 
     def _refusal(self, scope: Scope, headers: dict[bytes, bytes]) -> Problem | None:
         host = headers.get(b"host", b"").decode("latin-1")
@@ -120,8 +123,7 @@ class AccessChecks:
         if not safe and (why := self._foreign(headers, host)):
             return problem("wrong-origin", why, status=HTTPStatus.FORBIDDEN)
         length = headers.get(b"content-length", b"0")
-        most = FILE_BYTES if scope["path"].startswith(FILES_PATH) else BODY_BYTES
-        if not length.isdigit() or int(length[:12]) > most:
+        if not length.isdigit() or int(length[:12]) > _bytes_at_most(scope["path"]):
             return problem("too-large", TOO_LARGE, status=HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
         return None
 
@@ -141,7 +143,7 @@ class AccessChecks:
         origin, site = headers.get(b"origin"), headers.get(b"sec-fetch-site")
         if site is not None and site.decode("latin-1") not in SITES:
             return WRONG_ORIGIN
-        if origin is not None and urlsplit(origin.decode("latin-1")).netloc != host:
+        if origin is not None and _site(origin) != host:
             return WRONG_ORIGIN
         by_cookie = self._cookie in headers.get(b"cookie", b"")
         shown = headers.get(b"authorization")
@@ -172,9 +174,25 @@ def _is_keyed(scope: Scope) -> bool:
     """
     if scope["type"] != "websocket" or scope["path"] not in KEYED_PATHS:
         return False
-    return any(
-        part.startswith(b"key=") and part != b"key=" for part in scope["query_string"].split(b"&")
-    )
+    try:
+        query = parse_qs(scope["query_string"].decode("latin-1"), True, max_num_fields=8)
+    except ValueError:
+        return False
+    return len(query.get("key", ())) == 1 and query["key"] != [""]
+
+
+def _bytes_at_most(path: str) -> int:
+    if path.startswith(FILES_PATH):
+        return FILE_BYTES
+    return OPEN_BYTES if path.startswith(OPEN_PATH) else BODY_BYTES
+
+
+def _site(origin: bytes) -> str:
+    """Return host and port of a page; empty where that cannot be read, which is nobody's."""
+    try:
+        return urlsplit(origin.decode("latin-1")).netloc
+    except ValueError:
+        return ""
 
 
 def _bounded(receive: Receive, most: int, within_s: float) -> Receive:

@@ -55,7 +55,11 @@ LOOK_S: Final = 0.2
 CHUNK: Final = 50
 """Robots that are looked at in one step."""
 SEND_WITHIN_S: Final = 5.0
+STEP_S: Final = 0.002
+"""After so long at one client's messages the loop has its turn."""
 WAITING_AT_MOST: Final = 4_096
+STOPS_AT_MOST: Final = 32
+"""Stops of one connection whose answers are waited for; more are given all the same."""
 LISTENERS_AT_MOST: Final = 200
 EACH_AT_MOST: Final = 16
 """Connections of one caller."""
@@ -63,6 +67,7 @@ MESSAGE_BYTES: Final = 65_536
 SLOW: Final = 1013
 MANY: Final = "Too many connections listen already. Close one first."
 NOT_READ: Final = "That is no message of this protocol."
+TOO_MANY_STOPS: Final = "It was given; so many were that this one has no answer of its own."
 TOO_SLOW: Final = "You take too little of what happens, so you are told nothing more. Come again."
 
 Said: TypeAlias = Subscribe | StopRequest | Ping | Jog
@@ -86,6 +91,7 @@ class Listener:
         self.topics: frozenset[str] = frozenset()
         self.overflowed = False
         self.seen: dict[RobotId, RobotOut] = {}
+        self._stops = 0
         self._waiting: OrderedDict[str, Event] = OrderedDict()
         self._news = asyncio.Event()
 
@@ -93,6 +99,16 @@ class Listener:
         """Hear of these, and of nothing else."""
         self.topics = topics
         self.seen.clear()
+
+    def begin_stop(self) -> bool:
+        """Count a stop whose answer is waited for; return False where there are too many."""
+        counts = self._stops < STOPS_AT_MOST
+        self._stops += counts
+        return counts
+
+    def end_stop(self) -> None:
+        """Count one less."""
+        self._stops -= 1
 
     def put(self, key: str, event: Event) -> None:
         """Have something told; in place of what is older under the same key, and untold."""
@@ -175,8 +191,13 @@ class EventStream:
         group: asyncio.TaskGroup,
         jogs: JogSessions,
     ) -> None:
+        loop = asyncio.get_running_loop()
+        until_s = loop.time() + STEP_S
         with contextlib.suppress(WebSocketDisconnect):
             async for text in connection.iter_data("text"):
+                if loop.time() > until_s:
+                    await asyncio.sleep(0)
+                    until_s = loop.time() + STEP_S
                 heard = _said_in(text)
                 if isinstance(heard, Jog):
                     jogs.take(heard)
@@ -184,8 +205,11 @@ class EventStream:
                     self._heard(heard, listener, group)
 
     def _heard(self, heard: Said | None, listener: Listener, group: asyncio.TaskGroup) -> None:
-        if isinstance(heard, StopRequest):
+        if isinstance(heard, StopRequest) and listener.begin_stop():
             group.create_task(self._stop(listener, heard))
+        elif isinstance(heard, StopRequest):
+            self._speech.give_stop(listener.caller, heard.robots)
+            listener.put("stop", ProblemEvent(problem("busy", TOO_MANY_STOPS)))
         elif isinstance(heard, Subscribe):
             self._subscribe(listener, frozenset(heard.topics))
         elif isinstance(heard, Ping):
@@ -201,6 +225,8 @@ class EventStream:
             listener.put(f"stop {heard.id}", ProblemEvent(problem_of(why, sentence), heard.id))
         else:
             listener.put(f"stop {heard.id}", StopEvent(heard.id, result))
+        finally:
+            listener.end_stop()
 
     async def _tell(self, connection: WebSocket[Any, Any, Any], listener: Listener) -> None:
         while True:

@@ -14,7 +14,8 @@ import msgspec
 from rosic.api.schemas import Name
 from rosic.core.i18n import said
 from rosic.core.message import AnswerState
-from rosic.core.sample_gate import SampleVerdict
+from rosic.core.sample_gate import LATE_S, SampleVerdict
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import RosicError
 from rosic.gateway.live_control import LiveInput
 
@@ -189,6 +190,8 @@ class JogSessions:
             if session is not None:
                 session.release()
                 del self._sessions[sample.robot]
+        elif self._context.messenger(self._caller).waited_ns() > LATE_S * SECOND_NS:
+            return  # this process stood still: nobody knows how old it is
         elif session is not None:
             session.put(sample)
         elif len(self._sessions) < ROBOTS_AT_MOST:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.api.order_feed import order_id
 from rosic.api.problems import problem
 from rosic.api.schemas import AnswerOut, ChatIn, OrderOut, StopOut
+from rosic.api.stops import EVERYTHING, CallerStops
 from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.i18n import said
 from rosic.core.identity import PAGE
@@ -23,6 +24,8 @@ from rosic.errors import NotUnderstood
 from rosic.gateway.requests import line_id
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from rosic.api.callers import ApiCaller
     from rosic.api.context import ApiContext
     from rosic.api.order_feed import OrderEntry
@@ -34,6 +37,7 @@ ACCEPTED_WITHIN_S: Final = 10.0
 """So long an order may wait for the rooms before its caller is told that nothing is known of it."""
 AGREED_WITHIN_S: Final = 3_600.0
 """So long a program's question to a person is followed: longer than any question stands."""
+STOP_FOLLOWED_S: Final = 60.0
 PLACED_KEPT: Final = 4_000
 KEY_FORM: Final = re.compile(r"[!-~]{1,128}\Z")
 BAD_KEY: Final = said("Idempotency-Key is 1 to 128 letters, digits and signs, without a space.")
@@ -62,6 +66,7 @@ class PlacedOrder:
         text: The line that says it.
         id: Under which it is found in the feed: another one once a person had to agree to it.
         asked: What somebody is asked before it is done; empty: nobody is.
+        entry: The order, once it is accepted; kept when there are many newer ones.
         refused: Why it was refused.
         settled: It is accepted, asked about or refused.
     """
@@ -69,6 +74,7 @@ class PlacedOrder:
     def __init__(self, order: str, text: str) -> None:
         self.id, self.text = order, text
         self.asked = ""
+        self.entry: OrderEntry | None = None
         self.refused: Problem | None = None
         self.settled = asyncio.Event()
 
@@ -81,6 +87,7 @@ class CallerRequests:
         self._placed: OrderedDict[str, PlacedOrder] = OrderedDict()
         self._changed: dict[str, asyncio.Event] = {}
         self._following: BackgroundTasks[None] = BackgroundTasks()
+        self._stops = CallerStops(self._follow_stop)
         context.feed.changed.connect(self._note)
 
     async def close(self) -> None:
@@ -88,7 +95,7 @@ class CallerRequests:
         following = tuple(self._following)
         for task in following:
             task.cancel()
-        await asyncio.gather(*following, return_exceptions=True)
+        await asyncio.gather(*following, self._stops.close(), return_exceptions=True)
 
     # ---- orders ----
 
@@ -126,7 +133,7 @@ class CallerRequests:
             return OrderOut(placed.id, robot, wanted.skill, "unknown", over=False, text=late)
         if placed.refused is not None:
             raise RefusedOrder(placed.refused)
-        entry = context.feed[placed.id]
+        entry = placed.entry = context.feed[placed.id] or placed.entry
         if entry is None:
             return OrderOut(first, robot, wanted.skill, ASKED, over=False, text=placed.asked)
         if wanted.wait_s:
@@ -176,6 +183,7 @@ class CallerRequests:
     def _note(self, entry: OrderEntry) -> None:
         placed = self._placed.get(entry.id)
         if placed is not None:
+            placed.entry = entry
             placed.settled.set()
         changed = self._changed.pop(entry.id, None)
         if changed is not None:
@@ -205,13 +213,23 @@ class CallerRequests:
         Raises:
             MessengerFault: Nobody listens. Nothing was stopped.
         """
-        visible = self._context.visible(caller)
-        named = wanted.robots if visible.issuperset(wanted.robots) else ()
-        messenger = self._context.messenger(caller)
-        inbound = messenger.inbound(caller.address, " ".join(("stop", *named)))
-        call = messenger.begin(inbound)
         try:
             async with asyncio.timeout(wanted.wait_s):
+                return await asyncio.shield(self.give_stop(caller, wanted.robots))
+        except TimeoutError:
+            return StopOut(None, self._context.callers.read_by(STOP_GIVEN, caller))
+
+    def give_stop(self, caller: ApiCaller, robots: Iterable[str]) -> asyncio.Future[StopOut]:
+        """Give a stop, as `stop` does, and wait for nothing."""
+        named, visible = frozenset(robots), self._context.visible(caller)
+        return self._stops.give(caller, named if named <= visible else EVERYTHING)
+
+    async def _follow_stop(self, caller: ApiCaller, robots: frozenset[str]) -> StopOut:
+        messenger = self._context.messenger(caller)
+        inbound = messenger.inbound(caller.address, " ".join(("stop", *sorted(robots))))
+        call = messenger.begin(inbound)
+        try:
+            async with asyncio.timeout(STOP_FOLLOWED_S):
                 while True:
                     _, outbound = await call.news()
                     if outbound.state is not AnswerState.GOES_ON:

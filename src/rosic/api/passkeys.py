@@ -7,11 +7,11 @@ later without their chat. It is bound to the name of this page, so no other page
 from __future__ import annotations
 
 import json
-from collections import OrderedDict
+from hashlib import blake2b
+from hmac import compare_digest
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import urlsplit
 
-import msgspec
 import webauthn
 from webauthn.helpers import base64url_to_bytes, options_to_json
 from webauthn.helpers.exceptions import WebAuthnException
@@ -29,6 +29,8 @@ from rosic.core.time_units import MINUTE_NS
 from rosic.errors import NotPermitted, Unrecognised
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.api.callers import ApiCaller
     from rosic.api.settings import ApiSettings
     from rosic.authoriser.passkeys import Passkey
@@ -37,8 +39,10 @@ if TYPE_CHECKING:
     from rosic.gateway.access_registry import AccessRegistry
 
 CHALLENGE_NS: Final = 2 * MINUTE_NS
-CHALLENGES_AT_MOST: Final = 1_000
-NOBODY: Final = ""
+KEY_BYTES: Final = 32
+NONCE_BYTES, TIME_BYTES, CODE_BYTES = 16, 8, 16
+PLAIN_BYTES: Final = NONCE_BYTES + TIME_BYTES
+NOBODY: Final = PrincipalId("")
 NOT_GOOD: Final = said("That passkey is not good here. Sign in with a code from your chat: /signin")
 NO_NAME: Final = said(
     "Passkeys need a name of this page, not a number: say url and hosts in [api]."
@@ -46,33 +50,33 @@ NO_NAME: Final = said(
 ONLY_PEOPLE: Final = said("Only a person who has signed in on the page makes passkeys there.")
 
 
-class Challenge(msgspec.Struct, frozen=True):
-    """What an authenticator has to sign, once.
-
-    Attributes:
-        principal: Who makes a passkey; empty: whoever signs in.
-    """
-
-    challenge: bytes
-    principal: PrincipalId
-    ends_ns: int
-
-
 class PasskeyCeremonies:
-    """Offers and checks the ceremonies, and keeps their challenges: in memory, for minutes.
+    """Offers and checks the ceremonies.
+
+    A challenge says itself until when it is good and for whom, under a code of this process, so
+    that nothing is kept for strangers who only ask. Those that were passed are kept till they end:
+    each is good once.
 
     Args:
         access: Knows passkeys and sessions.
         settings: By which name the page is reached.
         place: How this place is called.
+        token: Returns so many random bytes.
     """
 
-    def __init__(self, access: AccessRegistry, settings: ApiSettings, place: str) -> None:
-        self._access, self._place = access, place
+    def __init__(
+        self,
+        access: AccessRegistry,
+        settings: ApiSettings,
+        place: str,
+        token: Callable[[int], bytes],
+    ) -> None:
+        self._access, self._place, self._token = access, place, token
         address = urlsplit(settings.reached_at)
         self._party = address.hostname or ""
         self._origin = f"{address.scheme}://{address.netloc}"
-        self._challenges: OrderedDict[bytes, Challenge] = OrderedDict()
+        self._code_key = token(KEY_BYTES)
+        self._passed: dict[bytes, int] = {}
 
     @property
     def possible(self) -> bool:
@@ -98,6 +102,7 @@ class PasskeyCeremonies:
         options = webauthn.generate_registration_options(
             rp_id=self._party,
             rp_name=self._place,
+            challenge=self._challenge(caller.principal),
             user_id=caller.principal.encode(),
             user_name=caller.name,
             authenticator_selection=AuthenticatorSelectionCriteria(
@@ -106,7 +111,6 @@ class PasskeyCeremonies:
             ),
             exclude_credentials=[PublicKeyCredentialDescriptor(id=p.credential) for p in known],
         )
-        self._keep(options.challenge, caller.principal)
         return _read(options_to_json(options))
 
     def made(self, caller: ApiCaller, credential: dict[str, Any], name: str) -> Fact:
@@ -128,6 +132,7 @@ class PasskeyCeremonies:
             )
         except (WebAuthnException, ValueError, TypeError, KeyError) as wrong:
             raise Unrecognised(NOT_GOOD) from wrong
+        self._pass(challenge)
         return self._access.passkeys.add(
             caller.principal,
             verified.credential_id,
@@ -146,9 +151,10 @@ class PasskeyCeremonies:
         """
         self._check_possible()
         options = webauthn.generate_authentication_options(
-            rp_id=self._party, user_verification=UserVerificationRequirement.REQUIRED
+            rp_id=self._party,
+            challenge=self._challenge(NOBODY),
+            user_verification=UserVerificationRequirement.REQUIRED,
         )
-        self._keep(options.challenge, NOBODY)
         return _read(options_to_json(options))
 
     def redeem(self, credential: dict[str, Any]) -> tuple[Secret, tuple[Fact, ...]]:
@@ -175,6 +181,7 @@ class PasskeyCeremonies:
             raise counters.refuse("passkey", why) from None
         except (WebAuthnException, ValueError, TypeError, KeyError) as wrong:
             raise counters.refuse("passkey", Unrecognised(NOT_GOOD)) from wrong
+        self._pass(challenge)
         token, session = self._access.page_sessions.begin(passkey.principal)
         return token, (passkeys.used(passkey, verified.new_sign_count), session)
 
@@ -191,28 +198,39 @@ class PasskeyCeremonies:
         if not self.possible:
             raise NotPermitted(NO_NAME)
 
-    def _keep(self, challenge: bytes, principal: PrincipalId) -> None:
+    def _challenge(self, principal: PrincipalId) -> bytes:
+        """Return what an authenticator has to sign; for ``NOBODY``: whoever signs in."""
         ends_ns = self._access.time.wall_ns() + CHALLENGE_NS
-        self._challenges[challenge] = Challenge(challenge, principal, ends_ns)
-        if len(self._challenges) > CHALLENGES_AT_MOST:
-            self._challenges.popitem(last=False)
+        plain = self._token(NONCE_BYTES) + ends_ns.to_bytes(TIME_BYTES)
+        return plain + self._code(plain, principal)
+
+    def _code(self, plain: bytes, principal: PrincipalId) -> bytes:
+        whole = plain + principal.encode()
+        return blake2b(whole, key=self._code_key, digest_size=CODE_BYTES).digest()
 
     def _take(self, credential: dict[str, Any], principal: PrincipalId) -> bytes:
-        """Return the challenge that a credential answers; it is good once.
+        """Return the challenge that a credential answers.
 
         Raises:
-            Unrecognised: It answers none of ours, or too late.
+            Unrecognised: It answers none of ours, or too late, or one that was passed.
         """
         try:
             client = json.loads(base64url_to_bytes(credential["response"]["clientDataJSON"]))
             answered = base64url_to_bytes(client["challenge"])
-        except (KeyError, TypeError, ValueError, AttributeError) as wrong:
+        except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as wrong:
             raise Unrecognised(NOT_GOOD) from wrong
-        known = self._challenges.pop(answered, None)
-        now_ns = self._access.time.wall_ns()
-        if known is None or known.principal != principal or known.ends_ns <= now_ns:
+        plain, code = answered[:PLAIN_BYTES], answered[PLAIN_BYTES:]
+        ours = compare_digest(code, self._code(plain, principal))
+        ends_ns = int.from_bytes(plain[NONCE_BYTES:])
+        if not ours or answered in self._passed or ends_ns <= self._access.time.wall_ns():
             raise Unrecognised(NOT_GOOD)
-        return known.challenge
+        return answered
+
+    def _pass(self, challenge: bytes) -> None:
+        """Let a challenge be good no more; those that have ended need not be kept."""
+        now_ns = self._access.time.wall_ns()
+        self._passed = {one: ends for one, ends in self._passed.items() if ends > now_ns}
+        self._passed[challenge] = int.from_bytes(challenge[NONCE_BYTES:PLAIN_BYTES])
 
 
 def _read(text: str) -> dict[str, Any]:

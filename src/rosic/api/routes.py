@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any
 
-from litestar import Response, WebSocket, delete, get, post, websocket
+from litestar import Request, Response, WebSocket, delete, get, post, websocket
 from litestar.di import NamedDependency
 from litestar.params import FromPath, HeaderParameter, JSONBody, QueryParameter, SkipValidation
 from litestar.status_codes import (
@@ -18,6 +18,7 @@ from rosic.api.callers import ApiCaller
 from rosic.api.context import ApiContext
 from rosic.api.events import EventStream
 from rosic.api.ordering import CallerRequests
+from rosic.api.read_rates import asking_from
 from rosic.api.schemas import (
     AnswerOut,
     ChatIn,
@@ -176,9 +177,12 @@ async def conversation(api: Api, caller: Who) -> list[PageMessage]:
     tags=["sessions"],
     opt={OPEN: True},
 )
-async def sign_in(api: Api, data: JSONBody[SignIn]) -> Response[IdentityOut]:
+async def sign_in(
+    request: Request[Any, Any, Any], api: Api, data: JSONBody[SignIn]
+) -> Response[IdentityOut]:
     """Begin a session with a code from one's own chat: write /signin there."""
-    token, fact = api.kernel.access.page_sessions.redeem(data.code)
+    place = asking_from("" if request.client is None else request.client.host)
+    token, fact = api.kernel.access.page_sessions.redeem(data.code, place)
     await api.begin_session(fact)
     return signed_in(api, token)
 

@@ -73,6 +73,7 @@ CLIENTS_AT_MOST: Final = 256
 CHECKS: Final = "/check"
 """What only looks what an order would come to counts as a read."""
 FAILED: Final = "Something went wrong here. It is not known what was done; please look."
+TOO_DEEP: Final = "That is nested too deeply. Nothing was done."
 NOT_HERE: Final = "There is nothing at this address."
 WRONG_METHOD: Final = "That cannot be done at this address."
 
@@ -208,7 +209,9 @@ class ApiServer:
         except ImportError:
             return (), {}
         kernel = self.context.kernel
-        ceremonies = PasskeyCeremonies(kernel.access, self._settings, kernel.site.name)
+        ceremonies = PasskeyCeremonies(
+            kernel.access, self._settings, kernel.site.name, kernel.entropy.token
+        )
         return PASSKEYS, {"ceremonies": Provide(lambda: ceremonies, sync_to_thread=False)}
 
     def _application(self) -> Litestar:
@@ -306,6 +309,8 @@ class ApiServer:
         return answer(problem_of(error, sentence))
 
     def _failed(self, request: Request[Any, Any, Any], error: Exception) -> Response[bytes]:
+        if isinstance(error, RecursionError):  # of reading what was sent, before anything was done
+            return answer(problem("not-understood", TOO_DEEP, status=400))
         log.error("%s %s failed", request.method, request.url.path, exc_info=error)
         return answer(problem("fault", FAILED, status=500))
 

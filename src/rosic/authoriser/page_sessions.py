@@ -38,6 +38,9 @@ CODES_AT_MOST: Final = 1_000
 SESSIONS_EACH: Final = 8
 """Of one person at a time: the oldest gives way."""
 GUESSES: Final = RateLimit(burst=10.0, per_s=0.1)
+PLACES_AT_MOST: Final = 10_000
+"""From which wrong codes are counted. A code has 40 bits: 10,000 places that guess as fast as they
+may for its five minutes find it with a chance of one in 2.7 million."""
 """Wrong codes of everybody together: 40 bits withstand so many for longer than a code is good."""
 
 NO_CODE: Final = said(
@@ -95,7 +98,7 @@ class PageSessions:
         self._codes: OrderedDict[bytes, OneTimeCode] = OrderedDict()
         self._sessions: dict[str, PageSession] = {}
         self._by_digest: dict[bytes, str] = {}
-        self._guesses = Bucket(GUESSES, time.monotonic_ns())
+        self._guesses: dict[str, Bucket] = {}
 
     # ---- signing in ----
 
@@ -118,19 +121,26 @@ class PageSessions:
             return ()
         return tuple(code for code in codes_in(text) if _digest(code) in self._codes)
 
-    def redeem(self, text: str) -> tuple[Secret, Fact]:
+    def redeem(self, text: str, place: str) -> tuple[Secret, Fact]:
         """Return the token of a new session, and what makes it one; the code is used up.
+
+        Args:
+            text: As somebody has typed it.
+            place: From which network it came: who guesses there keeps nobody elsewhere waiting.
 
         Raises:
             Unrecognised: The code is not good. It is counted.
-            TooManyRequests: Too many codes were wrong. This one was not looked at.
+            TooManyRequests: Too many codes from there were wrong. This one was not looked at.
         """
-        now_ns = self._time.monotonic_ns()
-        if (wait_s := self._guesses.wait_s(now_ns, 1.0)) > 0:
+        now_ns, guesses = self._time.monotonic_ns(), self._guesses.pop(place, None)
+        guesses = self._guesses[place] = guesses or Bucket(GUESSES, now_ns)
+        if len(self._guesses) > PLACES_AT_MOST:
+            del self._guesses[next(iter(self._guesses))]
+        if (wait_s := guesses.wait_s(now_ns, 1.0)) > 0:
             raise TooManyRequests(GUESSED, retry_after_s=wait_s, own=False)
         code = self._codes.pop(_digest(normal(text) or ""), None)
         if code is None or code.ends_ns <= self._time.wall_ns():
-            self._guesses.take(now_ns)
+            guesses.take(now_ns)
             raise self._counters.refuse("page-code", Unrecognised(NO_CODE))
         return self.begin(code.principal)
 

@@ -36,7 +36,7 @@ from rosic.core.records import Enrolled, KeyIssued, KeyRevoked, PersonRecord
 from rosic.core.robot.skill import SkillClass
 from rosic.core.signal import Deferred
 from rosic.core.slot import SERIES, SLOT
-from rosic.errors import NotPermitted, Refusal, TooManyRequests
+from rosic.errors import NotPermitted, NotUnderstood, Refusal, TooManyRequests
 from rosic.gateway.policy_service import key_of
 from rosic.gateway.transactions import Transactions
 from rosic.organiser.access_requests import ACCESS_REQUEST, AccessRequests
@@ -327,6 +327,10 @@ class AbuseResponse:
     async def _invalidate(self, caller: Caller, said: InvalidateKey) -> None:
         """End a key by rule: at once, written as soon as it can be, and both sides are told."""
         if not said.spare:
-            await self._changes.take_away(self._keys.revoke(caller.key, RULE).records)
+            try:
+                revoked = self._keys.revoke(caller.key, RULE)
+            except NotUnderstood:  # it has ended meanwhile, and who had to know was told
+                return
+            await self._changes.take_away(revoked.records)
             self._reach.tell((caller.principal,), said.to_person)
         self._reach.tell(admins_of(self._organiser), said.to_admins, urgent=True)

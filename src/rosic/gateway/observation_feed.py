@@ -30,6 +30,8 @@ SHOW_EVERY_S: Final = {ViewKind.MAP: 2.0, ViewKind.PICTURE: 0.2}
 STEPS_AT_MOST: Final = 1_000
 HEARD_AT_MOST: Final = 500
 """Frames of the other end in a second; whoever sends more has gone wrong."""
+HEARD_BYTES: Final = 65_536
+"""Of all of them that wait; what another end has to say is short."""
 
 
 class ObservationFeed:
@@ -49,7 +51,7 @@ class ObservationFeed:
         self._newest: dict[tuple[str, RobotId], Observation] = {}
         self._steps: deque[Observation] = deque(maxlen=STEPS_AT_MOST)
         self._heard: deque[Frame] = deque()
-        self._since_ns = self._count = 0
+        self._since_ns = self._count = self._heard_bytes = 0
         self._shows: dict[tuple[RobotId, ViewKind], asyncio.Task[None]] = {}
         self._news = asyncio.Event()
 
@@ -69,8 +71,10 @@ class ObservationFeed:
         if now_ns - self._since_ns >= SECOND_NS:
             self._since_ns, self._count = now_ns, 0
         self._count += 1
-        if self._count > HEARD_AT_MOST:
+        self._heard_bytes += len(frame)
+        if self._count > HEARD_AT_MOST or self._heard_bytes > HEARD_BYTES:
             self.overflowed = True
+            self._heard.clear()
         else:
             self._heard.append(frame)
         self._news.set()
@@ -115,6 +119,7 @@ class ObservationFeed:
     def _batch(self) -> tuple[list[Frame], list[Observation]]:
         heard, seen = list(self._heard), [*self._steps, *self._newest.values()]
         self._heard.clear()
+        self._heard_bytes = 0
         self._steps.clear()
         self._newest.clear()
         return heard, seen

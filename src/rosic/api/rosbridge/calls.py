@@ -108,6 +108,13 @@ class ClientCalls:
         self._say(ServiceResponse(heard.service, values, good, given_id(heard.id)))
         return refused
 
+    def gives_stop(self, heard: CallService) -> bool:
+        """Give the stop that a service stands for, and wait for nothing; False: it is none."""
+        robot = self._bindings.stops(self._caller, heard.service)
+        if robot is not None:
+            self._speech.give_stop(self._caller, (robot,))
+        return robot is not None
+
     async def _called(self, heard: CallService) -> tuple[Any, bool]:
         request = heard.args if isinstance(heard.args, dict) else {}
         answer = self._introspection.answer(self._caller, heard.service, request)

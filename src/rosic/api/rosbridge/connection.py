@@ -10,7 +10,6 @@ from rosic.api.callers import NO_KEY
 from rosic.api.rosbridge.drive import TopicDriver
 from rosic.api.rosbridge.messages import (
     LEVELS,
-    NOT_READ,
     Advertise,
     Authenticate,
     CallService,
@@ -56,14 +55,18 @@ QUEUE_MOST: Final = 1_000
 AGAIN_S: Final = 1.0
 """The same refusal is told, and written down, at most so often."""
 TRIES: Final = 3
+UNKNOWN_BYTES: Final = 4_096
+"""Of a message from whoever is not known yet: a key is shorter."""
 NO_FRAGMENTS: Final = said("Fragments are not put together here. Send each message whole.")
 NO_SERVERS: Final = said("Nobody offers services or actions from here.")
 NOT_DONE: Final = said("There is no such op here.")
 TOO_MANY_TOPICS: Final = said("You use too many topics already.")
 TOO_MUCH: Final = said("Too much of yours is under way. Wait for an answer first.")
+STOP_GIVEN: Final = said("The stop was given. Too much of yours is under way to answer it.")
 NOT_READABLE: Final = said("That topic is not read from here.")
 FRAGMENTS_OUT: Final = said("Messages are sent whole here, whatever their size.")
 KNOWN: Final = said("You are known by that key now.")
+OTHER_KEY: Final = said("You are known by another key here. Open a connection for each key.")
 _SERVING: Final = frozenset(
     {
         "advertise_service",
@@ -131,7 +134,9 @@ class RosbridgeConnection:
 
     async def hear(self, text: str | None) -> None:
         """Follow one message; whatever is wrong with it is told."""
-        heard = RefusedMessage(NOT_READ) if text is None else read(text)
+        if text is None or (self.caller is None and len(text) > UNKNOWN_BYTES):
+            text = ""
+        heard = read(text)
         if isinstance(heard, Publish) and (used := self._publishing.get(heard.topic)) is not None:
             try:
                 self._publish(used, heard)
@@ -176,11 +181,13 @@ class RosbridgeConnection:
         self._tries += 1
         try:
             shown = f"Bearer {heard.key or heard.mac}"
-            self.caller = self._parts.context.callers.identify(shown, "")
+            caller = self._parts.context.callers.identify(shown, "")
         except Unrecognised:
             self.rejected = self._tries >= TRIES
             raise
-        self._calls = None
+        if self.caller is not None and self.caller.secret != caller.secret:
+            raise NotPermitted(OTHER_KEY)  # what the first one opened would stay open
+        self.caller = caller
         self._status("info", KNOWN, heard.id)
 
     # ---- publishing ----
@@ -289,6 +296,9 @@ class RosbridgeConnection:
         calls = self._calls
         if calls is None:
             calls = self._calls = self._parts.calls_of(caller, self.say)
+        if len(self._tasks) >= TASKS_AT_MOST:
+            given = isinstance(heard, CallService) and calls.gives_stop(heard)
+            raise TooManyRequests(STOP_GIVEN if given else TOO_MUCH, retry_after_s=1.0)
         if isinstance(heard, CallService):
             self._begin(self._noted(calls.call(heard), heard.service))
         elif isinstance(heard, SendActionGoal):

@@ -3,19 +3,19 @@
 The first message that is not zero begins the order, through the four rooms like any other; the
 messages after it are its samples, with the skill's bounds, its author's limits, and the dead man's
 law: 0.3 s without one, and the robot comes to rest. Zeros for a moment let go. Whatever else ended
-it, nothing moves again until the client has published zeros once: what goes on publishing after a
-stop, a refusal or a break does not drive by itself (I6).
+it, nothing moves again over a connection until that one has published zeros once: what goes on
+publishing after a stop, a refusal or a break does not drive by itself (I6).
 """
 
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from rosic.api.live_orders import LiveOrders
 from rosic.core.i18n import said
 from rosic.core.policy.query import Deny
-from rosic.core.sample_gate import SampleVerdict
+from rosic.core.sample_gate import LATE_S, SampleVerdict
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import RosicError
 from rosic.gateway.live_control import LiveInput
@@ -33,10 +33,10 @@ if TYPE_CHECKING:
 RELEASE_S: Final = 0.2
 """After nothing but zeros for so long the controls are let go, before they fall silent."""
 ACCEPTED_WITHIN_S: Final = 5.0
-TURN_WITHIN_S: Final = 2.0
 LOOK_S: Final = 0.004
 HELD_AT_MOST: Final = 10_000
 
+STOOD_STILL: Final = said("This gateway stood still, so that message may be old. Nothing was sent.")
 LATE: Final = said("Nothing was answered in time. Nothing was sent.")
 
 
@@ -45,18 +45,35 @@ class LiveTopics:
 
     Attributes:
         orders: Places orders that are steered.
-        held: Who has to publish zeros to which topic first.
     """
 
     def __init__(self, context: ApiContext) -> None:
         self.context, self.orders = context, LiveOrders(context)
-        self.held: dict[tuple[str, str], None] = {}
+        self._count = self._forgotten = 0
+        self._holds: dict[tuple[str, str], int] = {}
 
     def hold(self, principal: str, topic: str) -> None:
-        """Let somebody drive by a topic only after zeros."""
-        self.held[principal, topic] = None
-        if len(self.held) > HELD_AT_MOST:
-            del self.held[next(iter(self.held))]
+        """Let somebody drive by a topic only after zeros, over whichever connection."""
+        self._count += 1
+        self._holds.pop((principal, topic), None)
+        self._holds[principal, topic] = self._count
+        if len(self._holds) > HELD_AT_MOST:
+            self._forgotten = self._holds.pop(next(iter(self._holds)))
+
+    def held(self, principal: str, topic: str) -> int:
+        """Return the number of the hold that zeros have to follow; 0: there is none.
+
+        Of holds that are forgotten, as there are too many, everybody's zeros have to be newer.
+        """
+        return self._holds.get((principal, topic), self._forgotten)
+
+
+class _Newest(NamedTuple):
+    """The newest message: its values, when it was sent as it says, and when it came."""
+
+    values: dict[str, float]
+    sent_ns: int
+    came_ns: int
 
 
 class TopicDriver:
@@ -77,7 +94,8 @@ class TopicDriver:
         self._key = (caller.principal, live.topic)
         self._input: LiveInput | None = None
         self._driving: asyncio.Task[None] | None = None
-        self._newest: tuple[dict[str, float], int] = ({}, 0)
+        self._newest = _Newest({}, 0, 0)
+        self._rested = 0
         self._sequence = 0
         self._releasing: asyncio.TimerHandle | None = None
         self._complained: dict[str, int] = {}
@@ -92,9 +110,14 @@ class TopicDriver:
         """
         values = self._live.values(message)
         neutral = not any(values.values())
-        self._newest = (values, self._sent_ns(message))
+        waited_ns = self._context.messenger(self._caller).waited_ns()
+        came_ns = self._clock.monotonic_ns() - waited_ns
+        self._newest = _Newest(values, self._sent_ns(message), came_ns)
         if neutral:
-            self._driven.held.pop(self._key, None)
+            self._rested = self._driven.held(*self._key)
+        elif waited_ns > LATE_S * SECOND_NS:
+            self._complain("warning", STOOD_STILL)
+            return
         self._mind_release(neutral=neutral)
         steered = self._input
         if steered is not None and steered.end is None:
@@ -113,9 +136,9 @@ class TopicDriver:
         return self._clock.wall_ns()
 
     def _sample(self, steered: LiveInput) -> SampleResult:
-        values, sent_ns = self._newest
+        newest = self._newest
         self._sequence += 1
-        result = steered.put_si(values, sent_ns, self._sequence)
+        result = steered.put_si(newest.values, newest.sent_ns, self._sequence)
         if result.clamped:
             names = ", ".join(result.clamped)
             self._complain("warning", said("Brought within what is allowed: {names}.", names=names))
@@ -142,7 +165,7 @@ class TopicDriver:
     # ---- the order ----
 
     def _begin(self) -> None:
-        if self._key in self._driven.held:
+        if self._driven.held(*self._key) > self._rested:
             self._complain(
                 "error",
                 said(
@@ -213,9 +236,15 @@ class TopicDriver:
         return not isinstance(decision, Deny) and bool(decision.needs)
 
     async def _first_sample(self, steered: LiveInput) -> None:
-        """Let the newest message count as soon as the robot's turn has come."""
-        until_ns = self._clock.monotonic_ns() + int(TURN_WITHIN_S * SECOND_NS)
-        while self._clock.monotonic_ns() < until_ns and steered.end is None:
+        """Let the newest message count as soon as the robot's turn has come.
+
+        One that has waited for longer than a sample may does not count: the next one begins.
+        """
+        steered.measure(self._newest.sent_ns, self._newest.came_ns)
+        while steered.end is None:
+            waited_ns = self._clock.monotonic_ns() - self._newest.came_ns
+            if waited_ns > LATE_S * SECOND_NS:
+                return
             if self._sample(steered).verdict is not SampleVerdict.WAITING:
                 return
             await asyncio.sleep(LOOK_S)

@@ -8,6 +8,7 @@ import logging
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import parse_qs
 
+from rosic.api.read_rates import asking_from
 from rosic.api.rosbridge.calls import FollowedGoals
 from rosic.api.rosbridge.connection import RosbridgeConnection
 from rosic.api.rosbridge.drive import LiveTopics
@@ -15,6 +16,7 @@ from rosic.api.rosbridge.introspection import GraphIntrospection
 from rosic.api.rosbridge.orders import OrderBindings
 from rosic.api.rosbridge.shared import RefusalNotes, RosbridgeParts
 from rosic.api.rosbridge.topics import TopicDirectory, TopicHub
+from rosic.core.i18n import said
 from rosic.errors import Fault, Unrecognised
 
 if TYPE_CHECKING:
@@ -33,6 +35,8 @@ PATH: Final = "/rosbridge"
 CLIENTS_AT_MOST: Final = 200
 EACH_AT_MOST: Final = 128
 """Connections of one caller."""
+UNKNOWN_AT_MOST: Final = 16
+"""Connections from one place of whoever has yet to say who they are."""
 KNOWN_WITHIN_S: Final = 10.0
 TAKEN_WITHIN_S: Final = 5.0
 STEP_S: Final = 0.002
@@ -44,6 +48,7 @@ SLOW: Final = 1013
 MANY: Final = "Too many connections are open already. Close one first."
 TOO_SLOW: Final = "You take too little of what you are sent, so you are told nothing more."
 SOCKETS: Final = "Clients of rosbridge come in here, by a WebSocket."
+UNREAD: Final = said("That address cannot be read. Name a ticket in it, or nothing.")
 NOBODY: Final = "No key was shown in time. Show one by the op auth, in a header, or by a ticket."
 
 log = logging.getLogger("rosic.api")
@@ -72,7 +77,7 @@ class RosbridgeEndpoint:
             FollowedGoals(context),
             RefusalNotes(context),
         )
-        self._clients: set[RosbridgeConnection] = set()
+        self._clients: dict[RosbridgeConnection, str] = {}
 
     async def __call__(self, scope: Event, receive: Receive, send: Send) -> None:
         """Serve one client until either side leaves."""
@@ -83,15 +88,16 @@ class RosbridgeEndpoint:
         except Unrecognised as why:
             await _closed(send, ENDED, self._context.callers.read_by(why.sentence, None))
             return
-        if not self._has_room(caller):
+        place = asking_from(scope["client"][0] if scope.get("client") else "")
+        client = RosbridgeConnection(self._parts, caller)
+        if not self._has_room(client, place):
             await _closed(send, SLOW, MANY)
             return
-        client = RosbridgeConnection(self._parts, caller)
-        self._clients.add(client)
+        self._clients[client] = place
         try:
             await self._serve(client, receive, send)
         finally:
-            self._clients.discard(client)
+            del self._clients[client]
             await client.close()
 
     def _identified(self, scope: Event) -> ApiCaller | None:
@@ -102,7 +108,10 @@ class RosbridgeEndpoint:
         """
         headers = {name: value.decode("latin-1") for name, value in scope["headers"]}
         shown, cookies = headers.get(b"authorization", ""), headers.get(b"cookie", "")
-        query = parse_qs(scope["query_string"].decode("latin-1"), max_num_fields=8)
+        try:
+            query = parse_qs(scope["query_string"].decode("latin-1"), max_num_fields=8)
+        except ValueError:
+            raise Unrecognised(UNREAD) from None
         ticket = query.get("ticket", [""])[0]
         if ticket:
             return self._tickets.redeem(ticket)
@@ -111,14 +120,20 @@ class RosbridgeEndpoint:
             return callers.identify(shown, cookies)
         return None
 
-    def _has_room(self, caller: ApiCaller | None) -> bool:
+    def _has_room(self, client: RosbridgeConnection, place: str) -> bool:
+        """Whether there is room for one more: of its caller, or of whom nothing is known yet."""
         if len(self._clients) >= CLIENTS_AT_MOST:
             return False
-        who = None if caller is None else caller.principal
-        own = sum(
-            who == (None if one.caller is None else one.caller.principal) for one in self._clients
+        if client.caller is None:
+            unknown = [p for other, p in self._clients.items() if other.caller is None]
+            return unknown.count(place) < UNKNOWN_AT_MOST
+        return self._own(client.caller) < EACH_AT_MOST
+
+    def _own(self, caller: ApiCaller) -> int:
+        return sum(
+            other.caller is not None and other.caller.principal == caller.principal
+            for other in self._clients
         )
-        return own < EACH_AT_MOST
 
     async def _serve(self, client: RosbridgeConnection, receive: Receive, send: Send) -> None:
         try:
@@ -141,6 +156,7 @@ class RosbridgeEndpoint:
         """End the connection of whoever is not known any more, or takes too little."""
         loop = asyncio.get_running_loop()
         begun_s = looked_s = loop.time()
+        unknown = client.caller is None
         while True:
             await asyncio.sleep(LOOK_S)
             if client.outbox.overflowed or client.outbox.waits_s() > TAKEN_WITHIN_S:
@@ -148,6 +164,10 @@ class RosbridgeEndpoint:
             caller, now_s = client.caller, loop.time()
             if client.rejected or (caller is None and now_s - begun_s > KNOWN_WITHIN_S):
                 raise _Left(ENDED, NOBODY)
+            if unknown and caller is not None:
+                unknown = False
+                if self._own(caller) > EACH_AT_MOST:
+                    raise _Left(SLOW, MANY)
             if caller is None or now_s - looked_s < CHECK_S:
                 continue
             looked_s = now_s

@@ -15,7 +15,10 @@ if TYPE_CHECKING:
 
 NAME_MOST: Final = 256
 MESSAGE_BYTES: Final = 1 << 20
+PARTS_AT_MOST: Final = 8_000
+"""Lists, objects and fields in one message: making more of them would hold up everybody else."""
 NOT_READ: Final = "That is no JSON object with an op."
+TOO_MANY_PARTS: Final = f"That has more than {PARTS_AT_MOST} lists, objects and fields."
 LEVELS: Final = ("none", "error", "warning", "info")
 """Each tells of everything before it."""
 
@@ -149,6 +152,8 @@ class RefusedMessage(msgspec.Struct, frozen=True):
 
 def read(text: str) -> Heard | RefusedMessage:
     """Return what a client says, or what is wrong with it."""
+    if text.count("[") + text.count("{") + text.count('":') > PARTS_AT_MOST:
+        return RefusedMessage(TOO_MANY_PARTS)
     try:
         return _read(text)
     except RecursionError:

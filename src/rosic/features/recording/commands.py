@@ -21,6 +21,7 @@ from rosic.errors import (
     NotUnderstood,
     OutOfBounds,
     RecordUnavailable,
+    Refusal,
     TooManyRequests,
 )
 from rosic.features.recording import messages as words
@@ -118,15 +119,25 @@ class RecordingCommands:
         self, asked: CommandContext, robot: RobotId, for_s: float, *, pictures: bool
     ) -> Reply:
         who, shown = asked.caller.principal, self._kernel.rooms.profiles[robot].shown
-        if self._service.find(who, robot) is not None:
-            raise TooManyRequests(words.already(shown), retry_after_s=for_s)
-        self._service.check_possible()
+        self._check_possible(who, robot, for_s)
         file = await self.keeper.begin(asked, robot)
+        try:
+            self._check_possible(who, robot, for_s)  # others have begun meanwhile
+        except Refusal:
+            await self.keeper.drop(file.id)
+            raise
         recording = self._service.begin(who, (robot,), file.write, file.most_bytes)
-        self._tasks.begin(self._record(asked, recording, file.id, for_s, pictures=pictures))
+        task = self._tasks.begin(self._record(asked, recording, file.id, for_s, pictures=pictures))
+        task.add_done_callback(lambda _: self._service.drop(recording))
         text = words.begun(shown, for_s, pictures=pictures)
         end = Button(said("End it now"), f"/{RECORD} {robot} end")
         return Reply(text, ((end,),), about=robot)
+
+    def _check_possible(self, who: PrincipalId, robot: RobotId, for_s: float) -> None:
+        if self._service.find(who, robot) is not None:
+            shown = self._kernel.rooms.profiles[robot].shown
+            raise TooManyRequests(words.already(shown), retry_after_s=for_s)
+        self._service.check_possible()
 
     async def _record(
         self,

@@ -163,13 +163,14 @@ class RecordingService:
     def __init__(self, kernel: Kernel) -> None:
         self._kernel = kernel
         self._under_way: dict[Recording, tuple[RobotObserver, asyncio.Task[RecordingEnd]]] = {}
+        self._begun: dict[Recording, None] = {}
 
     def __len__(self) -> int:
-        return len(self._under_way)
+        return len(self._under_way) + len(self._begun)
 
     def find(self, principal: PrincipalId, robot: RobotId = "") -> Recording | None:
         """Return what is recorded for somebody: of a robot, or of any."""
-        for recording in self._under_way:
+        for recording in (*self._begun, *self._under_way):
             if recording.principal == principal and robot in {"", *recording.robots}:
                 return recording
         return None
@@ -196,7 +197,7 @@ class RecordingService:
     def begin(
         self, principal: PrincipalId, robots: Sequence[RobotId], write: WritePart, most_bytes: int
     ) -> Recording:
-        """Return a recording that has not begun.
+        """Return a recording that has yet to run, and counts from now on until it is over.
 
         Raises:
             NotPermitted: Recordings cannot be made here.
@@ -212,7 +213,14 @@ class RecordingService:
             "orders of others": "in words where the reader may read them, else without",
         }
         encoder = kernel.recorder.begin([recorded_robot(profile) for profile in profiles], about)
-        return Recording(principal, robots, encoder, write, kernel.machine_clock, most_bytes)
+        clock = kernel.machine_clock
+        recording = Recording(principal, robots, encoder, write, clock, most_bytes)
+        self._begun[recording] = None
+        return recording
+
+    def drop(self, recording: Recording) -> None:
+        """Let a recording that never ran count no more."""
+        self._begun.pop(recording, None)
 
     async def run(
         self, recording: Recording, for_s: float, *, pictures: bool = False
@@ -231,6 +239,7 @@ class RecordingService:
         wanted = (ViewKind.MAP, ViewKind.PICTURE) if pictures else (ViewKind.MAP,)
         sights = [(r, s) for r in recording.robots for s in wanted if profiles[r].offers(s)]
         task = asyncio.create_task(recording.run(observer, for_s, sights))
+        self.drop(recording)
         self._under_way[recording] = (observer, task)
         try:
             return await task

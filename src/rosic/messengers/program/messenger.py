@@ -20,6 +20,7 @@ from rosic.core.message import AnswerState, Chat, Inbound, IncomingFile, Outboun
 from rosic.core.traffic import TrafficCount, TrafficCounter
 from rosic.errors import MessengerFault
 from rosic.messengers.program.calls import OpenCalls, ToolCall, UnsolicitedMessages
+from rosic.messengers.program.standstill import StandstillWatch, running_ns
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -59,6 +60,7 @@ class ProgramMessenger:
         self._handing_over: asyncio.TaskGroup | None = None
         self._serial = count(1)
         self._traffic = TrafficCounter()
+        self._standstill = StandstillWatch(running_ns)
         self._uploads: dict[str, AsyncIterator[bytes]] = {}
         # Ids must not come again in another run: the record remembers them (I1).
         self._run_id = f"{clock.wall_ns():x}-{os.getpid()}"
@@ -171,11 +173,15 @@ class ProgramMessenger:
             chat=Chat(self.platform, address.account),
             message=message or self.next_id(),
             text=text,
-            sent_ns=now_ns,
+            sent_ns=now_ns - self.waited_ns(),
             received_ns=now_ns,
             # A clock that was set back makes no line older than it is: nothing waits here unread.
             listening_since_ns=min(self._since_ns, now_ns),
         )
+
+    def waited_ns(self) -> int:
+        """Return for how long at most what is read now has waited for this process to go on."""
+        return self._standstill.waited_ns()
 
     def hand_over(self, inbound: Inbound) -> None:
         """Hand a message over; one after another of a conversation is the pipeline's business.
@@ -205,7 +211,11 @@ class ProgramMessenger:
         try:
             async with asyncio.TaskGroup() as group:
                 self._receive, self._handing_over = receive, group
-                await self._listen()
+                watching = group.create_task(self._standstill.run())
+                try:
+                    await self._listen()
+                finally:
+                    watching.cancel()
         except ExceptionGroup as several:
             raise several.exceptions[0] from None
         finally:
