@@ -7,6 +7,8 @@ from tests.planted.faults import Fault
 API = "tests/api/test_rosbridge.py"
 PORT = "tests/api/test_rosbridge_port.py"
 FLOODS = "tests/api/test_floods.py"
+ORDERS = "tests/api/test_orders.py"
+STOOD_STILL = "test_what_waited_while_the_gateway_stood_still_moves_nothing_and_a_stop_stops"
 
 OF_ROSBRIDGE = (
     Fault(
@@ -77,9 +79,6 @@ OF_ROSBRIDGE = (
         file="messengers/program/messenger.py",
         guard="sent_ns=now_ns - self.waited_ns(),",
         without="sent_ns=now_ns,",
-        caught_by=(
-            "tests/api/test_orders.py::"
-            "test_what_waited_while_the_gateway_stood_still_moves_nothing_and_a_stop_stops",
-        ),
+        caught_by=(f"{ORDERS}::{STOOD_STILL}",),
     ),
 )
