@@ -218,6 +218,9 @@ class WaysWorld(World):
                 await turn.write(new.records)
             self._key = new.key.id
             self.keys.append(new.secret.reveal())
+        # A start may hold the loop for long.
+        while any(each.waited_ns() for each in messengers):  # noqa: ASYNC110 - nobody is told
+            await asyncio.sleep(0.02)
 
     # ---- who says what, by which way ----
 

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from rosic.api.settings import ServingLimits
 
 
-STEP_BYTES: Final = 8_192
-"""So much is looked at in one turn of the loop: some 1,400 frames, or 300 requests, at most."""
+STEP_BYTES: Final = 4_096
+"""So much is looked at in one turn of the loop: some 700 frames, or 150 requests, at most."""
 
 
 class PacedTransport:

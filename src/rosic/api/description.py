@@ -44,6 +44,10 @@ class DescribedProblems(JsonRenderPlugin):
         super().__init__(path=path)
         self._rendered = b""
 
+    def prepare(self, schema: dict[str, Any]) -> None:
+        """Render the description before anybody asks for it; it may be done on a thread."""
+        self._rendered = msgspec.json.encode(described(schema))
+
     def render(self, request: Request[Any, Any, Any], openapi_schema: dict[str, Any]) -> bytes:
         """Return the description."""
         if not self._rendered:

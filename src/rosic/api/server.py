@@ -67,6 +67,7 @@ if TYPE_CHECKING:
     _Request: TypeAlias = ASGIConnection[Any, Any, Any, Any]
 
 CLOSE_WITHIN_S: Final = 1
+DESCRIBED_AFTER_S: Final = 3.0
 CALLER: Final = "rosic-caller"
 CLIENTS_AT_MOST: Final = 256
 """Connections at a time on the port of rosbridge."""
@@ -127,6 +128,7 @@ class ApiServer:
         self.port = settings.listen.port
         self.rosbridge_port = 0 if settings.rosbridge is None else settings.rosbridge.port
         self._rates = ReadRates(kernel.machine_clock, settings.limits.reads)
+        self._description = DescribedProblems("/openapi.json")
         self.app = self._application()
         self._uvicorns: tuple[_Uvicorn, ...] = ()
 
@@ -164,13 +166,25 @@ class ApiServer:
         try:
             log.info("the API listens on %s", self._settings.listen)
             await asyncio.gather(
-                *(server.serve(sockets=[listener]) for server, listener in servers.items())
+                self._describe_soon(),
+                *(server.serve(sockets=[listener]) for server, listener in servers.items()),
             )
         finally:
             for server, listener in servers.items():
                 await server.end(listener)
             await self.stream.close()
             await self._speech.close()
+
+    async def _describe_soon(self) -> None:
+        """Have the description made once the start is over."""
+        await asyncio.sleep(DESCRIBED_AFTER_S)
+        await asyncio.to_thread(self._describe)
+
+    def _describe(self) -> None:
+        """Make the description, on a thread: whoever asks first would hold up everybody else."""
+        for plugin in self.app.plugins:
+            if (schema := getattr(plugin, "provide_openapi_schema", None)) is not None:
+                self._description.prepare(schema())  # it is kept there, too
 
     def _routed(self) -> App:
         served: App = RosbridgeRouter(self.app, self._rosbridge)
@@ -260,7 +274,7 @@ class ApiServer:
                 title="ROSIC",
                 version=__version__,
                 path="/v1/openapi",
-                render_plugins=[DescribedProblems("/openapi.json")],
+                render_plugins=[self._description],
             ),
             logging_config=None,
         )

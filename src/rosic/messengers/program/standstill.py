@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 LOOK_S: Final = 0.1
-STILL_NS: Final = 3 * SECOND_NS // 10
+STILL_NS: Final = SECOND_NS
 """A loop that is late by less has stood still for nobody."""
 AFTER_NS: Final = SECOND_NS
 """For so long after it, what is read may be what waited: it is read a little at a time."""
