@@ -14,7 +14,7 @@ import msgspec
 
 from rosic.api.problems import PROBLEM, problem
 from rosic.api.read_rates import headers_of
-from rosic.api.rosbridge.endpoint import PATH as ROSBRIDGE
+from rosic.api.rosbridge.endpoint import PATHS as ROSBRIDGE_PATHS
 from rosic.api.settings import hostname
 
 if TYPE_CHECKING:
@@ -39,8 +39,6 @@ FILES_PATH: Final = "/v1/files"
 OPEN_PATH: Final = "/v1/sessions"
 KEYED_PATHS: Final = frozenset({"/foxglove"})
 """What shows and changes nothing, to programs that can show a key in an address alone."""
-BRIDGE_PATHS: Final = frozenset({ROSBRIDGE, ""})
-"""Where clients of rosbridge come in; on a port of their own without any path."""
 SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 SITES: Final = frozenset({"same-origin", "none"})
 LOCAL_NAMES: Final = ("localhost", "127.0.0.1", "::1")
@@ -134,7 +132,7 @@ class AccessChecks:
         """
         return (
             scope["type"] == "websocket"
-            and scope["path"].rstrip("/") in BRIDGE_PATHS
+            and scope["path"].rstrip("/") in ROSBRIDGE_PATHS
             and headers.get(b"origin") in self._origins
         )
 

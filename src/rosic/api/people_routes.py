@@ -30,7 +30,7 @@ from rosic.api.routes import Api, Speech, Who
 from rosic.api.schemas import AnswerOut, moment
 from rosic.authoriser.invite_codes import HALF, join_text, qr_png
 from rosic.contracts.messenger import invite_link_of
-from rosic.core.i18n import in_language, said
+from rosic.core.i18n import said
 from rosic.core.policy.scope import FLEET, GRANT
 from rosic.core.secret import Secret
 from rosic.errors import NotFound, NotPermitted, NotUnderstood
@@ -100,7 +100,7 @@ def _open(api: ApiContext, caller: ApiCaller) -> tuple[Invitation, ...]:
 def _invitation(api: ApiContext, caller: ApiCaller, one: Invitation) -> InvitationOut:
     return InvitationOut(
         id=one.id,
-        gives=_read(api, caller, one.given.words),
+        gives=api.callers.read_by(one.given.words, caller),
         by=api.kernel.rooms.authoriser.directory.name(one.issuer),
         own=one.issuer == caller.principal,
         asks=one.needs_confirmation,
@@ -199,7 +199,7 @@ def _waiting(api: ApiContext, caller: ApiCaller, request: str) -> PendingRequest
 def _request(
     api: ApiContext, caller: ApiCaller, one: PendingRequest, *, own: bool = False
 ) -> AccessRequestOut:
-    what = _read(api, caller, one.what)
+    what = api.callers.read_by(one.what, caller)
     return AccessRequestOut(one.id, one.kind, one.who, what, one.words, own, moment(one.until_ns))
 
 
@@ -255,10 +255,6 @@ def _holds(api: ApiContext, caller: ApiCaller, robot: str, right: str) -> bool:
     return not locked and organiser.rights.holds(
         caller.principal, robot, right, organiser.wall_ns()
     )
-
-
-def _read(api: ApiContext, caller: ApiCaller, text: str) -> str:
-    return in_language(text, api.languages.of(caller.principal))
 
 
 ROUTES: Final = (

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     Send = Callable[[Event], Awaitable[None]]
 
 PATH: Final = "/rosbridge"
+PATHS: Final = frozenset({PATH, ""})
+"""Where clients come in; on a port of their own without any path."""
 CLIENTS_AT_MOST: Final = 200
 EACH_AT_MOST: Final = 128
 """Connections of one caller."""
@@ -258,7 +260,7 @@ class RosbridgePort:
 
     async def __call__(self, scope: Event, receive: Receive, send: Send) -> None:
         """Serve one connection."""
-        if scope["type"] == "websocket" and scope["path"].rstrip("/") in {"", PATH}:
+        if scope["type"] == "websocket" and scope["path"].rstrip("/") in PATHS:
             await self._endpoint(scope, receive, send)
         elif scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": ENDED, "reason": SOCKETS})
