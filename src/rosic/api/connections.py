@@ -27,6 +27,24 @@ STEP_BYTES: Final = 4_096
 """So much is looked at in one turn of the loop: some 700 frames, or 150 requests, at most."""
 
 
+STEP_S: Final = 0.002
+"""After so long at one client's messages the loop has its turn: a stop waits for no flood."""
+
+
+class LoopStep:
+    """One client's messages, of which many may be there at once."""
+
+    def __init__(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._until_s = self._loop.time() + STEP_S
+
+    async def rest(self) -> None:
+        """Let the loop have its turn, if it is time."""
+        if self._loop.time() > self._until_s:
+            await asyncio.sleep(0)
+            self._until_s = self._loop.time() + STEP_S
+
+
 class PacedTransport:
     """The transport of a connection, and what has come over it and was not looked at yet.
 

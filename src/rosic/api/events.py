@@ -16,6 +16,7 @@ import msgspec
 from litestar.exceptions import WebSocketDisconnect
 
 from rosic.api import event_schemas
+from rosic.api.connections import LoopStep
 from rosic.api.event_schemas import (
     ENDED,
     Hello,
@@ -55,8 +56,6 @@ LOOK_S: Final = 0.2
 CHUNK: Final = 50
 """Robots that are looked at in one step."""
 SEND_WITHIN_S: Final = 5.0
-STEP_S: Final = 0.002
-"""After so long at one client's messages the loop has its turn."""
 WAITING_AT_MOST: Final = 4_096
 STOPS_AT_MOST: Final = 32
 """Stops of one connection whose answers are waited for; more are given all the same."""
@@ -191,13 +190,10 @@ class EventStream:
         group: asyncio.TaskGroup,
         jogs: JogSessions,
     ) -> None:
-        loop = asyncio.get_running_loop()
-        until_s = loop.time() + STEP_S
+        step = LoopStep()
         with contextlib.suppress(WebSocketDisconnect):
             async for text in connection.iter_data("text"):
-                if loop.time() > until_s:
-                    await asyncio.sleep(0)
-                    until_s = loop.time() + STEP_S
+                await step.rest()
                 heard = _said_in(text)
                 if isinstance(heard, Jog):
                     jogs.take(heard)

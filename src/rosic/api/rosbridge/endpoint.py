@@ -8,6 +8,7 @@ import logging
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import parse_qs
 
+from rosic.api.connections import LoopStep
 from rosic.api.read_rates import asking_from
 from rosic.api.rosbridge.calls import FollowedGoals
 from rosic.api.rosbridge.connection import RosbridgeConnection
@@ -41,8 +42,6 @@ UNKNOWN_AT_MOST: Final = 16
 """Connections from one place of whoever has yet to say who they are."""
 KNOWN_WITHIN_S: Final = 10.0
 TAKEN_WITHIN_S: Final = 5.0
-STEP_S: Final = 0.002
-"""After so long at one client's messages the loop has its turn: a stop waits for no flood."""
 LOOK_S: Final = 0.25
 CHECK_S: Final = 1.0
 ENDED: Final = 4401
@@ -185,35 +184,29 @@ class _Left(Exception):
 
 
 async def _hear(client: RosbridgeConnection, receive: Receive) -> None:
-    loop = asyncio.get_running_loop()
-    until_s = loop.time() + STEP_S
+    step = LoopStep()
     while True:
         message = await receive()
         if message["type"] == "websocket.disconnect":
             return
         await client.hear(message.get("text"))
-        if loop.time() > until_s:
-            await asyncio.sleep(0)
-            until_s = loop.time() + STEP_S
+        await step.rest()
 
 
 async def _tell(client: RosbridgeConnection, send: Send) -> None:
     loop, outbox = asyncio.get_running_loop(), client.outbox
-    until_s = loop.time() + STEP_S
+    step = LoopStep()
     while True:
         try:
             told = await outbox.next()
         except Fault as why:
             log.warning("a message for a client of rosbridge cannot be read: %s", why)
             continue
-        now_s = loop.time()
-        outbox.sending(now_s)
+        outbox.sending(loop.time())
         form = "bytes" if isinstance(told, bytes) else "text"
         await send({"type": "websocket.send", form: told})
         outbox.sending(None)
-        if now_s > until_s:
-            await asyncio.sleep(0)
-            until_s = loop.time() + STEP_S
+        await step.rest()
 
 
 async def _closed(send: Send, code: int, why: str) -> None:
