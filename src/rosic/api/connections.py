@@ -31,8 +31,8 @@ STEP_S: Final = 0.002
 """After so long at one client's messages the loop has its turn: a stop waits for no flood."""
 
 
-class LoopStep:
-    """One client's messages, of which many may be there at once."""
+class StepLimit:
+    """How long one client's messages may keep the loop, of which many may be there at once."""
 
     def __init__(self) -> None:
         self._loop = asyncio.get_running_loop()

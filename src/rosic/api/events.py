@@ -16,7 +16,7 @@ import msgspec
 from litestar.exceptions import WebSocketDisconnect
 
 from rosic.api import event_schemas
-from rosic.api.connections import LoopStep
+from rosic.api.connections import StepLimit
 from rosic.api.event_schemas import (
     ENDED,
     Hello,
@@ -190,7 +190,7 @@ class EventStream:
         group: asyncio.TaskGroup,
         jogs: JogSessions,
     ) -> None:
-        step = LoopStep()
+        step = StepLimit()
         with contextlib.suppress(WebSocketDisconnect):
             async for text in connection.iter_data("text"):
                 await step.rest()

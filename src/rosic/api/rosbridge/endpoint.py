@@ -8,7 +8,7 @@ import logging
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import parse_qs
 
-from rosic.api.connections import LoopStep
+from rosic.api.connections import StepLimit
 from rosic.api.read_rates import asking_from
 from rosic.api.rosbridge.calls import FollowedGoals
 from rosic.api.rosbridge.connection import RosbridgeConnection
@@ -184,7 +184,7 @@ class _Left(Exception):
 
 
 async def _hear(client: RosbridgeConnection, receive: Receive) -> None:
-    step = LoopStep()
+    step = StepLimit()
     while True:
         message = await receive()
         if message["type"] == "websocket.disconnect":
@@ -195,7 +195,7 @@ async def _hear(client: RosbridgeConnection, receive: Receive) -> None:
 
 async def _tell(client: RosbridgeConnection, send: Send) -> None:
     loop, outbox = asyncio.get_running_loop(), client.outbox
-    step = LoopStep()
+    step = StepLimit()
     while True:
         try:
             told = await outbox.next()
