@@ -10,6 +10,8 @@ import httpx
 from websockets.asyncio.client import connect
 
 from rosic.api.settings import ApiSettings, HostPort
+from rosic.app.admin.api import books_of
+from rosic.app.admin.explain import Explainer
 from rosic.app.api import GatewayApi
 from rosic.app.demo import fleet
 from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
@@ -156,6 +158,7 @@ async def served(  # noqa: PLR0913, PLR0915 - a test says only what matters
     )
     await gateway.open()
     gateway.kernel.shared.health.provide(GatewayHealth(gateway, data, clock))
+    gateway.kernel.shared.explainer.provide(Explainer(books_of(gateway, "UTC", parts.messengers)))
     server = api.server_of(gateway)
     tasks = [asyncio.create_task(gateway.run()), asyncio.create_task(server.run())]
     try:

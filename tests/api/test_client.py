@@ -421,3 +421,64 @@ async def test_what_there_is_beside_orders_is_asked_for_by_methods_of_its_own() 
         assert await gateway.history(text="nonsense") == []
         with pytest.raises(ApiProblem):
             await gateway.take_role("viewer")
+
+
+async def test_files_are_sent_listed_fetched_and_deleted() -> None:
+    content = b"one two three\n" * 20_000
+    async with served() as place, client_of(place, "operator") as client:
+        kept = await client.send_file("notes und mehr.txt", content)
+        assert (kept.name, kept.size) == ("notes und mehr.txt", len(content))
+        assert await client.files() == [kept]
+        assert await client.file_content(kept.id) == content
+        await client.delete_file(kept.id)
+        assert await client.files() == []
+        with pytest.raises(NotThere):
+            await client.file_content(kept.id)
+        with pytest.raises(WrongRequest):
+            await client.send_file("empty.txt", b"")
+
+
+async def test_pictures_and_the_past_are_asked_for_as_they_are() -> None:
+    async with served() as place, client_of(place, "operator") as client:
+        shown = await client.picture("omni", "map")
+        assert shown.media_type.startswith("image/")
+        assert shown.content[:4] in {b"\x89PNG", b"\xff\xd8\xff\xe0"}
+        assert shown.taken.endswith("Z")
+        with pytest.raises(NotThere, match="map"):
+            await client.picture("kuka1", "map")
+        await client.order("omni", "move", MOVE, wait_s=30 * pace())
+        table = (await client.history_table("omni")).decode().splitlines()
+        assert table[0].startswith("at,who,kind,robot,skill,asked")
+        assert any("0.10 m left" in line for line in table[1:])
+        assert (await client.history_table(text="nonsense")).decode().splitlines() == table[:1]
+        assert (await client.telemetry("omni")).robot == "omni"
+        assert await client.alerts() == []
+
+
+async def test_what_is_no_picture_of_a_gateway_is_none() -> None:
+    async def site(_: web.Request) -> web.Response:
+        return web.Response(text="<html>Welcome</html>", content_type="text/html")
+
+    async with answering(site) as url, RosicClient(url, KEY) as client:
+        with pytest.raises(NotAGateway):
+            await client.picture("omni")
+        with pytest.raises(NotAGateway):
+            await client.send_file("notes.txt", b"one two three")
+
+
+async def test_what_others_may_is_explained_to_whoever_looks_after_people() -> None:
+    async with served() as place, client_of(place, "admin") as client:
+        [yes] = await client.explain("Bo", "omni move 1 m left")
+        assert yes.allowed
+        assert "Bo may" in yes.text
+        [no] = await client.explain(place.principal("Vi"), "omni move 1 m left")
+        assert not no.allowed
+        assert "no  right:" in no.text
+        with pytest.raises(WrongRequest):
+            await client.explain("Nobody", "omni move 1 m left")
+        with pytest.raises(WrongRequest):
+            await client.explain("Bo", "omni move 1 m left\nomni wave")
+        async with RosicClient(place.url, await place.key("operator", name="Eve")) as eve:
+            with pytest.raises(NotAllowed):
+                await eve.explain("Bo", "omni move 1 m left")
+        assert await client.orders() == []

@@ -137,3 +137,91 @@ async def test_each_failure_is_one_sentence(run: Run, tmp_path: Path) -> None:
         )
         assert ordered.status == 1
         assert not place.gateway.rooms.linker.presence("omni").doing
+
+
+async def test_pictures_and_files_are_saved_and_nothing_is_replaced(
+    run: Run, tmp_path: Path
+) -> None:
+    notes = tmp_path / "notes.txt"
+    notes.write_bytes(b"one two three\n" * 1_000)
+    async with served() as place:
+        where = ("--url", place.url, "--key-file", str(await key_file(place, tmp_path, "operator")))
+        shown = await run("picture", "omni", "map.png", "--map", *where)
+        assert (shown.status, shown.err) == (0, "")
+        assert (tmp_path / "map.png").read_bytes()[:4] in {b"\x89PNG", b"\xff\xd8\xff\xe0"}
+        assert (tmp_path / "map.png").stat().st_mode & 0o777 == 0o600
+        again = await run("picture", "omni", "map.png", "--map", *where)
+        assert (again.status, "is there already" in again.err) == (2, True)
+        none = await run("picture", "kuka1", "none.png", "--map", *where)
+        assert (none.status, (tmp_path / "none.png").exists()) == (1, False)
+
+        sent = await run("file", "send", "notes.txt", *where)
+        assert (sent.status, "notes.txt" in sent.out) == (0, True), sent
+        assert "notes.txt" in (await run("file", "list", *where)).out
+        [listed] = json.loads((await run("file", "list", "--json", *where)).out)
+        got = await run("file", "get", "notes.txt", "copy.txt", *where)
+        assert got.status == 0, got
+        assert (tmp_path / "copy.txt").read_bytes() == notes.read_bytes()
+        for words, why in {
+            ("file", "get", "notes.txt", "copy.txt"): "copy.txt is there already",
+            ("file", "get", "other.txt", "x.txt"): "You keep no file 'other.txt' there",
+            ("file", "send", "missing.txt"): "missing.txt cannot be read",
+            ("file", "send", "."): "cannot be read",
+        }.items():
+            refused = await run(*words, *where)
+            assert refused.status in {1, 2}, words
+            assert why in refused.err
+            assert refused.err.count("\n") == 1
+        assert (await run("file", "delete", listed["id"], *where)).status == 0
+        assert (await run("file", "list", *where)).out == ""
+
+
+async def test_people_rights_the_past_and_health_are_shown_to_an_admin(
+    run: Run, tmp_path: Path
+) -> None:
+    async with served() as place:
+        where = ("--url", place.url, "--key-file", str(await key_file(place, tmp_path, "admin")))
+        assert "Bo  operator" in (await run("people", *where)).out
+        listed = json.loads((await run("people", "--json", *where)).out)
+        assert {"Ada", "Bo", "Vi", "Hal"} <= {one["name"] for one in listed}
+        invited = await run(
+            *("invite", "--role", "operator", "--robot", "omni", "--for", "2h", "--plain"),
+            *("--as", "Eve Adams", "--code-ttl", "5 min", "--limit", "speed <= 0.2 m/s", *where),
+        )
+        assert (invited.status, invited.err) == (0, ""), invited
+        [made] = place.gateway.access.enrolment.invitations.open()
+        assert (made.given.roles, made.given.robots) == (("operator",), ("omni",))
+        assert (made.given.lasts_s, made.given.limits) == (7200, ("speed <= 0.2 m/s",))
+        may = await run("explain", "Bo", "omni move 1 m left", *where)
+        assert (may.status, "Bo may" in may.out) == (0, True), may
+        may_not = await run("explain", "Vi", "omni move 1 m left", *where)
+        assert (may_not.status, "Vi may not." in may_not.out) == (1, True), may_not
+
+        await run(*MOVE, "--wait", *where)
+        shown = await run("history", "--robot", "omni", "--since", "1h", *where)
+        assert "move, 0.10 m left  done" in shown.out
+        [moved] = json.loads((await run("history", "--robot", "omni", "--json", *where)).out)
+        assert moved["skill"] == "move"
+        table = await run("history", "--csv", *where)
+        assert table.out.startswith("at,who,kind,robot,skill,asked")
+        assert "--csv is for a gateway elsewhere" in (await run("history", "--csv", "-c", "x")).err
+        assert "nobody else's by name" in (await run("history", "--person", "Bo", *where)).err
+
+        found = await run("doctor", *where)
+        assert found.status in {0, 1}  # the disk of a busy machine may be slow
+        assert "omni       It is heard." in found.out
+        both = await run("doctor", "--try", "omni", *where)
+        assert (both.status, "not both" in both.err) == (1, True)
+
+
+async def test_somebody_is_locked_out_and_let_in_again(run: Run, tmp_path: Path) -> None:
+    async with served() as place:
+        where = ("--url", place.url, "--key-file", str(await key_file(place, tmp_path, "admin")))
+        locks, bo = place.gateway.access.locks, place.principal("Bo")
+        locked = await run("lock", "Bo", *where)
+        assert (locked.status, locks.locked(bo)) == (0, True), locked
+        assert "locked" in (await run("people", *where)).out
+        assert (await run("unlock", "Bo", *where)).status == 0
+        assert not locks.locked(bo)
+        nobody = await run("lock", "Nobody", *where)
+        assert (nobody.status, nobody.out) == (1, "")

@@ -9,8 +9,8 @@ HOOKS = "tests/api/test_webhooks.py"
 OF_WEBHOOKS = (
     Fault(
         name="a webhook is posted into the private network",
-        file="api/webhooks/delivery.py",
-        guard="if not self.settings.private and is_private(addresses):",
+        file="api/webhooks/addresses.py",
+        guard="if not settings.private and is_private(addresses):",
         without="if False:",
         caught_by=(f"{HOOKS}::test_this_machine_is_told_nothing_unless_that_is_said",),
     ),

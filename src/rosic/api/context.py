@@ -21,7 +21,7 @@ from rosic.core.i18n import in_language, said
 from rosic.core.identity import PAGE
 from rosic.core.robot.skill_schema import schema_of
 from rosic.core.robot.view import ViewKind
-from rosic.errors import NotFound, TooManyRequests
+from rosic.errors import NotFound, NotPermitted, TooManyRequests
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -116,14 +116,35 @@ class ApiContext(NamedTuple):
         """End a session at once."""
         await self.kernel.changes.take_away(self.kernel.access.page_sessions.end(token))
 
+    # ---- rights that are no order's ----
+
+    def is_locked_out(self, caller: ApiCaller) -> bool:
+        """Whether somebody is shut out for now: then there is nothing here for them."""
+        return caller.principal in self.kernel.rooms.organiser.locked
+
+    def holds(self, caller: ApiCaller, robot: str, right: str) -> bool:
+        """Whether somebody has a right now."""
+        organiser = self.kernel.rooms.organiser
+        return not self.is_locked_out(caller) and organiser.rights.holds(
+            caller.principal, robot, right, organiser.wall_ns()
+        )
+
+    def check_admin(self, caller: ApiCaller, sentence: str) -> None:
+        """See that somebody looks after people here.
+
+        Raises:
+            NotPermitted: They do not, or are locked out; with this sentence.
+        """
+        if caller.principal not in self.kernel.admins() or self.is_locked_out(caller):
+            raise NotPermitted(sentence)
+
     # ---- robots ----
 
     def visible(self, caller: ApiCaller) -> frozenset[RobotId]:
         """Return the robots that somebody may see; whoever is locked out sees none."""
-        organiser = self.kernel.rooms.organiser
-        if caller.principal in organiser.locked:
+        if self.is_locked_out(caller):
             return frozenset()
-        return organiser.visible(caller.principal)
+        return self.kernel.rooms.organiser.visible(caller.principal)
 
     def profile(self, caller: ApiCaller, robot: str) -> Profile:
         """Return a robot that somebody may see.

@@ -50,7 +50,7 @@ async def view(
 ) -> Response[bytes]:
     """Return a picture of what a robot sees (`picture`) or of its `map`; it may take seconds.
 
-    `Last-Modified` says when it was taken. Pictures are counted with those of the chat.
+    `Rosic-Taken` says when it was taken. Pictures are counted with those of the chat.
     """
     found, views = api.profile(caller, robot), api.kernel.shared.views.find()
     if views is None:

@@ -83,7 +83,7 @@ async def _found(
     api: ApiContext, caller: ApiCaller, robot: str, text: str, since_s: float, most: int
 ) -> list[HistoryEntryOut]:
     reader = api.kernel.shared.history.find()
-    if reader is None or caller.principal in api.kernel.rooms.organiser.locked:
+    if reader is None or api.is_locked_out(caller):
         raise NotFound(NO_RECORD)
     named = api.profile(caller, robot).id if robot else ""
     whole = bool(named) and api.oversees(caller, named)

@@ -23,6 +23,8 @@ from rosic.api.people_schemas import (
     InvitationOut,
     InviteLinkOut,
     NewInvitationOut,
+    RightsCheckIn,
+    RightsDecisionOut,
     RoleIn,
     RoleOut,
 )
@@ -46,6 +48,9 @@ MAY_NOT_INVITE: Final = said("Invitations are shown to whoever may invite.")
 MAY_NOT_GIVE: Final = said("Roles are shown to whoever gives rights.")
 NO_INVITATION: Final = said("There is no such invitation that is open.")
 NO_REQUEST: Final = said("Nobody waits for your answer under that id, or not any more.")
+EXPLAINED_TO_ADMINS: Final = said(
+    "What others may, and why, is shown to whoever looks after people."
+)
 UNKNOWN_PERSON: Final = said("Nobody is known by that id here.")
 
 # ---- invitations ----
@@ -92,7 +97,7 @@ def _open(api: ApiContext, caller: ApiCaller) -> tuple[Invitation, ...]:
     Raises:
         NotPermitted: They are not theirs to see.
     """
-    if not _holds(api, caller, FLEET, INVITE):
+    if not api.holds(caller, FLEET, INVITE):
         raise NotPermitted(MAY_NOT_INVITE)
     return api.kernel.access.enrolment.invitations.open()
 
@@ -135,7 +140,7 @@ def _new(
 async def access_requests(api: Api, caller: Who) -> list[AccessRequestOut]:
     """Return who waits for the caller's answer, and what the caller waits for."""
     pending = api.kernel.shared.pending.find()
-    if pending is None or caller.principal in api.kernel.rooms.organiser.locked:
+    if pending is None or api.is_locked_out(caller):
         return []
     theirs = [_request(api, caller, one) for one in pending.waiting_for(caller.principal)]
     own = (_request(api, caller, one, own=True) for one in pending.asked_by(caller.principal))
@@ -210,7 +215,7 @@ def _request(
 async def roles(api: Api, caller: Who) -> list[RoleOut]:
     """Return every role, for whoever gives rights on anything here."""
     robots = (FLEET, *api.kernel.rooms.profiles)
-    if not any(_holds(api, caller, robot, GRANT) for robot in robots):
+    if not any(api.holds(caller, robot, GRANT) for robot in robots):
         raise NotPermitted(MAY_NOT_GIVE)
     book = api.kernel.enforcer.policy.rolebook
     return [
@@ -244,17 +249,28 @@ async def give(
 ) -> AnswerOut:
     """Give somebody who is known here rights, as `/grant` does: it asks first."""
     known = {one.id for one in api.kernel.rooms.authoriser.directory.people()}
-    if person not in known or not _holds(api, caller, FLEET, "people"):
+    if person not in known or not api.holds(caller, FLEET, "people"):
         raise NotFound(UNKNOWN_PERSON)
     return await speech.command(caller, f"/grant {person} {one_line(data.rights)}")
 
 
-def _holds(api: ApiContext, caller: ApiCaller, robot: str, right: str) -> bool:
-    organiser = api.kernel.rooms.organiser
-    locked = caller.principal in organiser.locked
-    return not locked and organiser.rights.holds(
-        caller.principal, robot, right, organiser.wall_ns()
-    )
+@post(
+    "/rights/check",
+    status_code=HTTP_200_OK,
+    summary="What somebody may, and why",
+    tags=["people"],
+)
+async def explain(api: Api, caller: Who, data: JSONBody[RightsCheckIn]) -> list[RightsDecisionOut]:
+    """Return what would be decided if somebody said a line now, with every rule that was asked.
+
+    For whoever looks after people. Nothing is done, counted or written.
+    """
+    api.check_admin(caller, EXPLAINED_TO_ADMINS)
+    explainer = api.kernel.shared.explainer.get()
+    return [
+        RightsDecisionOut(one.allowed, one.text)
+        for one in explainer.explained(data.person, one_line(data.line))
+    ]
 
 
 ROUTES: Final = (
@@ -269,4 +285,5 @@ ROUTES: Final = (
     make_role,
     take_role,
     give,
+    explain,
 )

@@ -67,6 +67,30 @@ class NewInvitationOut(msgspec.Struct, frozen=True):
     text: str
 
 
+class RightsCheckIn(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A line, and who would say it.
+
+    Attributes:
+        person: Name, or id.
+        line: ``kuka1 grasp force=30``.
+    """
+
+    person: Name
+    line: Annotated[str, msgspec.Meta(min_length=1, max_length=1_000)]
+
+
+class RightsDecisionOut(msgspec.Struct, frozen=True):
+    """What would be decided of one robot; nothing was done.
+
+    Attributes:
+        allowed: It would not be refused; the text says what would have to come first.
+        text: The verdict, and every rule that was asked, a line each.
+    """
+
+    allowed: bool
+    text: str
+
+
 class AccessRequestIn(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A right that somebody lacks, for a while.
 

@@ -30,7 +30,7 @@ from rosic.api.schemas import AnswerOut, moment
 from rosic.container.files import pieces_of
 from rosic.core.i18n import in_language, said
 from rosic.core.time_units import DAY_NS, MINUTE_NS, SECOND_NS
-from rosic.errors import NotFound, NotPermitted, NotUnderstood
+from rosic.errors import NotFound, NotUnderstood
 from rosic.organiser.calendar_messages import bookable
 
 if TYPE_CHECKING:
@@ -168,9 +168,8 @@ def _read(text: str) -> int:
 @get("/people", summary="Who is known here", tags=["people"])
 async def people(api: Api, caller: Who) -> list[PersonOut]:
     """Return everybody who is known, for whoever looks after people."""
-    organiser = api.kernel.rooms.organiser
-    if caller.principal not in api.kernel.admins() or caller.principal in organiser.locked:
-        raise NotPermitted(PEOPLE_ONLY)
+    api.check_admin(caller, PEOPLE_ONLY)
+    locked = api.kernel.rooms.organiser.locked
     known = api.kernel.rooms.authoriser.directory.people()
     return [
         PersonOut(
@@ -178,7 +177,7 @@ async def people(api: Api, caller: Who) -> list[PersonOut]:
             name=one.name,
             kind="program" if any(at.platform == "program" for at in one.addresses) else "person",
             roles=one.roles,
-            locked=one.id in organiser.locked,
+            locked=one.id in locked,
         )
         for one in known
     ]
@@ -187,9 +186,8 @@ async def people(api: Api, caller: Who) -> list[PersonOut]:
 @get("/health", summary="What the doctor finds", tags=["health"])
 async def health(api: Api, caller: Who) -> list[HealthFindingOut]:
     """Return how the gateway and its machine do, for whoever looks after people."""
-    organiser, doctor = api.kernel.rooms.organiser, api.kernel.shared.health.find()
-    if caller.principal not in api.kernel.admins() or caller.principal in organiser.locked:
-        raise NotPermitted(DOCTORS_ONLY)
+    api.check_admin(caller, DOCTORS_ONLY)
+    doctor = api.kernel.shared.health.find()
     catalogue = api.languages.of(caller.principal)
     found = () if doctor is None else await doctor.findings()
     return [
@@ -265,8 +263,7 @@ async def delete_file(api: Api, caller: Who, file: FromPath[str]) -> Response[No
 
 def _containers(api: ApiContext, caller: ApiCaller) -> ContainerContext | None:
     """Return what is kept; None where it cannot be looked into, and for whoever is locked out."""
-    locked = caller.principal in api.kernel.rooms.organiser.locked
-    return None if locked else api.kernel.containers
+    return None if api.is_locked_out(caller) else api.kernel.containers
 
 
 def _own_file(api: ApiContext, caller: ApiCaller, file: str) -> tuple[ContainerContext, StoredFile]:

@@ -160,8 +160,7 @@ async def act_on_task(
 
 
 def _work(api: ApiContext, caller: ApiCaller) -> FleetWork | None:
-    locked = caller.principal in api.kernel.rooms.organiser.locked
-    return None if locked else api.kernel.shared.work.find()
+    return None if api.is_locked_out(caller) else api.kernel.shared.work.find()
 
 
 def _task(api: ApiContext, caller: ApiCaller, entry: TaskEntry) -> TaskOut:

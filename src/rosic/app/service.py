@@ -11,6 +11,7 @@ from rosic.app import runtime
 from rosic.app.admin.api import books_of
 from rosic.app.admin.control_socket import ControlServer, socket_path
 from rosic.app.admin.dispatch import AdminApi, AdminDispatcher
+from rosic.app.admin.explain import Explainer
 from rosic.app.api import GatewayApi, webhooks_of
 from rosic.app.builder import latch_of, parts_of, settings_of
 from rosic.app.closing import CLOSE_WITHIN_S, close_in_time, console_of, mind_console, on_signals
@@ -156,6 +157,7 @@ class GatewayService:
             tasks.append(asyncio.create_task(watching))
         health = GatewayHealth(self._gateway, config.data, self._clock)
         self._gateway.kernel.shared.health.provide(health)
+        self._gateway.kernel.shared.explainer.provide(Explainer(books))
         if self._api is not None:
             serving = asyncio.create_task(self._api.server_of(self._gateway).run())
             tasks.append(serving)

@@ -16,7 +16,7 @@ from rosic.app.admin.history import AT_MOST, HistoryParameters
 from rosic.app.config import Config, load_config
 from rosic.app.setup import DiagnosticFinding, FindingVerdict, examine
 from rosic.app.setup.check import check_all
-from rosic.cli import remote
+from rosic.cli import remote, remote_people
 from rosic.cli.client import CONFIG, add_where, elsewhere, joined, looked_up, printed, seconds
 from rosic.errors import ConfigurationError, OutOfBounds
 from rosic.system import SystemClock, SystemEntropy
@@ -46,8 +46,14 @@ def explain(arguments: Sequence[str]) -> int:
     parser.add_argument("person", metavar="PERSON", help="as rosic people shows it, or the id")
     parser.add_argument("line", metavar="LINE", nargs="+", help='"kuka1 grasp force=30"')
     add_where(parser)
+    remote.add_gateway(parser)
     options = parser.parse_args(arguments)
-    ask = AdminRequest(AdminVerb.EXPLAIN, (options.person, " ".join(options.line)))
+    person, line = options.person, " ".join(options.line)
+    if url := elsewhere(options):
+        return remote.run_there(
+            options, url, lambda there: remote_people.explain(there, person, line)
+        )
+    ask = AdminRequest(AdminVerb.EXPLAIN, (person, line))
     texts = looked_up(options, ask, robots=True)
     print("\n\n".join(texts))
     return 1 if any(map(says_no, texts)) else 0
@@ -73,27 +79,41 @@ def history(arguments: Sequence[str]) -> int:
     parser.add_argument(
         "--since", metavar="TIME", help=f"all of the last 2h, 30min, 3d; else the newest {NEWEST}"
     )
-    parser.add_argument("--json", action="store_true", help="one list, for programs")
+    shape = parser.add_mutually_exclusive_group()
+    shape.add_argument("--json", action="store_true", help="one list, for programs")
+    shape.add_argument("--csv", action="store_true", help="a table; of a gateway elsewhere")
     add_where(parser)
     remote.add_gateway(parser)
     options = parser.parse_args(joined(arguments, ("--since",)))
+    since_s = None if options.since is None else seconds("--since", options.since)
     if url := elsewhere(options):
-        if options.person or options.since is not None:
-            raise OutOfBounds("A gateway elsewhere shows its newest orders: name a robot at most.")
-        robot = options.robot
-        return remote.run_there(
-            options, url, lambda there: remote.history(there, robot, json=options.json)
-        )
+        return _history_there(options, url, since_s)
+    if options.csv:
+        raise OutOfBounds("--csv is for a gateway elsewhere (--url). For programs here: --json")
     asked = HistoryParameters(
         robot=options.robot,
         person=options.person,
-        since_s=None if options.since is None else seconds("--since", options.since),
+        since_s=since_s,
         limit=NEWEST if options.since is None else AT_MOST,
         json=options.json,
     )
     request = AdminRequest(AdminVerb.HISTORY, body=msgspec.Raw(msgspec.json.encode(asked)))
     print(printed(looked_up(options, request, robots=bool(options.robot)), json=options.json))
     return 0
+
+
+def _history_there(options: argparse.Namespace, url: str, since_s: float | None) -> int:
+    if options.person:
+        raise OutOfBounds(
+            "A gateway elsewhere shows what you asked, and all of a robot (--robot) to whoever may "
+            "read it; nobody else's by name."
+        )
+    robot, json = options.robot, options.json
+    if options.csv:
+        return remote.run_there(options, url, lambda to: remote_people.table(to, robot, since_s))
+    return remote.run_there(
+        options, url, lambda to: remote_people.history(to, robot, since_s, json=json)
+    )
 
 
 # ---- ``rosic security report`` ----
@@ -166,7 +186,11 @@ def doctor(arguments: Sequence[str]) -> int:
         help=f"also look at what it names ({CONFIG}, if it is here)",
     )
     parser.add_argument("--try", dest="tried", metavar="ROBOT", default="", help="it moves")
+    remote.add_gateway(parser)
     options = parser.parse_args(arguments)
+    if options.url:
+        url = remote.url_of(options, here=bool(options.config or options.tried))
+        return remote.run_there(options, url, remote_people.doctor)
     found = options.config or (CONFIG if Path(CONFIG).exists() else None)
     if options.tried and found is None:
         raise ConfigurationError(

@@ -62,6 +62,19 @@ COMMANDS: dict[str, Subcommand] = {
     ),
     "order": Subcommand("rosic.cli.remote:order", "give an order to a gateway elsewhere"),
     "orders": Subcommand("rosic.cli.remote:orders", "the orders of a gateway elsewhere"),
+    "picture": Subcommand(
+        "rosic.cli.remote_files:picture", "save what a robot of a gateway elsewhere sees"
+    ),
+    "file list": Subcommand(
+        "rosic.cli.remote_files:list_files", "your files at a gateway elsewhere"
+    ),
+    "file send": Subcommand(
+        "rosic.cli.remote_files:send_file", "keep files at a gateway elsewhere"
+    ),
+    "file get": Subcommand("rosic.cli.remote_files:get_file", "save one of your files there"),
+    "file delete": Subcommand(
+        "rosic.cli.remote_files:delete_file", "delete one of your files there"
+    ),
     "people": Subcommand("rosic.cli.people:people", "who is known, with which roles"),
     "invite": Subcommand("rosic.cli.people:invite", "a code that lets one person in, once"),
     "lock": Subcommand("rosic.cli.people:lock", "keep somebody out for now; what they move stops"),

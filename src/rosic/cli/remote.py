@@ -27,7 +27,8 @@ URL, KEY, CA = "ROSIC_URL", "ROSIC_KEY", "ROSIC_CA"
 GOOD_STATES: Final = frozenset({"done", "sent"})
 WAIT_S: Final = 3_600.0
 LISTED: Final = 50
-NOT_SPEAKING: Final = frozenset({"not-done"})
+NOT_YET: Final = frozenset({"asked", "not-done"})
+"""States of an answer: nothing was done, or somebody has to agree first."""
 
 
 def add_gateway(parser: argparse.ArgumentParser) -> None:
@@ -111,7 +112,7 @@ async def status(client: RosicClient, robots: Sequence[str], *, json: bool) -> i
     known = {robot.id: robot for robot in found}
     shown = found if not robots else [known[name] for name in robots if name in known]
     if json:
-        _print_json(shown)
+        print_json(shown)
     for robot in () if json else shown:
         print(_robot_line(robot))
     missing = [name for name in robots if name not in known]
@@ -155,21 +156,11 @@ async def stop(client: RosicClient, robots: Sequence[str]) -> int:
 
 
 async def say(client: RosicClient, line: str) -> int:
-    """Say a line as in a chat, and print the answer."""
+    """Say a line as in a chat, and print the answer. Return 1 unless it is done by that."""
     answer = await client.chat(line)
-    good = answer.state not in NOT_SPEAKING
+    good = answer.state not in NOT_YET
     print(answer.text, file=sys.stdout if good else sys.stderr)
     return 0 if good else 1
-
-
-async def history(client: RosicClient, robot: str, *, json: bool) -> int:
-    """Print the newest orders, the newest last."""
-    found = await client.orders(robot, limit=LISTED)
-    if json:
-        _print_json(found)
-    for order in () if json else reversed(found):
-        print(order_line(order))
-    return 0
 
 
 def order_line(order: OrderOut) -> str:
@@ -180,7 +171,8 @@ def order_line(order: OrderOut) -> str:
     return plain(joined("  ", [part for part in (*parts, order.note) if part]))
 
 
-def _print_json(found: object) -> None:
+def print_json(found: object) -> None:
+    """Print one thing, for programs."""
     print(msgspec.json.encode(found).decode())
 
 
@@ -209,7 +201,7 @@ def order(arguments: Sequence[str]) -> int:
     add_gateway(parser)
     options = parser.parse_args(arguments)
     values = _values(options.values)
-    return run_there(options, _there(options), lambda client: _order(client, options, values))
+    return run_there(options, there(options), lambda client: _order(client, options, values))
 
 
 async def _order(
@@ -278,11 +270,16 @@ def orders(arguments: Sequence[str]) -> int:
     if options.follow and options.json:
         raise OutOfBounds("--follow and --json do not go together.")
     what = _follow if options.follow else _list
-    return run_there(options, _there(options), lambda client: what(client, options))
+    return run_there(options, there(options), lambda client: what(client, options))
 
 
 async def _list(client: RosicClient, options: argparse.Namespace) -> int:
-    return await history(client, options.robot, json=options.json)
+    found = await client.orders(options.robot, limit=LISTED)
+    if options.json:
+        print_json(found)
+    for order in () if options.json else reversed(found):
+        print(order_line(order))
+    return 0
 
 
 async def _follow(client: RosicClient, options: argparse.Namespace) -> int:
@@ -303,7 +300,12 @@ async def _follow(client: RosicClient, options: argparse.Namespace) -> int:
     return 0
 
 
-def _there(options: argparse.Namespace) -> str:
+def there(options: argparse.Namespace) -> str:
+    """Return where the gateway is that a command needs.
+
+    Raises:
+        ConfigurationError: None is named.
+    """
     url = url_of(options)
     if not url:
         raise ConfigurationError("No gateway is named.", hint=f"Name one with --url, or set {URL}.")

@@ -9,6 +9,7 @@ from secrets import token_urlsafe
 from typing import TYPE_CHECKING, Final, Self
 
 from rosic.api.event_schemas import OrderEvent
+from rosic.api.resource_schemas import FileOut
 from rosic.api.schemas import (
     AnswerOut,
     ChatIn,
@@ -21,7 +22,8 @@ from rosic.api.schemas import (
     StopIn,
     StopOut,
 )
-from rosic.client.connection import ANSWER_S, ApiCall, GatewayAddress, ask
+from rosic.client.connection import ANSWER_S, PROBLEM, ApiCall, GatewayAddress, ask, fetch
+from rosic.client.content import ContentCalls
 from rosic.client.errors import (
     ClientError,
     GatewayFault,
@@ -34,7 +36,7 @@ from rosic.client.errors import (
     TooManyCalls,
 )
 from rosic.client.events import Connected, EventConnection
-from rosic.client.resources import ResourceCalls, part
+from rosic.client.resources import part
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Awaitable, Callable, Mapping
@@ -43,6 +45,7 @@ if TYPE_CHECKING:
 
     import httpx
 
+    from rosic.client.connection import MediaContent
     from rosic.client.events import Happening
     from rosic.core.secret import Secret
 
@@ -61,7 +64,7 @@ ASK_EVERY_S: Final = 1.0
 MOST_LISTED: Final = 200
 
 
-class RosicClient(ResourceCalls):
+class RosicClient(ContentCalls):
     """Asks a gateway. Use it as ``async with RosicClient(url, key) as gateway:``.
 
     What only looks is asked again while nobody answers; an order is known by a key of its own, so
@@ -326,6 +329,24 @@ class RosicClient(ResourceCalls):
         """Ask for what may change something: again only where nobody has heard of it."""
         call = ApiCall(method, path, body, within_s=ANSWER_S + more_s)
         return await _again(lambda: ask(self._http, call, type_), READ_WITHIN_S, unheard=True)
+
+    async def _fetch(
+        self,
+        path: str,
+        kind: str,
+        *,
+        params: Mapping[str, str | float] | None = None,
+        more_s: float = 0.0,
+    ) -> MediaContent:
+        """Ask for what is no JSON; again as `_look` does."""
+        accept = {"Accept": f"{kind}{'*' if kind.endswith('/') else ''}, {PROBLEM}"}
+        call = ApiCall("GET", path, headers=accept, params=params, within_s=ANSWER_S + more_s)
+        return await _again(lambda: fetch(self._http, call, kind), READ_WITHIN_S)
+
+    async def _send(self, path: str, content: bytes, name: str, more_s: float) -> FileOut:
+        """Send a content as it is; again only where nobody has heard of it."""
+        call = ApiCall("POST", path, content, params={"name": name}, within_s=ANSWER_S + more_s)
+        return await _again(lambda: ask(self._http, call, FileOut), READ_WITHIN_S, unheard=True)
 
 
 async def _again(once: Callable[[], Awaitable[T]], within_s: float, *, unheard: bool = False) -> T:

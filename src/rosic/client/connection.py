@@ -13,8 +13,10 @@ import msgspec
 from rosic.api.schemas import Problem
 from rosic.client.errors import (
     SERVER_FAULTS,
+    ApiProblem,
     GatewayUnreachable,
     NotAGateway,
+    NotAnswered,
     NotKnown,
     NotTrusted,
     raised_for,
@@ -32,6 +34,9 @@ CONNECT_S: Final = 5.0
 ANSWER_S: Final = 15.0
 PROBLEM: Final = "application/problem+json"
 JSON: Final = "application/json"
+BYTES: Final = "application/octet-stream"
+NO_CONTENT: Final = 204
+ANOTHER: Final = "What answers at {url} speaks another version of this protocol, or is no ROSIC."
 LOCAL: Final = "localhost"
 DEFAULT_PORTS: Final = {"http": "ws", "https": "wss"}
 IN_CLEAR: Final = (
@@ -134,7 +139,7 @@ class ApiCall(NamedTuple):
     """What is asked, below ``/v1/``.
 
     Attributes:
-        body: A struct of `rosic.api.schemas`; None: nothing.
+        body: A struct of `rosic.api.schemas`, or bytes as they are; None: nothing.
         within_s: So long it waits for an answer.
     """
 
@@ -146,6 +151,14 @@ class ApiCall(NamedTuple):
     within_s: float = ANSWER_S
 
 
+class MediaContent(NamedTuple):
+    """An answer that is no JSON."""
+
+    content: bytes
+    media_type: str
+    headers: Mapping[str, str]
+
+
 async def ask(http: httpx.AsyncClient, call: ApiCall, type_: type[T]) -> T:
     """Ask once, and return the answer.
 
@@ -154,48 +167,83 @@ async def ask(http: httpx.AsyncClient, call: ApiCall, type_: type[T]) -> T:
         GatewayUnreachable, NotTrusted, NotAGateway: Nothing was done by a gateway.
         NotKnown: It was asked, and the connection broke before it had answered.
     """
-    url = _shown(http)
-    content = None if call.body is None else msgspec.json.encode(call.body)
-    sent = {"Content-Type": JSON} if content is not None else {}
+    return _read(await _asked(http, call), type_, _shown(http))
+
+
+async def fetch(http: httpx.AsyncClient, call: ApiCall, kind: str) -> MediaContent:
+    """Ask once, and return the content of the answer.
+
+    Args:
+        http: Asks.
+        call: What.
+        kind: How its media type begins: ``image/``.
+
+    Raises:
+        ApiProblem, GatewayUnreachable, NotTrusted, NotAGateway, NotKnown: See `ask`.
+    """
+    answer = await _asked(http, call)
+    found = _media_type(answer)
+    if answer.is_success and found.startswith(kind):
+        return MediaContent(answer.content, found, answer.headers)
+    raise _refused(answer, _shown(http))
+
+
+async def _asked(http: httpx.AsyncClient, call: ApiCall) -> httpx.Response:
+    body, kind = call.body, JSON
+    if isinstance(body, bytes):
+        kind = BYTES
+    elif body is not None:
+        body = msgspec.json.encode(body)
+    sent = {"Content-Type": kind} if body is not None else {}
     try:
-        answer = await http.request(
+        return await http.request(
             call.method,
             call.path,
-            content=content,
+            content=body,
             params=call.params,
             headers={**sent, **(call.headers or {})},
             timeout=httpx.Timeout(call.within_s, connect=CONNECT_S),
         )
     except httpx.TransportError as error:
-        raise _broken(error, url) from error
-    return _read(answer, type_, url)
+        raise _broken(error, _shown(http)) from error
 
 
 def _read(answer: httpx.Response, type_: type[T], url: str) -> T:
-    kind = answer.headers.get("content-type", "").partition(";")[0].strip()
     try:
-        if answer.is_success and kind == JSON:
+        if answer.is_success and _media_type(answer) == JSON:
             found: T = msgspec.json.decode(answer.content, type=type_)
             return found
-        if kind == PROBLEM:
-            raise raised_for(msgspec.json.decode(answer.content, type=Problem))
+        if answer.status_code == NO_CONTENT:
+            return msgspec.convert(None, type_)
     except msgspec.MsgspecError as error:
-        raise NotAGateway(
-            f"What answers at {url} speaks another version of this protocol, or is no ROSIC.",
-            url=url,
-        ) from error
+        raise NotAGateway(ANOTHER.format(url=url), url=url) from error
+    raise _refused(answer, url)
+
+
+def _media_type(answer: httpx.Response) -> str:
+    kind: str = answer.headers.get("content-type", "").partition(";")[0].strip()
+    return kind
+
+
+def _refused(answer: httpx.Response, url: str) -> ApiProblem | NotAnswered:
+    """Return what it means that a request was not answered with what was asked for."""
+    if _media_type(answer) == PROBLEM:
+        try:
+            return raised_for(msgspec.json.decode(answer.content, type=Problem))
+        except msgspec.MsgspecError:
+            return NotAGateway(ANOTHER.format(url=url), url=url)
     if answer.status_code >= SERVER_FAULTS:
-        raise NotKnown(
+        return NotKnown(
             f"{url} is answered by something before the gateway, which says {answer.status_code}: "
             "the gateway is away, or late.",
             url=url,
         )
     if answer.is_redirect:
         where = answer.headers.get("location", "elsewhere")[:200]
-        raise NotAGateway(
+        return NotAGateway(
             f"{url} sends on to {where}, and a key is not taken there. Name that address.", url=url
         )
-    raise NotAGateway(
+    return NotAGateway(
         f"Something answers at {url}, and it is no ROSIC gateway ({answer.status_code}).", url=url
     )
 

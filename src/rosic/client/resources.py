@@ -13,15 +13,19 @@ from rosic.api.people_schemas import (
     InvitationIn,
     InvitationOut,
     NewInvitationOut,
+    RightsCheckIn,
+    RightsDecisionOut,
     RoleIn,
     RoleOut,
 )
 from rosic.api.resource_schemas import (
+    AlertOut,
     BookingIn,
     BookingOut,
     HealthFindingOut,
     HistoryEntryOut,
     PersonOut,
+    TelemetryOut,
 )
 from rosic.api.schemas import AnswerOut
 from rosic.api.work_schemas import MissionsOut, MissionStartIn, QueueEntryOut, TaskIn, TaskOut
@@ -61,7 +65,7 @@ class ResourceCalls:
         self, robot: str = "", *, begin: str = "", end: str = ""
     ) -> list[BookingOut]:
         """Return whose time it is; of the week to come, if no times (RFC 3339) are said."""
-        params = _said(robot=robot, **{"from": begin, "to": end})
+        params = query(robot=robot, **{"from": begin, "to": end})
         return await self._look("bookings", list[BookingOut], params=params)
 
     async def book(self, robot: str, start: str, minutes: int) -> BookingOut:
@@ -74,7 +78,7 @@ class ResourceCalls:
 
     async def queue(self, robot: str = "") -> list[QueueEntryOut]:
         """Return who waits for which robot."""
-        return await self._look("queue", list[QueueEntryOut], params=_said(robot=robot))
+        return await self._look("queue", list[QueueEntryOut], params=query(robot=robot))
 
     async def join_queue(self, robot: str) -> AnswerOut:
         """Wait for a robot."""
@@ -149,6 +153,12 @@ class ResourceCalls:
         """Give somebody, by their id, rights: ``operator on kuka1 for 2 hours``."""
         return await self._once(f"people/{part(person)}/rights", AnswerOut, GrantIn(rights))
 
+    async def explain(self, person: str, line: str) -> list[RightsDecisionOut]:
+        """Return what would be decided if somebody said a line now, and why; for each robot."""
+        return await self._once(
+            "rights/check", list[RightsDecisionOut], RightsCheckIn(person, line)
+        )
+
     # ---- tasks and missions ----
 
     async def tasks(self) -> list[TaskOut]:
@@ -180,6 +190,21 @@ class ResourceCalls:
 
     # ---- how it does, and the past ----
 
+    async def telemetry(
+        self, robot: str, value: str = "", *, since_s: float = 3_600.0
+    ) -> TelemetryOut:
+        """Return how a value of a robot was lately; without a value, which there are."""
+        params = {**query(value=value), "since_s": since_s}
+        return await self._look(f"robots/{part(robot)}/telemetry", TelemetryOut, params=params)
+
+    async def alerts(self) -> list[AlertOut]:
+        """Return the alarms that are open, the newest first."""
+        return await self._look("alerts", list[AlertOut])
+
+    async def seen(self, robot: str) -> AnswerOut:
+        """Say that I have seen the alarms of a robot."""
+        return await self._once(f"robots/{part(robot)}/alerts/seen", AnswerOut, None)
+
     async def health(self) -> list[HealthFindingOut]:
         """Return what the doctor finds, for whoever looks after people."""
         return await self._look("health", list[HealthFindingOut])
@@ -188,7 +213,7 @@ class ResourceCalls:
         self, robot: str = "", *, text: str = "", since_s: float = 86_400.0, limit: int = 100
     ) -> list[HistoryEntryOut]:
         """Return what was asked before, the newest first; of a robot, where I may read that."""
-        params = {**_said(robot=robot, text=text), "since_s": since_s, "limit": limit}
+        params = {**query(robot=robot, text=text), "since_s": since_s, "limit": limit}
         return await self._look("history", list[HistoryEntryOut], params=params)
 
 
@@ -197,5 +222,6 @@ def part(name: str) -> str:
     return quote(name, safe="") or "-"
 
 
-def _said(**params: str) -> dict[str, str | float]:
+def query(**params: str) -> dict[str, str | float]:
+    """Return the parameters of a query that are said."""
     return {name: value for name, value in params.items() if value}

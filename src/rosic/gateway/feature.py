@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         HealthFindings,
         HistoryReader,
         OpenAlerts,
+        RightsChecker,
         RobotViews,
         TelemetryHistory,
     )
@@ -164,6 +165,7 @@ class SharedParts:
         history: What was asked before, in words.
         views: Makes pictures of what robots show.
         health: Looks at the gateway and its machine.
+        explainer: Says what somebody may, and why.
         grants_ended: Tells of the rights that have just ended by the clock.
         file_offers: Return what may be done with a file that somebody has sent, as buttons.
     """
@@ -182,6 +184,7 @@ class SharedParts:
         self.work: Provided[FleetWork] = Provided("tasks and missions")
         self.history: Provided[HistoryReader] = Provided("what was asked before")
         self.health: Provided[HealthFindings] = Provided("what the doctor finds")
+        self.explainer: Provided[RightsChecker] = Provided("what somebody may, and why")
         self.views: Provided[RobotViews] = Provided("pictures of what robots show")
         self.robot_adder: Provided[RobotAdder] = Provided("adding robots")
         self.alarm_news: Signal[[RobotId, str, bool]] = Signal()

@@ -116,6 +116,30 @@ class HealthFindings(Protocol):
         ...
 
 
+class RightsDecision(NamedTuple):
+    """What would be decided of one robot if somebody said a line.
+
+    Attributes:
+        allowed: It would not be refused; something may have to come first.
+        text: The verdict, and every rule that was asked.
+    """
+
+    allowed: bool
+    text: str
+
+
+class RightsChecker(Protocol):
+    """Says what somebody may, and why; whether somebody may ask that is looked at before."""
+
+    def explained(self, name: str, line: str) -> Sequence[RightsDecision]:
+        """Decide, once for each robot, as if somebody had said a line; nothing is done.
+
+        Raises:
+            NotUnderstood: Nobody of that name, or the line asks nothing of a robot.
+        """
+        ...
+
+
 class OpenAlerts(Protocol):
     """Which alarms are open."""
 

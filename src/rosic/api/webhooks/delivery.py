@@ -13,15 +13,14 @@ from __future__ import annotations
 import asyncio
 import logging
 import random
-import socket
 from collections import deque
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
-from urllib.parse import urlsplit
 
 import httpx
 import msgspec
 
-from rosic.api.webhooks.settings import is_private, key_of, signed
+from rosic.api.webhooks.addresses import RefusedAddress, addresses_of, shown
+from rosic.api.webhooks.settings import key_of, signed
 from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.signal import Signal
 from rosic.core.time_units import SECOND_NS
@@ -114,7 +113,7 @@ class WebhookDelivery:
     @property
     def shown(self) -> str:
         """Where it goes, without what may be secret in its path."""
-        return urlsplit(self.settings.url).netloc.rpartition("@")[2]
+        return shown(self.settings)
 
     def put(self, lane: str, event: WebhookEvent) -> None:
         """Have something posted, after what waits in the same lane. Returns at once."""
@@ -241,11 +240,8 @@ class WebhookDelivery:
             NotTaken: One of its addresses is of this machine or of a private network.
             OSError: It has none.
         """
-        parts = urlsplit(self.settings.url)
-        loop = asyncio.get_running_loop()
-        port = parts.port or (443 if parts.scheme == "https" else 80)
-        found = await loop.getaddrinfo(parts.hostname, port, type=socket.SOCK_STREAM)
-        addresses = [str(address[0]) for *_, address in found]
-        if not self.settings.private and is_private(addresses):
-            raise NotTaken("it is in a private network, and private = true is not said")
+        try:
+            addresses = await addresses_of(self.settings)
+        except RefusedAddress as private:
+            raise NotTaken(str(private)) from private
         return addresses[self._serial % len(addresses)]

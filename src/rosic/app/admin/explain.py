@@ -24,6 +24,7 @@ from rosic.core.policy.query import STOP, Allow, AuthContext
 from rosic.core.policy.scope import READ, RESUME
 from rosic.errors import NotUnderstood, Refusal
 from rosic.gateway.limit_clamping import ArgumentClamping
+from rosic.gateway.observed_state import RightsDecision
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -58,8 +59,12 @@ class Explainer:
         self._books = books
         self._clamping = ArgumentClamping(books.vocabularies, books.organiser)
 
+    def explained(self, name: str, line: str) -> tuple[RightsDecision, ...]:
+        """Return the decision about each robot; see `RightsChecker`."""
+        return tuple(RightsDecision(not says_no(text), text) for text in self.explain(name, line))
+
     def explain(self, name: str, line: str) -> tuple[str, ...]:
-        """Return the decision about each robot, with its rules.
+        """Return the decision about each robot, with its rules, as the command line shows it.
 
         Raises:
             NotUnderstood: Nobody of that name, or the line asks nothing of a robot.

@@ -22,6 +22,7 @@ from rosic.app.setup.diagnostics_checks import (
     examine_ros,
 )
 from rosic.app.setup.stop_test import try_robot
+from rosic.app.setup.webhook_checks import examine_webhooks
 from rosic.config.plugins import shared_spaces
 from rosic.config.secrets import open_to_others
 from rosic.errors import RosicError
@@ -132,7 +133,7 @@ async def examine(
         return
     async for finding in _of_its_robots(config, here=ros.verdict is FindingVerdict.GOOD):
         yield finding
-    async for finding in examine_messengers(config, clock):
+    async for finding in _of_others(config, clock):
         yield finding
     if tried:
         async for finding in _tried(config, tried, clock, entropy):
@@ -141,6 +142,14 @@ async def examine(
 
 async def _of_its_data(config: Config | None) -> tuple[DiagnosticFinding, ...]:
     return () if config is None else (await examine_record(config.data), *examine_openness(config))
+
+
+async def _of_others(config: Config, clock: Clock) -> AsyncIterator[DiagnosticFinding]:
+    """Look at those elsewhere that are spoken with: messengers and webhooks."""
+    async for finding in examine_messengers(config, clock):
+        yield finding
+    async for finding in examine_webhooks(config.webhooks):
+        yield finding
 
 
 async def _of_its_robots(config: Config, *, here: bool) -> AsyncIterator[DiagnosticFinding]:
