@@ -15,6 +15,7 @@ FROZEN = "tests/real/ros2/test_frozen_goal.py"
 HALVES = "tests/real/ros2/test_halves.py"
 UNANSWERED = "tests/real/ros2/test_unanswered.py"
 MOVES = "tests/gateway/test_broken_stops.py"
+CLIENTS = "tests/robots/ros2/test_client_link.py"
 REBIRTHS = "tests/robots/ros2/test_endpoint_identity.py"
 
 OF_BREAKS = (
@@ -69,6 +70,13 @@ OF_BREAKS = (
         caught_by=(
             f"{UNANSWERED}::test_a_robot_whose_acceptance_was_not_heard_is_brought_to_rest",
         ),
+    ),
+    Fault(
+        name="I6 a client is dropped whose goal may still be accepted",
+        file="robots/ros2/client/client_link.py",
+        guard="        if self._unresolved or self._sees(self._handle):\n",
+        without="        if self._sees(self._handle):\n",
+        caught_by=(f"{CLIENTS}::test_what_was_sent_while_another_was_made_keeps_its_client",),
     ),
     Fault(
         name="I6 what a service did not answer to goes on",

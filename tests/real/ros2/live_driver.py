@@ -3,7 +3,8 @@
 Usage: live_driver.py WITHIN_S: how old what shows rest may be.
 
 Lines on standard input: ``live``, ``sample NUMBER SENT_NS LINEAR``, ``release``, ``counts``,
-``stop``, ``resume``, ``presence``. Says what `stream_driver` says.
+``stop``, ``resume``, ``presence``. Says what `stream_driver` says, and to ``presence`` as well
+``orders NUMBER``: so many are under way. The end of each is said before it counts no more.
 """
 
 from __future__ import annotations
@@ -49,13 +50,16 @@ async def obey(robot: TriedRobot) -> None:
     loop, reader = asyncio.get_running_loop(), asyncio.StreamReader()
     await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), sys.stdin)
     order, controls = robot.order("drive", {"duration": 0.1}), None
+    under_way: set[asyncio.Task[None]] = set()
     say("ready")
     async with asyncio.TaskGroup() as tasks:
         while line := (await reader.readline()).decode().split():
             if line[0] == "live":
                 order = replace(robot.order("drive", {"duration": 0.1}), live=True)
                 controls = controls_of(order)
-                tasks.create_task(drive(robot, order, controls))
+                driving = tasks.create_task(drive(robot, order, controls))
+                under_way.add(driving)
+                driving.add_done_callback(under_way.discard)
             elif line[0] == "sample" and controls is not None:
                 values = {"linear": float(line[3])}
                 controls.put(LiveSample(order.cid, values, int(line[2]), int(line[1])))
@@ -69,6 +73,7 @@ async def obey(robot: TriedRobot) -> None:
             elif line[0] == "resume":
                 await robot.resume(robot.gate.generation)
             else:
+                say(f"orders {len(under_way)}")
                 say(f"online {robot.presence().online} at_rest {robot.presence().at_rest}")
 
 

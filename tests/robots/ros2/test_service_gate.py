@@ -57,7 +57,7 @@ class Empty:
 
 async def test_the_gate_is_asked_when_there_is_a_place_among_the_calls() -> None:
     runtime, asked = Answering(), []
-    link = ServiceLink(runtime, "/do", Empty, Handle())  # type: ignore[arg-type]
+    link = ServiceLink(runtime, "/do", Empty, Handle(), Handle)  # type: ignore[arg-type]
 
     def refuses() -> None:
         asked.append(runtime.sent)

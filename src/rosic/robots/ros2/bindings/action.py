@@ -81,7 +81,7 @@ class ActionSkill:
         if link is None:
             raise call.offline()
         together = bool(self._binding.start)
-        await call.there(link.ready, link.name, together=together)
+        await call.there(link.sought, link.name, together=together)
         made = self._maker.make(call)
         if isinstance(made, Outcome):
             return made

@@ -99,7 +99,7 @@ class FileBinding:
         link = self._service
         if link is None:
             raise NotSent("The link is closed.")
-        await wait_until(link.ready, link.name, FOUND_WITHIN_S)
+        await wait_until(link.sought, link.name, FOUND_WITHIN_S)
         self._check_free()
         try:
             answer = await link.call(values, timeout_s=timeout_s)

@@ -118,7 +118,7 @@ class ParameterSkill:
         """Set them, then read them back."""
         if self._set is None or self._get is None:
             raise call.offline()
-        await call.there(self._set.ready, self._set.name)
+        await call.there(self._set.sought, self._set.name)
         asked: Parameters = filled(self._binding.values, call.order)  # type: ignore[assignment]
         values = request(asked)
         answer = await ask(call, self._set, values, self._binding.timeout_s, leave=True)

@@ -54,7 +54,7 @@ class ServiceSkill:
         link = self._link
         if link is None:
             raise binding_call.offline()
-        await binding_call.there(link.ready, link.name)
+        await binding_call.there(link.sought, link.name)
         values = filled(self._binding.request, binding_call.order)
         to_message(self._cls.Request, values)
         answer = await ask(binding_call, link, values, self._binding.timeout_s, leave=True)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import asyncio
 from functools import partial
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol, TypeAlias
 
+from rosic.robots.ros2.client.client_link import ClientLink
 from rosic.robots.ros2.client.services import wait_until
 from rosic.robots.ros2.errors import BadValue, NoAnswer, NotSent
 from rosic.robots.ros2.messages.encode import to_message
 from rosic.robots.ros2.publishers import ends_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from rosic.robots.ros2.client.connection import RosConnection
     from rosic.robots.ros2.client.rclpy_import import RosObject
@@ -25,6 +26,8 @@ CancelAnswer: TypeAlias = Literal["cancelling", "refused", "unknown", "ended"]
 
 MAX_GOALS = 64
 GOAL_ID_BYTES = 16
+# What an action consists of, at the server's side.
+_SERVICES, _TOPICS = ("send_goal", "cancel_goal", "get_result"), ("feedback", "status")
 
 # action_msgs/msg/GoalStatus
 _ENDS: dict[int, End] = {4: "succeeded", 5: "cancelled", 6: "aborted"}
@@ -52,27 +55,25 @@ class GoalEnd(NamedTuple):
     result: RosObject
 
 
-class ActionLink:
-    """A client of one action, kept open: finding it again would take longer than asking.
+class ActionLink(ClientLink):
+    """A client of one action.
 
     Attributes:
-        name: Absolute name.
         rejected: How many goals the server did not accept.
     """
 
     def __init__(
-        self, runtime: RosConnection, name: str, cls: RosObject, handle: RosObject
+        self,
+        runtime: RosConnection,
+        name: str,
+        cls: RosObject,
+        handle: RosObject,
+        make: Callable[[], RosObject],
     ) -> None:
-        self.name = name
+        """Make it; see `ClientLink`."""
+        super().__init__(runtime, name, cls, handle, make)
         self.rejected = 0
-        self._runtime = runtime
-        self._cls = cls
-        self._handle = handle
         self._goals = 0
-
-    def ready(self) -> bool:
-        """Tell whether somebody offers the action now."""
-        return self._runtime.alive and bool(self._handle.server_is_ready())
 
     def servers(self) -> Ends:
         """Return who offers the action now: one that begins anew is another."""
@@ -111,12 +112,13 @@ class ActionLink:
         """
         message = to_message(self._cls.Goal, values)
         if not self.ready():
-            await wait_until(self.ready, self.name, found_within_s)
+            await wait_until(self.sought, self.name, found_within_s)
         if self._goals >= MAX_GOALS:
             raise NotSent(f"Too many goals are under way; nothing was sent to {self.name}.")
         feedback = None if on_feedback is None else _Newest(self._runtime, on_feedback)
         uuid = None if goal_id is None else self._uuid(goal_id)
         self._goals += 1
+        self._unresolved += 1
         self._runtime.traffic.went()
         try:
             handle = await self._runtime.thread.ask(
@@ -125,19 +127,30 @@ class ActionLink:
                 timeout_s=timeout_s,
                 late=self._call_off,
             )
-        except BaseException:
-            self._goals -= 1
+        except BaseException as fault:
+            self._ended(known=isinstance(fault, NotSent))
             raise
         self._runtime.traffic.came()
         if not handle.accepted:
-            self._goals -= 1
+            self._ended(known=True)
             self.rejected += 1
             return None
         return Goal(self._runtime, self.name, handle, self._ended)
 
     async def close(self) -> None:
         """Leave the action. Goals under way stay with the robot: cancel them first."""
-        await self._runtime.discard(lambda _node: self._handle.destroy())
+        await super().close()
+
+    def _sees(self, handle: RosObject) -> bool:
+        return bool(handle.server_is_ready())
+
+    def _ends(self, node: RosObject) -> Mapping[str, int]:
+        inside = f"{self.name}/_action"
+        services = {end: node.count_services(f"{inside}/{end}") for end in _SERVICES}
+        return services | {end: node.count_publishers(f"{inside}/{end}") for end in _TOPICS}
+
+    def _destroy(self, node: RosObject, handle: RosObject) -> None:  # noqa: ARG002 - it knows its own
+        handle.destroy()
 
     def _begin(self, message: RosObject, uuid: RosObject, feedback: _Newest | None) -> RosObject:
         """Send the goal, and leave nothing behind that rclpy would keep; on the ROS thread."""
@@ -165,8 +178,18 @@ class ActionLink:
             raise BadValue(f"A goal's id has {GOAL_ID_BYTES} bytes, not {len(goal_id)}.")
         return self._runtime.ros.ids.UUID(uuid=list(goal_id))
 
-    def _ended(self) -> None:
+    def _ended(self, *, known: bool) -> None:
+        """Count a goal no more; where it is not known how it ended, what it was sent over stays."""
         self._goals -= 1
+        self._unresolved -= known
+
+
+class GoalEnded(Protocol):
+    """Takes in that nobody waits for the end of a goal any more."""
+
+    def __call__(self, *, known: bool) -> None:
+        """Take it in, and whether it is known how it ended."""
+        ...
 
 
 class Goal:
@@ -178,7 +201,7 @@ class Goal:
     """
 
     def __init__(
-        self, runtime: RosConnection, name: str, handle: RosObject, ended: Callable[[], None]
+        self, runtime: RosConnection, name: str, handle: RosObject, ended: GoalEnded
     ) -> None:
         self.name = name
         self.id = bytes(handle.goal_id.uuid)
@@ -186,8 +209,7 @@ class Goal:
         self._handle = handle
         # Asked for at once: a server forgets the result of a goal a few seconds after its end.
         self._result = asyncio.ensure_future(self._watch())
-        self._result.add_done_callback(lambda _result: ended())
-        self._result.add_done_callback(_look)
+        self._result.add_done_callback(lambda result: ended(known=_heard(result)))
 
     @property
     def over(self) -> bool:
@@ -276,7 +298,6 @@ def _drop_feedback(client: RosObject, feedback: _Newest, future: RosObject) -> N
         del callbacks[key]
 
 
-def _look(result: asyncio.Future[GoalEnd]) -> None:
-    """Look at a failure that nobody may ever ask for, so that asyncio does not complain of it."""
-    if not result.cancelled():
-        result.exception()
+def _heard(result: asyncio.Future[GoalEnd]) -> bool:
+    """Tell whether the end was heard; so asyncio does not complain of a failure nobody asks for."""
+    return not result.cancelled() and result.exception() is None

@@ -216,15 +216,20 @@ class RosRuntime(RosConnection):
     async def service(self, name: str, type_name: str) -> ServiceLink:
         """Open a client of a service. Raises as `publisher` does."""
         cls, name = self.types.service(type_name), check_graph_name(name)
-        handle = await self.opened(lambda: self.thread.node.create_client(cls, name))
-        return ServiceLink(self, name, cls, handle)
+
+        def make() -> RosObject:
+            return self.thread.node.create_client(cls, name)
+
+        return ServiceLink(self, name, cls, await self.opened(make), make)
 
     async def action(self, name: str, type_name: str) -> ActionLink:
         """Open a client of an action. Raises as `publisher` does."""
         cls, name = self.types.action(type_name), check_graph_name(name)
-        node = self.thread.node
-        handle = await self.opened(lambda: self.ros.action.ActionClient(node, cls, name))
-        return ActionLink(self, name, cls, handle)
+
+        def make() -> RosObject:
+            return self.ros.action.ActionClient(self.thread.node, cls, name)
+
+        return ActionLink(self, name, cls, await self.opened(make), make)
 
     async def _subscribe(
         self,

@@ -5,11 +5,12 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from rosic.robots.ros2.client.client_link import ClientLink
 from rosic.robots.ros2.errors import NotSent
 from rosic.robots.ros2.messages.encode import to_message
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from rosic.robots.ros2.client.connection import RosConnection
     from rosic.robots.ros2.client.rclpy_import import RosObject
@@ -36,26 +37,21 @@ async def wait_until(ready: Callable[[], bool], what: str, timeout_s: float) -> 
         raise NotSent(f"Nobody offers {what}; nothing was sent.") from None
 
 
-class ServiceLink:
-    """A client of one service, kept open: finding it again would take longer than asking.
-
-    Attributes:
-        name: Absolute name.
-    """
+class ServiceLink(ClientLink):
+    """A client of one service."""
 
     def __init__(
-        self, runtime: RosConnection, name: str, cls: RosObject, handle: RosObject
+        self,
+        runtime: RosConnection,
+        name: str,
+        cls: RosObject,
+        handle: RosObject,
+        make: Callable[[], RosObject],
     ) -> None:
-        self.name = name
-        self._runtime = runtime
-        self._cls = cls
-        self._handle = handle
+        """Make it; see `ClientLink`."""
+        super().__init__(runtime, name, cls, handle, make)
         self._ordinary = asyncio.Semaphore(MAX_CALLS)
         self._urgent = asyncio.Semaphore(MAX_CALLS)
-
-    def ready(self) -> bool:
-        """Tell whether somebody offers the service now."""
-        return self._runtime.alive and bool(self._handle.service_is_ready())
 
     async def call(
         self,
@@ -84,7 +80,7 @@ class ServiceLink:
         """
         request = to_message(self._cls.Request, values)
         if not self.ready():
-            await wait_until(self.ready, self.name, found_within_s)
+            await wait_until(self.sought, self.name, found_within_s)
         admission = self._urgent if urgent else self._ordinary
         try:
             async with asyncio.timeout(timeout_s):
@@ -94,15 +90,27 @@ class ServiceLink:
         try:
             if leave is not None:
                 leave()
-            self._runtime.traffic.went()
-            answer = await self._runtime.thread.ask(
-                lambda: self._handle.call_async(request), self.name, timeout_s=timeout_s
-            )
-            self._runtime.traffic.came()
-            return answer
+            return await self._ask(request, timeout_s)
         finally:
             admission.release()
 
-    async def close(self) -> None:
-        """Leave the service."""
-        await self._runtime.discard(lambda node: node.destroy_client(self._handle))
+    async def _ask(self, request: RosObject, timeout_s: float) -> RosObject:
+        self._unresolved += 1
+        self._runtime.traffic.went()
+        try:
+            answer = await self._runtime.thread.ask(
+                lambda: self._handle.call_async(request), self.name, timeout_s=timeout_s
+            )
+        finally:  # one that comes late is heard by nobody
+            self._unresolved -= 1
+        self._runtime.traffic.came()
+        return answer
+
+    def _sees(self, handle: RosObject) -> bool:
+        return bool(handle.service_is_ready())
+
+    def _ends(self, node: RosObject) -> Mapping[str, int]:
+        return {"servers": node.count_services(self.name)}
+
+    def _destroy(self, node: RosObject, handle: RosObject) -> None:
+        node.destroy_client(handle)
