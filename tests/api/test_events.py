@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from rosic.api.event_schemas import Pong
+from rosic.core.i18n import titled
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from tests.api.served import served
 from tests.pace import pace
@@ -185,3 +186,15 @@ async def test_what_passes_is_told_once_a_second_of_robots_that_one_sees() -> No
                 assert omni["robot"] == "omni"
                 assert api["in_bytes_s"] >= api["in_per_s"] * len("omni move")
                 heard, sent = heard + api["in_per_s"], sent + omni["sent_per_s"]
+
+
+async def test_a_name_in_several_languages_is_told_and_what_cannot_be_written_ends_nothing(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    async with served() as place, place.listening(await place.program("viewer")) as connection:
+        await told(connection, "hello")
+        (listener,) = place.server.stream.listeners
+        listener.put("odd", Pong(cast("str", object())))
+        listener.put("named", Pong(titled("you", {"de": "Gast"})))
+        assert (await told(connection, "pong"))["id"] == "you"
+    assert "an event of Pong cannot be written" in caplog.text

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 from collections import OrderedDict
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
@@ -36,6 +37,7 @@ from rosic.api.live_orders import LiveOrders
 from rosic.api.problems import problem, problem_of
 from rosic.api.rate_feed import RateFeed, of_visible
 from rosic.api.schemas import StopIn
+from rosic.core.i18n import plain
 from rosic.core.identity import PAGE
 from rosic.errors import RosicError, Unrecognised
 
@@ -73,7 +75,9 @@ Said: TypeAlias = Subscribe | StopRequest | Ping | Jog
 _read: Callable[[str], Said] = msgspec.json.Decoder(Said).decode
 
 Event: TypeAlias = event_schemas.Event | JogEvent
-_encode = msgspec.json.Encoder().encode
+_encode = msgspec.json.Encoder(enc_hook=plain).encode
+
+log = logging.getLogger("rosic.api")
 
 
 class Listener:
@@ -229,9 +233,11 @@ class EventStream:
             event = await listener.next()
             if listener.overflowed:
                 raise _Left(SLOW, TOO_SLOW)
+            if (text := _written(event)) is None:
+                continue
             try:
                 async with asyncio.timeout(SEND_WITHIN_S):
-                    await connection.send_data(_encode(event).decode(), "text")
+                    await connection.send_data(text, "text")
             except TimeoutError:
                 raise _Left(SLOW, TOO_SLOW) from None
 
@@ -323,6 +329,15 @@ def _said_in(text: str) -> Said | None:
     except (msgspec.MsgspecError, UnicodeError):
         pass
     return StopRequest() if '"stop"' in text[:MESSAGE_BYTES] else None
+
+
+def _written(event: Event) -> str | None:
+    """Return an event as it is sent; None where it cannot be written: the others go on."""
+    try:
+        return _encode(event).decode()
+    except Exception:
+        log.exception("an event of %s cannot be written", type(event).__name__)
+        return None
 
 
 def _tell_of_jog(listener: Listener, event: JogEvent) -> None:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
 
 import msgspec
 
+from rosic.core.i18n import plain
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -236,13 +238,11 @@ Told: TypeAlias = (
 )
 
 
-def _as_list(value: object) -> object:
-    if isinstance(value, array):
-        return value.tolist()
-    raise NotImplementedError(type(value).__name__)
+def _as_plain(value: object) -> object:
+    return value.tolist() if isinstance(value, array) else plain(value)
 
 
-_encode = msgspec.json.Encoder(enc_hook=_as_list).encode
+_encode = msgspec.json.Encoder(enc_hook=_as_plain).encode
 
 
 def written(told: Told) -> str:

@@ -22,6 +22,7 @@ import msgspec
 from rosic.api.webhooks.addresses import RefusedAddress, addresses_of, shown
 from rosic.api.webhooks.settings import key_of, signed
 from rosic.contracts.background_tasks import BackgroundTasks
+from rosic.core.i18n import plain
 from rosic.core.signal import Signal
 from rosic.core.time_units import SECOND_NS
 
@@ -197,7 +198,7 @@ class WebhookDelivery:
             NotTaken: It was not, in the time that one post has.
         """
         lost, self._lost, taken = self._lost, 0, False
-        body = msgspec.json.encode(msgspec.structs.replace(event, lost=lost))
+        body = msgspec.json.encode(msgspec.structs.replace(event, lost=lost), enc_hook=plain)
         try:
             status = await self._post(message, body)
             taken = True
