@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import socket
 import sys
 from typing import TYPE_CHECKING, Any
 
-from rosic.api.settings import LISTEN, ApiSettings, parse_listen
+from rosic.api.settings import LISTEN, ApiSettings, HostPort, parse_listen
 from rosic.app.admin.dispatch import AdminDispatcher
 from rosic.app.api import GatewayApi
 from rosic.app.closing import close_in_time, console_of, mind_console, on_signals, read_at
@@ -28,7 +29,6 @@ from rosic.stores.memory import MemoryStore
 from rosic.stores.stop_latch import MemoryLatch
 
 if TYPE_CHECKING:
-    from rosic.api.server import ApiServer
     from rosic.contracts.clock import Clock, Entropy
     from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import Profile
@@ -60,6 +60,9 @@ LEFT_FILES = said(
 )
 # Somebody's name, not a word of a sentence: in German that would need its case.
 YOU = titled("you", {"de": "Gast"})
+# Where there is a page, programs may read it too, who are somebody else.
+GUEST = titled("Guest", {"de": "Gast"})
+POLL_S = 0.02
 
 
 class DemoScript:
@@ -101,7 +104,7 @@ async def demonstrate(
     profiles = fleet()
     messenger = TerminalMessenger(clock=clock, plain=plain, locale=own_locale())
     messenger.know(profiles, command_table())
-    api = GatewayApi(ApiSettings(listen=parse_listen(LISTEN)), clock) if console else None
+    api = GatewayApi(ApiSettings(listen=_free_listen()), clock) if console else None
     gateway = gateway_of(profiles, messenger, clock, entropy, api)
     await gateway.open()
     script = None if is_terminal(sys.stdin) else DemoScript(gateway, messenger, clock)
@@ -115,15 +118,8 @@ async def demonstrate(
         took_s = (clock.monotonic_ns() - begun_ns) / 1e9
         greeting = filled(GREETING, took_s=took_s, fleet=", ".join(FLEET))
         messenger.show(in_language(greeting, of_locale(messenger.locale)))
-        server = None if api is None else api.server_of(gateway)
-        if server is not None:
-            from rosic.app.health import GatewayHealth  # noqa: PLC0415 - it loads the database
-
-            gateway.kernel.shared.health.provide(GatewayHealth(gateway, None, clock))
-            code = gateway.access.page_sessions.offer(_whoever_sits_here(gateway))
-            page = filled(PAGE, url=f"{server.context.settings.reached_at}/#code={code.reveal()}")
-            messenger.show(in_language(page, of_locale(messenger.locale)))
-        await _until_over(gateway, messenger, script, server)
+        serving = None if api is None else await _serve(api, gateway, messenger, clock)
+        await _until_over(gateway, messenger, script, serving)
         await _take_leave(gateway, messenger, script=script is not None)
     finally:
         await close_in_time(gateway, CLOSE_WITHIN_S)
@@ -143,8 +139,41 @@ def fleet() -> list[Profile]:
     return profiles
 
 
+def _free_listen() -> HostPort:
+    """Return where the page is served: where it always is, or on a free port if that is taken."""
+    usual = parse_listen(LISTEN)
+    for port in (usual.port, 0):
+        with socket.socket() as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind((usual.host, port))
+            except OSError:
+                continue
+            return HostPort(usual.host, probe.getsockname()[1])
+    return usual
+
+
+async def _serve(
+    api: GatewayApi, gateway: Gateway, messenger: TerminalMessenger, clock: Clock
+) -> asyncio.Task[None]:
+    """Serve the page, and show the link to it once it is there."""
+    from rosic.app.health import GatewayHealth  # noqa: PLC0415 - it loads the database
+
+    gateway.kernel.shared.health.provide(GatewayHealth(gateway, None, clock))
+    server = api.server_of(gateway)
+    serving = asyncio.create_task(server.run())
+    while not (server.listens or serving.done()):
+        await clock.sleep(POLL_S)
+    if not serving.done():
+        code = gateway.access.page_sessions.offer(_whoever_sits_here(gateway))
+        page = filled(PAGE, url=f"{server.context.settings.reached_at}/#code={code.reveal()}")
+        messenger.show(in_language(page, of_locale(messenger.locale)))
+    return serving
+
+
 def _whoever_sits_here(gateway: Gateway) -> PrincipalId:
-    return next(each.id for each in gateway.rooms.authoriser.directory.people() if each.name == YOU)
+    people = gateway.rooms.authoriser.directory.people()
+    return next(each.id for each in people if each.name == GUEST)
 
 
 def gateway_of(
@@ -156,7 +185,8 @@ def gateway_of(
 ) -> Gateway:
     """Make the gateway. Its one person may do everything, and is whoever started it."""
     address = Address(messenger.platform, messenger.account)
-    you = ConfiguredPerson(name=YOU, addresses=(address,), roles=("admin",))
+    name = YOU if api is None else GUEST
+    you = ConfiguredPerson(name=name, addresses=(address,), roles=("admin",))
     parts = GatewayParts(
         messengers=(messenger, *(api.messengers if api is not None else ())),
         robot_factory=robot_factory,
@@ -192,7 +222,7 @@ async def _until_over(
     gateway: Gateway,
     messenger: TerminalMessenger,
     script: DemoScript | None,
-    server: ApiServer | None = None,
+    serving: asyncio.Task[None] | None = None,
 ) -> None:
     """Listen until the input ends, somebody leaves, or a signal comes."""
     left = asyncio.Event()
@@ -206,8 +236,7 @@ async def _until_over(
     listening = asyncio.create_task(gateway.run())
     ended = asyncio.create_task(messenger.ended.wait())
     tasks: list[asyncio.Task[Any]] = [listening, ended]
-    if server is not None:
-        serving = asyncio.create_task(server.run())
+    if serving is not None:
         serving.add_done_callback(lambda _: leave())
         tasks.append(serving)
     if console is not None:
