@@ -11,7 +11,7 @@ import pytest
 from rosic.api import order_feed
 from rosic.core.policy.roles import SkillPrecondition
 from rosic.core.time_units import SECOND_NS
-from rosic.messengers.program import messenger
+from rosic.messengers.program import standstill
 from rosic.messengers.program.standstill import AFTER_NS, STILL_NS, StandstillWatch
 from tests.api.served import problem, served
 from tests.gateway.test_rights import rules
@@ -220,7 +220,7 @@ async def test_what_waited_while_the_gateway_stood_still_moves_nothing_and_a_sto
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     stood_ns = 0
-    monkeypatch.setattr(messenger, "running_ns", lambda: monotonic_ns() + stood_ns)
+    monkeypatch.setattr(standstill, "running_ns", lambda: monotonic_ns() + stood_ns)
     async with served() as place:
         hal = await place.program("operator")
         body = {"skill": "move", "arguments": {"distance": 0.3}, "wait_s": 20}

@@ -9,6 +9,7 @@ import pytest
 
 from rosic.bench.batches import CommandBatch
 from rosic.bench.command import main
+from rosic.bench.idle import IdleWindow, report_of
 from rosic.bench.report import BenchCase, BenchReport
 from rosic.bench.telegram import TelegramLoad, measured
 from tests.cli.running import rosic
@@ -187,3 +188,21 @@ def test_an_unknown_bench_names_those_that_exist() -> None:
     assert ran.status == 2
     assert "pipeline" in ran.err
     assert "stop" in ran.err
+
+
+def test_the_bench_of_an_idle_gateway_takes_out_what_others_cost_and_fails_above_its_promise() -> (
+    None
+):
+    quiet, busy = IdleWindow(0.004, 0.01), IdleWindow(0.016, 0.02)
+    held = report_of([quiet] * 3, [busy] * 3, 5.0)
+    assert "With a page open: 0.80% of a processor (1.60% as measured" in held.findings[0]
+    assert "with nobody 0.40%" in held.findings[0]
+    assert not held.failures
+    broken = report_of([quiet] * 3, [IdleWindow(0.011, 0.01)] * 3, 5.0)
+    assert broken.failures == broken.findings
+
+
+@pytest.mark.campaign
+def test_an_idle_gateway_with_a_page_open_needs_under_one_per_cent() -> None:
+    ran = rosic("bench", "idle", "--json", within_s=400)
+    assert (ran.status, ran.err) == (0, "")

@@ -12,7 +12,7 @@ from playwright.async_api import expect
 
 from rosic.api.settings import ApiSettings, HostPort
 from tests.api.served import ANYWHERE, served
-from tests.console.browser import DESK, opened
+from tests.console.browser import DESK, PHONE, opened
 from tests.console.robots import DRAINED, noting
 
 if TYPE_CHECKING:
@@ -103,6 +103,50 @@ async def test_a_time_is_booked_by_dragging_moved_and_given_back(site: Site) -> 
     await expect(own(there)).to_contain_text(f"14:00{TO}15:30 Ada")
     await page.get_by_role("button", name=re.compile("^Give KUKA iiwa back")).click()
     await expect(own(there)).to_have_count(0)
+
+
+async def test_a_finger_taps_an_hour_drags_it_and_scrolls_the_rest(
+    site: Site, browser: Browser
+) -> None:
+    async with opened(browser, site.place, PHONE, timezone_id=LOCAL_ZONE) as there:
+        await there.sign_in("Bo")
+        await there.go("times/yumi")
+        page, week = there.page, there.page.locator(".week")
+        await expect(week).to_be_visible()
+        await week.evaluate("week => week.scrollIntoView({ block: 'start' })")
+        await page.evaluate("scrollBy(0, -160)")  # from under what stays in view above
+        await week.evaluate("week => { week.scrollTop = week.scrollHeight * 10 / 24; }")
+        hand = await page.context.new_cdp_session(page)
+
+        async def at(hours: float) -> dict[str, float]:
+            box = await page.locator(".days").bounding_box()
+            assert box is not None
+            return {
+                "x": box["x"] + box["width"] / 2,  # tomorrow, of three days
+                "y": box["y"] + box["height"] * hours / 24,
+            }
+
+        async def finger(*way: dict[str, float]) -> None:
+            for number, point in enumerate(way):
+                kind = "touchMove" if number else "touchStart"
+                await hand.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [point]})
+            await hand.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
+        await finger(await at(11.2))
+        chosen = page.locator(".chosen-time")
+        await expect(chosen).to_contain_text(f"11:00{TO}12:00")
+        await finger(await at(11.4), await at(11.9), await at(12.4), await at(12.9))
+        await expect(chosen).to_contain_text(f"12:30{TO}13:30")
+        await finger(await at(13.45), await at(13.7), await at(14.0))
+        await expect(chosen).to_contain_text(f"12:30{TO}14:00")
+        before = await week.evaluate("week => week.scrollTop")
+        await finger(*[await at(11.5 - step / 4) for step in range(6)])
+        await expect(chosen).to_contain_text(f"12:30{TO}14:00")
+        await page.wait_for_function(
+            "before => document.querySelector('.week').scrollTop !== before", arg=before
+        )
+        await page.get_by_role("button", name="Book YuMi").click()
+        await expect(own(there)).to_contain_text(f"12:30{TO}14:00 Bo")
 
 
 async def test_a_time_is_booked_by_the_keyboard_alone_and_a_refusal_says_why(site: Site) -> None:
@@ -267,6 +311,8 @@ async def test_a_task_is_given_held_and_ended(site: Site) -> None:
     await form.get_by_role("button", name="Give the task").click()
     task = page.locator("section li", has_text="of 2 steps").first
     await expect(task).to_be_visible()
+    busy = page.get_by_role("region", name="How busy robots were").get_by_role("row")
+    await expect(busy.filter(has_text="omni").get_by_role("meter", name="today")).to_be_visible()
     await there.fits("fleet")
     await task.get_by_role("button", name="Hold: task").click()
     await expect(task).to_contain_text("held")
@@ -280,6 +326,9 @@ async def test_what_the_doctor_finds_is_shown(site: Site) -> None:
     findings = there.page.locator(".findings li")
     await expect(findings.filter(has_text="omni").first).to_be_visible()
     assert await findings.count() > 1
+    figures = there.page.get_by_role("region", name="What is measured").get_by_role("row")
+    await expect(figures.filter(has_text="rosic_robot_up")).to_be_visible()
+    assert await figures.count() > 10
     await there.fits("health")
 
 

@@ -164,20 +164,27 @@ class ApiContext(NamedTuple):
 
     def robot(self, profile: Profile) -> RobotOut:
         """Return a robot as it is shown."""
-        rooms, robot = self.kernel.rooms, profile.id
-        holder = rooms.organiser.holder(robot)
+        robot = profile.id
+        stopped, holder = self.held(robot)
         return RobotOut(
             id=robot,
             name=profile.shown,
             groups=profile.groups,
             skills=tuple(profile.skills),
-            stopped=rooms.stops[robot].latched,
-            holder="" if holder is None else rooms.authoriser.directory.name(holder),
+            stopped=stopped,
+            holder=holder,
             presence=self.presence(robot),
             views=tuple(kind.value for kind in ViewKind if profile.offers(kind)),
             units={name: value.unit for name, value in profile.telemetry.items()},
             watchdog_s=profile.watchdog_s,
         )
+
+    def held(self, robot: RobotId) -> tuple[bool, str]:
+        """Return whether a robot is stopped, and the name of who holds it; empty: nobody."""
+        rooms = self.kernel.rooms
+        holder = rooms.organiser.holder(robot)
+        name = "" if holder is None else rooms.authoriser.directory.name(holder)
+        return rooms.stops[robot].latched, name
 
     def presence(self, robot: RobotId) -> PresenceOut:
         """Return what a robot's side last said of itself."""

@@ -36,6 +36,7 @@ from rosic.api.jog import Jog, JogEvent, JogSessions
 from rosic.api.live_orders import LiveOrders
 from rosic.api.problems import problem, problem_of
 from rosic.api.rate_feed import RateFeed, of_visible
+from rosic.api.robot_monitor import RobotMonitor
 from rosic.api.schemas import StopIn
 from rosic.core.i18n import plain
 from rosic.core.identity import PAGE
@@ -142,9 +143,11 @@ class EventStream:
         self._context, self._speech = context, speech
         self._live = LiveOrders(context)
         self._rates = RateFeed(context.kernel)
+        clock = context.kernel.machine_clock
+        self._looks = RobotMonitor(context.robot, context.held, clock.monotonic_ns)
         self.listeners: set[Listener] = set()
         self._looking: asyncio.Task[None] | None = None
-        self._run = f"{context.kernel.machine_clock.wall_ns():x}"
+        self._run = f"{clock.wall_ns():x}"
         context.feed.changed.connect(self._order_changed)
         context.page.news.connect(self._said)
 
@@ -264,6 +267,7 @@ class EventStream:
                 listener.put(f"message {message.id}", MessageEvent(message))
 
     def _order_changed(self, entry: OrderEntry) -> None:
+        self._looks.wake(entry.robot)
         for listener in self.listeners:
             if "orders" in listener.topics and entry.robot in self._context.visible(
                 listener.caller
@@ -303,11 +307,13 @@ class EventStream:
         for number, (robot, profile) in enumerate(tuple(profiles.items())):
             if number % CHUNK == CHUNK - 1:
                 await asyncio.sleep(0)
-            shown: RobotOut | None = None
-            for each in listening:
-                if robot in visible[id(each)]:
-                    shown = shown or self._context.robot(profile)
+            seeing = [each for each in listening if robot in visible[id(each)]]
+            if seeing:
+                anew = any(robot not in each.seen for each in seeing)
+                shown = self._looks.look(profile, anew=anew)
+                for each in seeing:
                     _tell_of(each, shown)
+        self._looks.keep(profiles)
         for each in listening:
             for robot in [r for r in each.seen if r not in visible[id(each)]]:
                 del each.seen[robot]
@@ -345,10 +351,7 @@ def _tell_of_jog(listener: Listener, event: JogEvent) -> None:
 
 
 def _tell_of(listener: Listener, shown: RobotOut) -> None:
-    """Tell a listener of a robot, if it is another than it was told; its age alone is no news."""
-    still = msgspec.structs.replace(
-        shown, presence=msgspec.structs.replace(shown.presence, age_s=None)
-    )
-    if listener.seen.get(shown.id) != still:
-        listener.seen[shown.id] = still
+    """Tell a listener of a robot, if there is news of it."""
+    if listener.seen.get(shown.id) is not shown:
+        listener.seen[shown.id] = shown
         listener.put(f"robot {shown.id}", RobotEvent(shown))

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import Address
     from rosic.core.message import Chat, Inbound
     from rosic.messengers.program.calls import ToolCall
+    from rosic.messengers.program.standstill import StandstillWatch
 
 MESSAGES_KEPT: Final = 200
 PEOPLE_KEPT: Final = 1_000
@@ -77,8 +78,8 @@ class PageMessenger(ProgramMessenger):
     pins = True
     file_bytes = FILE_BYTES
 
-    def __init__(self, name: str, clock: Clock) -> None:
-        super().__init__(name, clock)
+    def __init__(self, name: str, clock: Clock, standstill: StandstillWatch | None = None) -> None:
+        super().__init__(name, clock, standstill)
         self.news: Signal[[str, PageMessage]] = Signal()
         self._conversations: OrderedDict[str, Conversation] = OrderedDict()
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.api.event_schemas import MessengerRate, RatesEvent, RobotRate
-from rosic.contracts.traffic import traffic_of
+from rosic.contracts.traffic import CountsTraffic, traffic_of
 from rosic.core.time_units import SECOND_NS
 from rosic.core.traffic import TrafficMeter
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from rosic.core.robot.profile import RobotId
     from rosic.core.traffic import TrafficCount
@@ -36,11 +36,27 @@ def _counted(links: Iterable[tuple[str, object]]) -> Iterator[tuple[str, Traffic
             yield name, count
 
 
+class _Counting:
+    """The links that count; of each is found out once whether it does."""
+
+    def __init__(self) -> None:
+        self._links: Mapping[str, object] = {}
+        self._counting: dict[str, CountsTraffic] = {}
+
+    def counts(self, links: Mapping[str, object]) -> dict[str, TrafficCount]:
+        """Return what has passed those of these links that count."""
+        if links != self._links:
+            self._links = links
+            self._counting = {n: x for n, x in links.items() if isinstance(x, CountsTraffic)}
+        return {name: link.traffic for name, link in self._counting.items()}
+
+
 class RateFeed:
     """Says once a second what passed in the last one."""
 
     def __init__(self, kernel: Kernel) -> None:
         self._kernel = kernel
+        self._speaking, self._linked = _Counting(), _Counting()
         self._messengers, self._robots = TrafficMeter(), TrafficMeter()
         self._taken_ns: int | None = None
 
@@ -50,8 +66,9 @@ class RateFeed:
         if self._taken_ns is not None and now_ns - self._taken_ns < EVERY_NS:
             return None
         self._taken_ns = now_ns
-        messengers = self._messengers.take(messenger_counts(self._kernel), now_ns)
-        robots = self._robots.take(robot_counts(self._kernel), now_ns)
+        spoken = {each.name: each for each in self._kernel.messengers}
+        messengers = self._messengers.take(self._speaking.counts(spoken), now_ns)
+        robots = self._robots.take(self._linked.counts(dict(self._kernel.robots)), now_ns)
         if not messengers and not robots:
             return None
         return RatesEvent(

@@ -32,9 +32,11 @@ from rosic.api.connections import IdleConnections, LimitedHttp, LimitedSocket
 from rosic.api.context import ApiContext
 from rosic.api.description import DescribedProblems
 from rosic.api.events import EventStream
+from rosic.api.figure_routes import ROUTES as FIGURES
 from rosic.api.file_routes import ROUTES as FILES
 from rosic.api.foxglove import FoxgloveConnections, foxglove
 from rosic.api.history_routes import ROUTES as HISTORY
+from rosic.api.metrics.gateway_metrics import GatewayMetrics
 from rosic.api.order_feed import OrderFeed
 from rosic.api.ordering import CallerRequests, RefusedOrder
 from rosic.api.people_routes import ROUTES as PEOPLE
@@ -122,6 +124,7 @@ class ApiServer:
         self._speech = CallerRequests(self.context)
         self.stream = EventStream(self.context, self._speech)
         self._connections = FoxgloveConnections(self.context)
+        self._figures = GatewayMetrics(kernel)
         check_topics(settings.topics, kernel.rooms.profiles)
         self._tickets = TicketBook(callers, kernel.machine_clock, kernel.entropy.token)
         self._rosbridge = RosbridgeEndpoint(self.context, self._speech, self._tickets)
@@ -244,6 +247,7 @@ class ApiServer:
                         *WORK,
                         *FILES,
                         *HISTORY,
+                        *FIGURES,
                         *passkeys,
                         new_ticket,
                         events,
@@ -258,6 +262,7 @@ class ApiServer:
                 "stream": Provide(self._events, sync_to_thread=False),
                 "speech": Provide(self._calls, sync_to_thread=False),
                 "tickets": Provide(lambda: self._tickets, sync_to_thread=False),
+                "figures": Provide(lambda: self._figures, sync_to_thread=False),
                 "caller": Provide(_caller, sync_to_thread=False),
                 "connections": Provide(self._foxglove, sync_to_thread=False),
             },

@@ -6,6 +6,7 @@ sentences, the same record.
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING, Annotated, Final, Literal
 
 from litestar import delete, get, post
@@ -23,9 +24,13 @@ from rosic.api.work_schemas import (
     QueueEntryOut,
     TaskIn,
     TaskOut,
+    UsageOut,
+    WorkShareOut,
 )
 from rosic.core.fleet.task import RESTING, TaskState
 from rosic.core.i18n import in_language, said
+from rosic.core.local_time import LocalTime
+from rosic.core.time_units import DAY_NS
 from rosic.errors import NotFound, NotUnderstood
 
 if TYPE_CHECKING:
@@ -34,12 +39,14 @@ if TYPE_CHECKING:
     from rosic.api.callers import ApiCaller
     from rosic.api.context import ApiContext
     from rosic.core.robot.profile import RobotId
-    from rosic.gateway.pending_work import FleetWork, TaskEntry
+    from rosic.gateway.pending_work import FleetWork, TaskEntry, TimeAtWork
 
 UNKNOWN_TASK: Final = said("There is no such open task, as far as you may see.")
 UNKNOWN_MISSION: Final = said("There is no such mission that you may start.")
 UNKNOWN_RUN: Final = said("There is no such mission under way, as far as you may see.")
 NO_STEP: Final = said("A step is words of one line, without a semicolon. Nothing was done.")
+WEEK_NS: Final = 7 * DAY_NS
+ROBOTS_AT_ONCE: Final = 20
 Robot = Annotated[str, QueryParameter(name="robot", max_length=64)]
 
 # ---- queues, and whose a robot is ----
@@ -159,6 +166,32 @@ async def act_on_task(
     return await speech.command(caller, f"/task {act} {task}")
 
 
+@get("/utilisation", summary="How busy robots were", tags=["fleet"])
+async def utilisation(api: Api, caller: Who) -> list[UsageOut]:
+    """Return for how long robots that the caller may see were at work today, and in seven days."""
+    work = _work(api, caller)
+    if work is None:
+        return []
+    zone, now_ns = (
+        api.kernel.rooms.organiser.calendar.zone(caller.principal),
+        api.kernel.clock.wall_ns(),
+    )
+    midnight_ns = zone.instant(LocalTime.at(zone.local(now_ns).day_number)).start_ns
+    found = []
+    for number, robot in enumerate(sorted(api.visible(caller))):
+        if number % ROBOTS_AT_ONCE == ROBOTS_AT_ONCE - 1:
+            await asyncio.sleep(0)
+        today = work.work_of(robot, midnight_ns, now_ns)
+        week = work.work_of(robot, now_ns - WEEK_NS, now_ns)
+        found.append(UsageOut(robot, today.now, _share(today), _share(week)))
+    return found
+
+
+def _share(time: TimeAtWork) -> WorkShareOut:
+    share = min(1.0, time.worked_s / time.counted_s) if time.counted_s > 0 else 0.0
+    return WorkShareOut(round(time.worked_s, 3), round(share, 4))
+
+
 def _work(api: ApiContext, caller: ApiCaller) -> FleetWork | None:
     return None if api.is_locked_out(caller) else api.kernel.shared.work.find()
 
@@ -262,6 +295,7 @@ ROUTES: Final = (
     tasks,
     give_task,
     act_on_task,
+    utilisation,
     missions,
     start_mission,
     act_on_mission,

@@ -112,3 +112,30 @@ class MissionStartIn(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """
 
     values: Annotated[str, msgspec.Meta(max_length=300)] = ""
+
+
+class WorkShareOut(msgspec.Struct, frozen=True):
+    """How busy a robot was in some time.
+
+    Attributes:
+        worked_s: So long it had a task, or an order that needs it for itself.
+        share: Of the time that was counted, 0 to 1; a gateway that is down counts no work.
+    """
+
+    worked_s: float
+    share: float
+
+
+class UsageOut(msgspec.Struct, frozen=True):
+    """How busy a robot was.
+
+    Attributes:
+        at_work: It is at work now.
+        today: Since midnight, where the caller is.
+        week: In the last seven days.
+    """
+
+    robot: str
+    at_work: bool
+    today: WorkShareOut
+    week: WorkShareOut

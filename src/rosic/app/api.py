@@ -56,14 +56,19 @@ class GatewayApi:
             from rosic.api.page_messenger import PageMessenger  # noqa: PLC0415 - an extra
             from rosic.api.server import ApiServer  # noqa: PLC0415 - an extra
             from rosic.messengers.program.messenger import ProgramMessenger  # noqa: PLC0415
+            from rosic.messengers.program.standstill import (  # noqa: PLC0415
+                StandstillWatch,
+                running_ns,
+            )
         except ImportError as error:
             raise ConfigurationError(
                 f"The API needs a library that is not installed ({error.name}).",
                 hint=f"Run: {how_to_install('api')}",
             ) from error
         self._settings, self._server = settings, ApiServer
-        self._program = ProgramMessenger(NAMES[0], clock)
-        self._page = PageMessenger(NAMES[1], clock)
+        standstill = StandstillWatch(running_ns)
+        self._program = ProgramMessenger(NAMES[0], clock, standstill)
+        self._page = PageMessenger(NAMES[1], clock, standstill)
 
     @property
     def messengers(self) -> tuple[Messenger, ...]:

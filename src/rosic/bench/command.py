@@ -62,6 +62,12 @@ def _language(quick: bool) -> BenchReport:
     return measure(quick=quick)
 
 
+def _idle(quick: bool) -> BenchReport:
+    from rosic.bench.idle import measure  # noqa: PLC0415 - only the bench that runs is loaded
+
+    return measure(quick=quick)
+
+
 def _api(quick: bool, rosbridge: Path | None = None) -> BenchReport:
     from rosic.bench.api import measure  # noqa: PLC0415 - only the bench that runs is loaded
 
@@ -71,6 +77,7 @@ def _api(quick: bool, rosbridge: Path | None = None) -> BenchReport:
 BENCHES: dict[str, Callable[[bool], BenchReport]] = {
     "api": _api,
     "fleet": _fleet,
+    "idle": _idle,
     "language": _language,
     "pipeline": _pipeline,
     "schedule": _schedule,

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
 
     from rosic.core.fleet.task import Task
     from rosic.core.identity import PrincipalId
+    from rosic.core.robot.profile import RobotId
 
 
 class PendingRequest(NamedTuple):
@@ -75,6 +76,20 @@ class MissionRun(NamedTuple):
     tasks: tuple[Task, ...]
 
 
+class TimeAtWork(NamedTuple):
+    """How busy a robot was.
+
+    Attributes:
+        now: It is at work.
+        worked_s: So long it was, in the time that was asked for.
+        counted_s: So much of that time was counted at all.
+    """
+
+    now: bool
+    worked_s: float
+    counted_s: float
+
+
 class FleetWork(Protocol):
     """What robots are given to do."""
 
@@ -88,4 +103,11 @@ class FleetWork(Protocol):
 
     def runs_for(self, who: PrincipalId) -> Sequence[MissionRun]:
         """Return the missions that run, as far as somebody may see."""
+        ...
+
+    def work_of(self, robot: RobotId, since_ns: int, now_ns: int) -> TimeAtWork:
+        """Return for how long a robot was at work since then, at most eight days ago; wall clock.
+
+        What it costs does not grow with the past.
+        """
         ...

@@ -1,7 +1,8 @@
-"""From what a profile's binding sends to what a machine takes. One translation for both links."""
+"""From what a profile's binding sends to what a machine takes, and back to what a profile names."""
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
@@ -12,6 +13,7 @@ from rosic_sim.robots.machines.mecanum import Velocity
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from rosic.core.robot.profile import Profile
     from rosic.core.robot.skill import Argument, Skill
     from rosic_sim.robots.machines.arguments import Value
 
@@ -68,3 +70,23 @@ def velocity_of(robot: str, skill: Skill, arguments: Mapping[str, Argument]) -> 
     if len(numbers) < len(values):
         raise ActivityRefused(robot, said("a velocity is not a finite number"))
     return Velocity(*numbers)
+
+
+def described(measured: Mapping[str, float | str], profile: Profile) -> dict[str, float | str]:
+    """Return what the profile names, in its units: ``x`` for what the machine calls ``x_m``."""
+    values: dict[str, float | str] = {}
+    for name, key in _keys(tuple(profile.telemetry), tuple(measured)):
+        value = measured[key]
+        percent = profile.telemetry[name].unit == "%" and not isinstance(value, str)
+        values[name] = value * 100 if percent else value
+    return values
+
+
+@lru_cache(maxsize=64)
+def _keys(names: tuple[str, ...], measured: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+    """Return what the profile names, each with what the machine calls it."""
+    return tuple(
+        (name, key)
+        for name in names
+        for key in [each for each in measured if each == name or each.startswith(f"{name}_")][:1]
+    )

@@ -36,7 +36,7 @@ from rosic.errors import (
 )
 from rosic.robots.ros2.profile import Ros2Link
 from rosic.robots.ros2.profile_rules import STAND_IN
-from rosic_sim.robots.goals import goal_of, machine_arguments, topic_of, velocity_of
+from rosic_sim.robots.goals import described, goal_of, machine_arguments, topic_of, velocity_of
 from rosic_sim.robots.machines.activity import Activity, ActivityRefused, ActivityState
 from rosic_sim.robots.machines.crazyflie import Crazyflie
 from rosic_sim.robots.machines.mecanum import SPEED_LIMIT_M_S
@@ -46,7 +46,7 @@ from rosic_sim.robots.scenery.scene import robot_scene
 from rosic_sim.robots.simulation_loop import simulation_of
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator, Mapping
+    from collections.abc import AsyncGenerator
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.live_control import LiveControls
@@ -442,7 +442,7 @@ class SimulatedRobot:
             doing=self._doing,
             at_rest=machine.at_rest() if self.online else None,
             holds=machine.holding,
-            values=_described(machine.telemetry(), self.profile),
+            values=described(machine.telemetry(), self.profile),
             pose=self._pose() if self.profile.pose is not None else None,
         )
 
@@ -473,18 +473,6 @@ class SimulatedRobot:
         if not isinstance(self.machine, Omni):
             return None
         return replace(plan_of(self.machine), pose_ns=self._clock.monotonic_ns())
-
-
-def _described(measured: Mapping[str, float | str], profile: Profile) -> dict[str, float | str]:
-    """Return what the profile names, in its units: ``x`` for what the machine calls ``x_m``."""
-    values: dict[str, float | str] = {}
-    for name, described in profile.telemetry.items():
-        for key, value in measured.items():
-            if key == name or key.startswith(f"{name}_"):
-                percent = described.unit == "%" and not isinstance(value, str)
-                values[name] = value * 100 if percent else value
-                break
-    return values
 
 
 def _unspoken(_words: bytes, _dropped: int) -> None:

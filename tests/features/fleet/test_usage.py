@@ -37,7 +37,14 @@ def test_each_second_counts_once_whatever_begins_and_ends_in_it(
     steps: list[tuple[str, int]],
 ) -> None:
     clock = Watch()
-    usage = FleetUsage(clock)
+    told_ns = 0
+
+    def worked(robot: str, past_ns: int) -> None:
+        nonlocal told_ns
+        assert robot == "w1"
+        told_ns += past_ns
+
+    usage = FleetUsage(clock, worked)
     clock.now_ns += SECOND_NS
     worked_s, idle_s = 0, 1
     has_task = False
@@ -59,3 +66,5 @@ def test_each_second_counts_once_whatever_begins_and_ends_in_it(
         idle_s = 0 if at_work else idle_s + seconds
         assert usage.idle_s("w1") == idle_s
     assert usage.share(["w1", "w2"]) == pytest.approx(worked_s * SECOND_NS / clock.now_ns / 2)
+    usage.settle()
+    assert told_ns == worked_s * SECOND_NS

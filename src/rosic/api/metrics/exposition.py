@@ -5,14 +5,16 @@ https://prometheus.io/docs/instrumenting/exposition_formats/
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_left
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 MEDIA_TYPE: Final = "text/plain; version=0.0.4; charset=utf-8"
 COUNTER, GAUGE, HISTOGRAM = "counter", "gauge", "histogram"
+_LABEL: Final = re.compile(r'(\w+)="((?:[^"\\]|\\.)*)"')
 _ESCAPED: Final = str.maketrans({"\\": r"\\", "\n": r"\n", '"': r"\""})
 
 
@@ -65,3 +67,60 @@ def page(lines: Iterable[str]) -> bytes:
 
 def _number(value: float) -> str:
     return str(value) if isinstance(value, int) else f"{value:.9g}"
+
+
+# ---- read again, for people ----
+
+
+class Figure(NamedTuple):
+    """One value; of a histogram its mean, and how many were counted."""
+
+    labels: tuple[tuple[str, str], ...]
+    value: float
+    counted: int | None = None
+
+
+class MetricSeries(NamedTuple):
+    """One metric with its values."""
+
+    name: str
+    kind: str
+    about: str
+    figures: tuple[Figure, ...]
+
+
+def read_families(lines: Iterable[str]) -> Iterator[MetricSeries]:
+    """Yield what lines of `family` say; without the buckets of histograms, and what is empty."""
+    name = kind = about = ""
+    samples: list[tuple[str, tuple[tuple[str, str], ...], float]] = []
+    for line in (*lines, "# HELP  "):
+        if line.startswith("# HELP "):
+            figures = tuple(_figures(samples, kind))
+            if figures:
+                yield MetricSeries(name, kind, about, figures)
+            name, _, about = line.removeprefix("# HELP ").partition(" ")
+            samples = []
+        elif line.startswith("# TYPE "):
+            kind = line.rpartition(" ")[2]
+        else:
+            what, _, number = line.rpartition(" ")
+            known, _, labels = what.partition("{")
+            read = tuple((key, _unescaped(text)) for key, text in _LABEL.findall(labels))
+            samples.append((known.removeprefix(name), read, float(number)))
+
+
+def _figures(
+    samples: Iterable[tuple[str, tuple[tuple[str, str], ...], float]], kind: str
+) -> Iterator[Figure]:
+    sums: dict[tuple[tuple[str, str], ...], float] = {}
+    for part, labels, value in samples:
+        if kind != HISTOGRAM:
+            yield Figure(labels, value)
+        elif part == "_sum":
+            sums[labels] = value
+        elif part == "_count" and value:
+            yield Figure(labels, sums[labels] / value, int(value))
+
+
+def _unescaped(text: str) -> str:
+    return re.sub(r"\\(.)", lambda found: "\n" if found[1] == "n" else found[1], text)

@@ -132,9 +132,10 @@ class GatewayMetrics:
 
     def page(self) -> bytes:
         """Return all of it as Prometheus reads it."""
-        return page(self._lines())
+        return page(self.lines())
 
-    def _lines(self) -> Iterator[str]:
+    def lines(self) -> Iterator[str]:
+        """Yield it line by line."""
         yield from self._orders.lines()
         yield from self._robots()
         name, refusals = "rosic_refusals_total", self._kernel.access.refusals

@@ -151,6 +151,54 @@ function Run({ run, act, waits, again }) {
   </li>`;
 }
 
+function hours(seconds) {
+  const minutes = Math.round(seconds / 60);
+  return t("{hours} h {minutes} min", { hours: Math.floor(minutes / 60), minutes: minutes % 60 });
+}
+
+function Busy({ time, of }) {
+  const percent = Math.round(time.share * 100);
+  return html`<td>
+    <meter min="0" max="1" value=${time.share} aria-label=${of}></meter>
+    <span class="number">${percent} %</span>
+    <span class="quiet small">${hours(time.worked_s)}</span>
+  </td>`;
+}
+
+function Utilisation() {
+  const { robots } = useStore();
+  const asked = useAsked("/v1/utilisation", EVERY_MS);
+  const found = asked.data || [];
+  const named = (each) => robots.get(each.robot)?.name || each.robot;
+  return html`<section class="panel busy-robots" aria-labelledby="h-busy">
+    <h2 id="h-busy">${t("How busy robots were")}</h2>
+    ${found.length
+      ? html`<div class="scroll" tabindex="0" role="region" aria-labelledby="h-busy">
+          <table class="busy">
+            <thead>
+              <tr>
+                <th scope="col">${t("Robot")}</th>
+                <th scope="col">${t("Today")}</th>
+                <th scope="col">${t("Last 7 days")}</th>
+              </tr>
+            </thead>
+            <tbody>
+              ${found.map(
+                (each) => html`<tr key=${each.robot}>
+                  <th scope="row">
+                    ${named(each)} ${each.at_work && html`<${Pill} kind="good">${t("at work")}<//>`}
+                  </th>
+                  <${Busy} time=${each.today} of=${t("{robot}, today", { robot: named(each) })} />
+                  <${Busy} time=${each.week} of=${t("{robot}, last 7 days", { robot: named(each) })} />
+                </tr>`,
+              )}
+            </tbody>
+          </table>
+        </div>`
+      : html`<${Nothing} asked=${asked} none=${t("You may see no robot here.")} />`}
+  </section>`;
+}
+
 /** The tab. */
 export function Fleet() {
   const tasks = useAsked("/v1/tasks", EVERY_MS);
@@ -185,5 +233,6 @@ export function Fleet() {
         : html`<${Nothing} asked=${missions} none=${t("There is no mission that you may start.")} />`}
       <${Said} said=${ofMissions.said} />
     </section>
+    <${Utilisation} />
   </div>`;
 }

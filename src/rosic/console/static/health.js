@@ -1,10 +1,10 @@
-// Health: what the doctor finds of the record, the disk, messengers and robots.
+// Health: what the doctor finds of the record, the disk, messengers and robots; what is measured.
 
 import { Nothing, useAsked } from "./asked.js";
 import { html } from "./lib.js";
 import { Pill } from "./robots.js";
 import { state } from "./store.js";
-import { t } from "./texts.js";
+import { spoken, t } from "./texts.js";
 
 const EVERY_MS = 15_000;
 const KINDS = { good: "good", look: "bad", "not-measured": "unknown" };
@@ -15,11 +15,53 @@ function verdictWord(name) {
   return words[name] || name;
 }
 
+function number(value, kind) {
+  if (kind === "histogram") return t("{value} ms on average", { value: (value * 1000).toLocaleString(spoken(), { maximumFractionDigits: 1 }) });
+  return value.toLocaleString(spoken(), { maximumFractionDigits: 2 });
+}
+
+function Metrics() {
+  const asked = useAsked("/v1/metrics", EVERY_MS);
+  const found = asked.data || [];
+  return html`<section class="panel" aria-labelledby="h-metrics">
+    <h2 id="h-metrics">${t("What is measured")}</h2>
+    ${found.length
+      ? html`<div class="scroll" tabindex="0" role="region" aria-labelledby="h-metrics">
+          <table class="figures">
+            <thead>
+              <tr>
+                <th scope="col">${t("Measure")}</th>
+                <th scope="col">${t("Of what")}</th>
+                <th scope="col" class="number">${t("Value")}</th>
+              </tr>
+            </thead>
+            ${found.map(
+              (each) => html`<tbody key=${each.name}>
+                ${each.figures.map(
+                  (figure, at) => html`<tr key=${JSON.stringify(figure.labels)}>
+                    ${at === 0 &&
+                    html`<th scope="rowgroup" rowspan=${each.figures.length}>${each.about}<code class="quiet small">${each.name}</code></th>`}
+                    <td>${Object.values(figure.labels).join(", ") || "—"}</td>
+                    <td class="number">
+                      ${number(figure.value, each.kind)}
+                      ${figure.count !== null && html`<span class="quiet small">${t("{count} times", { count: figure.count })}</span>`}
+                    </td>
+                  </tr>`,
+                )}
+              </tbody>`,
+            )}
+          </table>
+        </div>`
+      : html`<${Nothing} asked=${asked} none=${t("Nothing was looked at.")} />`}
+  </section>`;
+}
+
 /** The tab: what has to be looked at comes first. */
 export function Health() {
   const asked = useAsked("/v1/health", EVERY_MS);
   const found = [...(asked.data || [])].sort((one, other) => FIRST[one.verdict] - FIRST[other.verdict]);
-  return html`<section class="panel" aria-labelledby="h-health">
+  return html`<div class="health">
+    <section class="panel" aria-labelledby="h-health">
     <h2 id="h-health">${t("What the doctor finds")}</h2>
     ${found.length
       ? html`<ul class="list findings">
@@ -34,5 +76,7 @@ export function Health() {
           )}
         </ul>`
       : html`<${Nothing} asked=${asked} none=${t("Nothing was looked at.")} />`}
-  </section>`;
+    </section>
+    ${!asked.why && html`<${Metrics} />`}
+  </div>`;
 }

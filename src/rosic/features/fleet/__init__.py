@@ -30,6 +30,8 @@ from rosic.features.fleet.pause import PauseCommands
 from rosic.features.fleet.robot_commands import RobotCommands
 from rosic.features.fleet.shift_handover import ShiftHandoverCommands
 from rosic.features.fleet.task_commands import TaskCommands
+from rosic.features.fleet.work_time import KIND as WORK_TIME
+from rosic.features.fleet.work_time import WorkTime, WorkTimeStore
 from rosic.gateway.feature import Feature
 from rosic.organiser.timezones import zone_named
 
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
     from rosic.core.fleet.task import Task
     from rosic.core.identity import PrincipalId
     from rosic.core.records import Fact
+    from rosic.core.robot.profile import RobotId
     from rosic.gateway.feature import Kernel
 
 __all__ = ["FleetFeature", "setup"]
@@ -81,7 +84,10 @@ class FleetFeature(Feature):
         self.telling = TaskNotifications(rooms, kernel.reach, self.dispatching, orders.ends)
         self.dispatching.tell.connect(self.telling.tell)
         self.dispatching.changed.connect(self._changed)
-        self._usage = FleetUsage(clock.monotonic_ns)
+        self._hours = WorkTime(clock.wall_ns())
+        kernel.keep(WORK_TIME, self._hours.restore, self._hours.apply)
+        self._usage = FleetUsage(clock.monotonic_ns, self._worked)
+        self._keeping = WorkTimeStore(self._hours, clock, self._usage.settle, kernel.changes.note)
         kernel.pipeline.executor.watching.watch_orders(self._usage)
         self.overview = FleetOverview(
             rooms, self.dispatching, self.watching, self.telling, self._usage
@@ -101,7 +107,9 @@ class FleetFeature(Feature):
             rooms, kernel.changes, tasks, builder, self._timetable, zone
         )
         self._missions.register(kernel.commands)
-        kernel.shared.work.provide(FleetWorkList(tasks, self._missions, self.book))
+        kernel.shared.work.provide(
+            FleetWorkList(tasks, self._missions, self.book, self._usage, self._hours)
+        )
         steps = AgreementSteps(rooms, self.dispatching.fleet, tasks, self._missions)
         kernel.pipeline.hooks.task_steps.bind(steps.of)
 
@@ -154,6 +162,10 @@ class FleetFeature(Feature):
 
     # ---- while it runs ----
 
+    def _worked(self, robot: RobotId, past_ns: int) -> None:
+        now_ns = self._kernel.clock.wall_ns()
+        self._hours.add(robot, now_ns - past_ns, now_ns)
+
     def _changed(self) -> None:
         self._usage.note(self.dispatching.fleet.holds)
         self.watching.begin()
@@ -169,6 +181,7 @@ class FleetFeature(Feature):
 
     async def run(self) -> None:
         """Let robots begin from now on."""
+        self._keeping.run()
         self.watching.run()
         self._timetable.run(self._missions.at_its_time)
         self._changed()
@@ -182,6 +195,7 @@ class FleetFeature(Feature):
             self._planning.cancel()
             await asyncio.gather(self._planning, return_exceptions=True)
         await self.dispatching.close()
+        await self._keeping.close()
 
 
 def setup(kernel: Kernel) -> FleetFeature:

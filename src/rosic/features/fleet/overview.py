@@ -10,7 +10,7 @@ from rosic.core.fleet.template import bounds
 from rosic.core.time_units import SECOND_NS
 from rosic.features.fleet import messages
 from rosic.features.fleet import robot_messages as words
-from rosic.gateway.pending_work import MissionRun, OfferedMission
+from rosic.gateway.pending_work import MissionRun, OfferedMission, TimeAtWork
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Sequence
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from rosic.features.fleet.mission_commands import MissionCommands
     from rosic.features.fleet.monitor import FleetMonitor
     from rosic.features.fleet.task_commands import TaskCommands
+    from rosic.features.fleet.work_time import WorkTime
     from rosic.gateway.components import Components
     from rosic.gateway.pending_work import TaskEntry
 
@@ -170,10 +171,13 @@ class FleetUsage:
 
     Args:
         monotonic_ns: Returns the moment, on the monotonic clock.
+        worked: Told of each stretch of work that is over: of which robot, and how long it was, ns.
     """
 
-    def __init__(self, monotonic_ns: Callable[[], int]) -> None:
-        self._now_ns = monotonic_ns
+    def __init__(
+        self, monotonic_ns: Callable[[], int], worked: Callable[[RobotId, int], None]
+    ) -> None:
+        self._now_ns, self._worked = monotonic_ns, worked
         self._begun_ns = monotonic_ns()
         self._held: set[RobotId] = set()
         self._ordered: set[RobotId] = set()  # an order that needs it for itself is with it
@@ -191,8 +195,7 @@ class FleetUsage:
             if robot not in self._ordered:
                 self._since_ns[robot] = now_ns
         for robot in before - self._held:
-            self._worked_ns[robot] += now_ns - self._since_ns[robot]
-            self._since_ns[robot] = now_ns
+            self._add(robot, now_ns)
 
     def began(self, order: Order) -> None:
         """Hear that an order is handed to its robot."""
@@ -206,10 +209,19 @@ class FleetUsage:
         """Hear that it is over."""
         robot = order.robot
         if robot in self._ordered:
-            now_ns = self._now_ns()
             self._ordered.discard(robot)
-            self._worked_ns[robot] += now_ns - self._since_ns[robot]
-            self._since_ns[robot] = now_ns
+            self._add(robot, self._now_ns())
+
+    def settle(self) -> None:
+        """Add up what goes on, too."""
+        now_ns = self._now_ns()
+        for robot in self._held | self._ordered:
+            self._add(robot, now_ns)
+
+    def _add(self, robot: RobotId, now_ns: int) -> None:
+        past_ns, self._since_ns[robot] = now_ns - self._since_ns[robot], now_ns
+        self._worked_ns[robot] += past_ns
+        self._worked(robot, past_ns)
 
     # ---- what is asked ----
 
@@ -241,8 +253,25 @@ class FleetUsage:
 class FleetWorkList:
     """Lists tasks and missions by the rules of the commands that list them; see `FleetWork`."""
 
-    def __init__(self, tasks: TaskCommands, missions: MissionCommands, book: MissionBook) -> None:
+    def __init__(
+        self,
+        tasks: TaskCommands,
+        missions: MissionCommands,
+        book: MissionBook,
+        usage: FleetUsage,
+        hours: WorkTime,
+    ) -> None:
         self._tasks, self._missions, self._book = tasks, missions, book
+        self._usage, self._hours = usage, hours
+
+    def work_of(self, robot: RobotId, since_ns: int, now_ns: int) -> TimeAtWork:
+        """Return for how long a robot was at work since then."""
+        self._usage.settle()
+        return TimeAtWork(
+            self._usage.works(robot),
+            self._hours.worked_s(robot, since_ns, now_ns),
+            self._hours.counted_s(since_ns, now_ns),
+        )
 
     def tasks_for(self, who: PrincipalId) -> tuple[TaskEntry, ...]:
         """Return the open tasks that somebody may see."""

@@ -38,6 +38,11 @@ NOT_RUNNING: Final = "The gateway does not listen yet, or not any more. Nothing 
 class ProgramMessenger:
     """Each program is one conversation.
 
+    Args:
+        name: Of the messenger.
+        clock: The gateway's.
+        standstill: Whether this process stood still; messengers of one process may share it.
+
     Attributes:
         calls: What was said, and is not answered yet.
         unsolicited: What was said to programs and answers nothing that they said.
@@ -50,7 +55,7 @@ class ProgramMessenger:
     file_bytes = 0
     fetch_bytes = FETCH_BYTES
 
-    def __init__(self, name: str, clock: Clock) -> None:
+    def __init__(self, name: str, clock: Clock, standstill: StandstillWatch | None = None) -> None:
         self.name = name
         self.calls = OpenCalls()
         self.unsolicited = UnsolicitedMessages()
@@ -60,7 +65,7 @@ class ProgramMessenger:
         self._handing_over: asyncio.TaskGroup | None = None
         self._serial = count(1)
         self._traffic = TrafficCounter()
-        self._standstill = StandstillWatch(running_ns)
+        self._standstill = standstill or StandstillWatch(running_ns)
         self._uploads: dict[str, AsyncIterator[bytes]] = {}
         # Ids must not come again in another run: the record remembers them (I1).
         self._run_id = f"{clock.wall_ns():x}-{os.getpid()}"

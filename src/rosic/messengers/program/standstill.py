@@ -32,7 +32,7 @@ def running_ns() -> int:
 
 
 class StandstillWatch:
-    """Looks at the clock ten times a second.
+    """Looks at the clock ten times a second, for all that run it.
 
     Args:
         now_ns: As `running_ns`; not the clock by which orders are dated, which a test may own: what
@@ -43,13 +43,15 @@ class StandstillWatch:
         self._now_ns = now_ns
         self._looked_ns = now_ns()
         self._stood_ns = self._over_ns = 0
+        self._looking = asyncio.Lock()
 
     async def run(self) -> None:
-        """Look until cancelled."""
-        self._looked_ns = self._now_ns()
-        while True:
-            await asyncio.sleep(LOOK_S)
-            self.look()
+        """Look until cancelled; of several who run it, the next goes on where one leaves off."""
+        async with self._looking:
+            self._looked_ns = self._now_ns()
+            while True:
+                await asyncio.sleep(LOOK_S)
+                self.look()
 
     def look(self) -> None:
         """Take the time."""

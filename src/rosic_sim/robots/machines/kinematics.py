@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import acos, atan2, cos, hypot, pi, sin
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
@@ -10,6 +11,9 @@ if TYPE_CHECKING:
 
 Vector: TypeAlias = tuple[float, float, float]
 Matrix: TypeAlias = tuple[Vector, Vector, Vector]
+
+KEPT = 64
+"""Postures of which the points are remembered: an arm at rest is asked again and again."""
 
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
@@ -97,7 +101,8 @@ IIWA_CHAIN = (
 )
 
 
-def iiwa_points(angles: Sequence[float]) -> tuple[Vector, Vector, Vector]:
+@lru_cache(maxsize=KEPT)
+def iiwa_points(angles: tuple[float, ...]) -> tuple[Vector, Vector, Vector]:
     """Return elbow, wrist and finger tips of the iiwa in its base frame."""
     points = chain(IIWA_CHAIN, angles, IIWA_TOOL_M)
     return points[2], points[4], points[-1]
@@ -147,6 +152,7 @@ YUMI_RIGHT = (
 YUMI_TOOL_M = 0.136
 
 
-def yumi_points(angles: Sequence[float], *, left: bool) -> tuple[Vector, ...]:
+@lru_cache(maxsize=KEPT)
+def yumi_points(angles: tuple[float, ...], *, left: bool) -> tuple[Vector, ...]:
     """Return joint origins and, last, the finger tips of one arm in the robot's base frame."""
     return chain(YUMI_LEFT if left else YUMI_RIGHT, angles, YUMI_TOOL_M)

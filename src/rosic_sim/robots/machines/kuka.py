@@ -149,7 +149,7 @@ class Kuka(SteppedMachine):
         for sample in range(1, _SAMPLES + 1):
             part = sample / _SAMPLES
             angles = [a + part * (b - a) for a, b in zip(start, end, strict=True)]
-            elbow, wrist, tips = iiwa_points(angles)
+            elbow, wrist, tips = iiwa_points(tuple(angles))
             if min(elbow[2], wrist[2]) < LOWEST_LINK_M or tips[2] < LOWEST_TIP_M:
                 return False
         return True

@@ -1,0 +1,81 @@
+"""How busy robots were, and what is measured of the gateway, for people to read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+import pytest_asyncio
+
+from rosic.api.metrics.exposition import HISTOGRAM, Histogram, family, read_families, sample
+from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
+from tests.api.served import problem, served
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from tests.api.served import ServedGateway
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def place() -> AsyncIterator[ServedGateway]:
+    rules = RoleRules(roles={**DEFAULT_ROLES, "lookout": Role(scopes=("omni:read",))})
+    async with served(rules=rules) as place:
+        yield place
+
+
+async def test_how_busy_robots_were_counts_orders_and_shows_whom_one_may_see(
+    place: ServedGateway,
+) -> None:
+    bo = await place.person("Bo")
+    before = (await bo.get("/v1/utilisation")).json()
+    assert {each["robot"] for each in before} == set(place.gateway.rooms.profiles)
+    body = {"skill": "move", "arguments": {"distance": 0.1}, "wait_s": 20}
+    done = await bo.post("/v1/robots/omni/orders", json=body)
+    assert done.json()["state"] == "done", done.text
+    found = {each["robot"]: each for each in (await bo.get("/v1/utilisation")).json()}
+    for time in (found["omni"]["today"], found["omni"]["week"]):
+        assert time["worked_s"] > 0
+        assert 0 < time["share"] <= 1
+    assert not found["omni"]["at_work"]
+    assert found["yumi"]["week"] == {"worked_s": 0.0, "share": 0.0}
+    one = await place.program("lookout")
+    assert [each["robot"] for each in (await one.get("/v1/utilisation")).json()] == ["omni"]
+
+
+async def test_what_is_measured_is_for_whoever_looks_after_people(place: ServedGateway) -> None:
+    ada, bo = await place.person("Ada"), await place.person("Bo")
+    await bo.post("/v1/robots/omni/orders", json={"skill": "move", "arguments": {"distance": 9e9}})
+    body = {"skill": "move", "arguments": {"distance": 0.1}, "wait_s": 20}
+    await bo.post("/v1/robots/omni/orders", json=body)
+    found = {each["name"]: each for each in (await ada.get("/v1/metrics")).json()}
+    ended = found["rosic_orders_total"]
+    assert ended["kind"] == "counter"
+    assert {"robot": "omni", "outcome": "done"} in [each["labels"] for each in ended["figures"]]
+    hops = {each["labels"]["hop"]: each for each in found["rosic_order_hop_seconds"]["figures"]}
+    assert hops["accepted-ended"]["count"] >= 1
+    assert hops["accepted-ended"]["value"] > 0
+    assert [each["value"] for each in found["rosic_robot_up"]["figures"]] == [1] * 6
+    assert problem(await bo.get("/v1/metrics"))[:2] == (403, "not-permitted")
+
+
+async def test_what_is_written_for_a_monitoring_is_read_again_for_people() -> None:
+    times = Histogram((0.1, 1.0))
+    for seconds in (0.05, 0.15):
+        times.observe(seconds)
+    odd = 'say "hi" \\ there\nnow'
+    lines = (
+        *family("a", "gauge", "About a.", (sample("a", {"robot": odd, "way": "x"}, 2.5),)),
+        *family("b", HISTOGRAM, "Times.", times.lines("b", {"hop": "h"})),
+        *family("c", HISTOGRAM, "None.", Histogram((1.0,)).lines("c", {})),
+        *family("d", "counter", "Bare.", (sample("d", {}, 7),)),
+    )
+    gauge, histogram, bare = read_families(lines)
+    assert gauge.figures == (((("robot", odd), ("way", "x")), 2.5, None),)
+    assert (gauge.name, gauge.kind, gauge.about) == ("a", "gauge", "About a.")
+    [mean] = histogram.figures
+    assert (mean.labels, mean.counted) == ((("hop", "h"),), 2)
+    assert mean.value == pytest.approx(0.1)
+    assert bare.figures == (((), 7.0, None),)
