@@ -414,6 +414,8 @@ async def test_what_holds_since_a_motion_was_ended_is_released_before_the_next(
         await asyncio.to_thread(peer.expect, "latch True", timeout_s=60 * pace())
         peer.lines.clear()
         assert (await robot.do("do", {})).ending is OrderEnding.DONE
+        # What it says and what it answers come on two ways.
+        await asyncio.to_thread(peer.expect, "stopped", timeout_s=60 * pace())
         assert list(peer.lines) == ["latch False", "stopped"]
     finally:
         await robot.close()
