@@ -11,14 +11,18 @@ does not wait for 80,000 empty frames of a stranger.
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import socket
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Any, Final, cast
 
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
+from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.frames import Frame, Opcode
 
 if TYPE_CHECKING:
-    from websockets.frames import Frame
+    from collections.abc import MutableMapping
 
     from rosic.api.settings import ServingLimits
 
@@ -269,10 +273,17 @@ class LimitedHttp(WatchedConnection, HttpToolsProtocol):
             self._waiting = None
 
 
+UNSENT_BYTES: Final = 65_536
+"""So little of what was sent may wait in the system for its turn on the network."""
 FRAGMENTS_AT_MOST: Final = 1_024
 """Of one message: empty ones count for nothing against its size, and could come for ever."""
 TOO_BIG: Final = 1009
 FRAGMENTED: Final = "That message has too many fragments."
+
+
+def frame_of(content: bytes, *, text: bool) -> bytes:
+    """Return a message as it goes over the network, to any client."""
+    return Frame(Opcode.TEXT if text else Opcode.BINARY, content).serialize(mask=False)
 
 
 class LimitedSocket(WatchedConnection, WebSocketsSansIOProtocol):
@@ -286,6 +297,40 @@ class LimitedSocket(WatchedConnection, WebSocketsSansIOProtocol):
     def __init__(self, limits: ServingLimits, **of_uvicorn: Any) -> None:  # noqa: ANN401
         super().__init__(**of_uvicorn)
         self._stalled = ClientWatchdog(limits.stalled_s)
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Keep nothing of what is sent here: what waits for a slow client waits where it is newest.
+
+        What has left this process and not this machine is little, too.
+        """
+        super().connection_made(transport)
+        transport.set_write_buffer_limits(high=0)
+        connected = transport.get_extra_info("socket")
+        with contextlib.suppress(OSError, AttributeError):  # no such option, or no such socket
+            connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, UNSENT_BYTES)
+
+    async def send(self, message: MutableMapping[str, Any]) -> None:  # type: ignore[override]
+        """Send, and return when it has left this process: what a client is told waits nowhere else.
+
+        Beside what ASGI has there is ``frame``: a message that was made into a frame before, once
+        for many clients. That a connection is closed is told to a client that takes nothing, too:
+        it reads so when it takes what is on its way.
+
+        Raises:
+            ClientDisconnected: The client is gone.
+        """
+        if message["type"] == "websocket.close":
+            self.writable.set()
+        frame = message.get("frame")
+        if frame is None:
+            await super().send(message)  # type: ignore[arg-type]
+        else:
+            await self.writable.wait()
+            if self.disconnected or self.close_sent:
+                raise ClientDisconnected
+            self.transport.write(frame)
+        if not self.close_sent:
+            await self.writable.wait()
 
     def data_received(self, data: bytes) -> None:
         """Take in what comes, in steps; first the head, which was looked at already."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-from collections import OrderedDict
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
@@ -41,6 +40,7 @@ from rosic.api.schemas import StopIn
 from rosic.core.i18n import plain
 from rosic.core.identity import PAGE
 from rosic.errors import RosicError, Unrecognised
+from rosic.gateway.send_queue import SLOW, SendQueue, SlowConsumer
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -58,19 +58,15 @@ LOOK_S: Final = 0.2
 """So often robots are looked at while anybody listens."""
 CHUNK: Final = 50
 """Robots that are looked at in one step."""
-SEND_WITHIN_S: Final = 5.0
-WAITING_AT_MOST: Final = 4_096
 STOPS_AT_MOST: Final = 32
 """Stops of one connection whose answers are waited for; more are given all the same."""
 LISTENERS_AT_MOST: Final = 200
 EACH_AT_MOST: Final = 16
 """Connections of one caller."""
 MESSAGE_BYTES: Final = 65_536
-SLOW: Final = 1013
 MANY: Final = "Too many connections listen already. Close one first."
 NOT_READ: Final = "That is no message of this protocol."
 TOO_MANY_STOPS: Final = "It was given; so many were that this one has no answer of its own."
-TOO_SLOW: Final = "You take too little of what happens, so you are told nothing more. Come again."
 
 Said: TypeAlias = Subscribe | StopRequest | Ping | Jog
 _read: Callable[[str], Said] = msgspec.json.Decoder(Said).decode
@@ -87,17 +83,15 @@ class Listener:
     Attributes:
         caller: Who listens.
         topics: Of what.
-        overflowed: It has taken so little that what it was to be told is incomplete.
+        queue: What it is yet to be told.
     """
 
     def __init__(self, caller: ApiCaller) -> None:
         self.caller = caller
         self.topics: frozenset[str] = frozenset()
-        self.overflowed = False
+        self.queue: SendQueue[bytes] = SendQueue()
         self.seen: dict[RobotId, RobotOut] = {}
         self._stops = 0
-        self._waiting: OrderedDict[str, Event] = OrderedDict()
-        self._news = asyncio.Event()
 
     def wants(self, topics: frozenset[str]) -> None:
         """Hear of these, and of nothing else."""
@@ -116,20 +110,8 @@ class Listener:
 
     def put(self, key: str, event: Event) -> None:
         """Have something told; in place of what is older under the same key, and untold."""
-        if len(self._waiting) >= WAITING_AT_MOST and key not in self._waiting:
-            self.overflowed = True
-        else:
-            self._waiting[key] = event
-        self._news.set()
-
-    async def next(self) -> Event:
-        """Return what is to be told next, waiting for it."""
-        while not self._waiting:
-            self._news.clear()
-            await self._news.wait()
-            if self.overflowed:
-                break
-        return self._waiting.popitem(last=False)[1]
+        if (told := _written(event)) is not None:
+            self.queue.show(key, told, len(told))
 
 
 class EventStream:
@@ -232,17 +214,13 @@ class EventStream:
             listener.end_stop()
 
     async def _tell(self, connection: WebSocket[Any, Any, Any], listener: Listener) -> None:
-        while True:
-            event = await listener.next()
-            if listener.overflowed:
-                raise _Left(SLOW, TOO_SLOW)
-            if (text := _written(event)) is None:
-                continue
-            try:
-                async with asyncio.timeout(SEND_WITHIN_S):
-                    await connection.send_data(text, "text")
-            except TimeoutError:
-                raise _Left(SLOW, TOO_SLOW) from None
+        async def tell(told: bytes) -> None:
+            await connection.send_data(told.decode(), "text")
+
+        try:
+            await listener.queue.tell(tell)
+        except SlowConsumer as slow:
+            raise _Left(SLOW, str(slow)) from None
 
     async def _check(self, listener: Listener) -> None:
         """End a connection whose key or session is not good any more."""
@@ -337,10 +315,10 @@ def _said_in(text: str) -> Said | None:
     return StopRequest() if '"stop"' in text[:MESSAGE_BYTES] else None
 
 
-def _written(event: Event) -> str | None:
+def _written(event: Event) -> bytes | None:
     """Return an event as it is sent; None where it cannot be written: the others go on."""
     try:
-        return _encode(event).decode()
+        return _encode(event)
     except Exception:
         log.exception("an event of %s cannot be written", type(event).__name__)
         return None

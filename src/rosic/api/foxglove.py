@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from litestar import WebSocket, websocket
@@ -20,6 +21,7 @@ from rosic.core.robot.observation import recorded_robot
 from rosic.errors import Unrecognised
 from rosic.gateway.observation import RobotObserver, observation_rights
 from rosic.gateway.observation_feed import ObservationFeed
+from rosic.gateway.send_queue import SLOW, SlowConsumer
 
 if TYPE_CHECKING:
     from rosic.api.callers import ApiCaller
@@ -30,16 +32,13 @@ PATH: Final = "/foxglove"
 KEY: Final = "key"
 CONNECTIONS_AT_MOST: Final = 50
 EACH_AT_MOST: Final = 4
-SEND_WITHIN_S: Final = 5.0
 CHECK_EVERY_S: Final = 1.0
 PROTOCOL_ERROR: Final = 1002
 OVERRUN: Final = 1008
-SLOW: Final = 1013
 ENDED: Final = 4401
 NO_PROTOCOL: Final = "This speaks the WebSocket protocol of Foxglove."
 MISSING: Final = "This gateway shows nothing to Foxglove: rosic[foxglove] is not installed."
 MANY: Final = "Too many connections look already. Close one first."
-TOO_SLOW: Final = "You take too little of what is shown, so you are shown nothing more. Come again."
 NOTHING: Final = "There is no robot here that you may see."
 TOO_MUCH: Final = "You say more than is read here."
 
@@ -112,10 +111,14 @@ class FoxgloveConnections:
                 hearing = group.create_task(_hear(connection, feed))
                 checking = group.create_task(self._check(caller))
 
-                async def send(frame: Frame) -> None:
-                    await _send(connection, frame)
+                async def show() -> None:
+                    ids = [each.id for each in robots]
+                    try:
+                        await feed.run(observer, ids, partial(_send, connection))
+                    except SlowConsumer as slow:
+                        raise _Closed(SLOW, str(slow)) from None
 
-                showing = group.create_task(feed.run(observer, [each.id for each in robots], send))
+                showing = group.create_task(show())
                 await asyncio.wait((hearing, showing), return_when=asyncio.FIRST_COMPLETED)
                 if feed.overflowed:
                     await connection.close(OVERRUN, TOO_MUCH)
@@ -153,11 +156,8 @@ async def _hear(connection: WebSocket[Any, Any, Any], feed: ObservationFeed) -> 
 
 
 async def _send(connection: WebSocket[Any, Any, Any], frame: Frame) -> None:
-    try:
-        async with asyncio.timeout(SEND_WITHIN_S):
-            await connection.send_data(frame, "text" if isinstance(frame, str) else "binary")
-    except (TimeoutError, WebSocketDisconnect):
-        raise _Closed(SLOW, TOO_SLOW) from None
+    with contextlib.suppress(WebSocketDisconnect):  # it has left, which is heard, too
+        await connection.send_data(frame, "text" if isinstance(frame, str) else "binary")
 
 
 def _first(group: BaseExceptionGroup[Any]) -> BaseException:

@@ -19,7 +19,16 @@ if TYPE_CHECKING:
 
 
 class TopicMessage(Protocol):
-    """One message that has come, not looked at yet: to look costs most of what a message costs."""
+    """One message that has come, not looked at yet: to look costs most of what a message costs.
+
+    Attributes:
+        size: In bytes, as it came.
+    """
+
+    @property
+    def size(self) -> int:
+        """See above."""
+        ...
 
     @property
     def fields(self) -> Fields:
@@ -32,13 +41,12 @@ class TopicMessage(Protocol):
 
 
 class OpenedTopic(Protocol):
-    """A topic that is listened to.
+    """A topic that is listened to."""
 
-    Attributes:
-        lost: How many messages were dropped, because nobody came to take them.
-    """
-
-    lost: int
+    @property
+    def lost(self) -> int:
+        """Return how many messages were dropped, because nobody came to take them in time."""
+        ...
 
     async def close(self) -> None:
         """Listen no more."""
@@ -78,6 +86,8 @@ class GraphTopics(Protocol):
 
     async def listen(self, topic: str, type_name: str, on_message: OnMessage) -> OpenedTopic:
         """Listen to a topic; every message is told, in order, as long as the loop keeps up.
+
+        Where it does not, the newest is told, and nothing that has waited for long.
 
         Args:
             topic: Absolute.

@@ -1,7 +1,8 @@
 """What is seen of robots, live, for one reader who may be slow: the newest of everything counts.
 
 What waits is replaced by what is newer, so that a slow reader sees less and never something old;
-steps of orders, stops and alarms are kept, within bounds. Frames are made beside the event loop.
+steps of orders, stops and alarms are kept, as `SendQueue` keeps them. Frames are made beside the
+event loop.
 """
 
 from __future__ import annotations
@@ -12,9 +13,10 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.robot.observation import PresenceObservation, ViewObservation
-from rosic.core.robot.view import ViewKind
+from rosic.core.robot.view import OccupancyMap, ViewKind
 from rosic.core.time_units import SECOND_NS
 from rosic.gateway.scheduling import go_round
+from rosic.gateway.send_queue import SendQueue, sent_in_time
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable
@@ -23,11 +25,13 @@ if TYPE_CHECKING:
     from rosic.contracts.recording import Frame, ObservationSession
     from rosic.core.robot.observation import Observation
     from rosic.core.robot.profile import RobotId
+    from rosic.core.robot.view import Drawing
     from rosic.gateway.observation import RobotObserver
 
 LOOK_EVERY_S: Final = 0.1
 SHOW_EVERY_S: Final = {ViewKind.MAP: 2.0, ViewKind.PICTURE: 0.2}
-STEPS_AT_MOST: Final = 1_000
+STEP_BYTES: Final = 1_024
+"""As which a step counts: an order, a stop, how a robot is."""
 HEARD_AT_MOST: Final = 500
 """Frames of the other end in a second; whoever sends more has gone wrong."""
 HEARD_BYTES: Final = 65_536
@@ -48,22 +52,21 @@ class ObservationFeed:
     def __init__(self, session: ObservationSession, clock: Clock) -> None:
         self.overflowed = False
         self._session, self._clock = session, clock
-        self._newest: dict[tuple[str, RobotId], Observation] = {}
-        self._steps: deque[Observation] = deque(maxlen=STEPS_AT_MOST)
+        self._seen: SendQueue[Observation] = SendQueue(lambda: clock.monotonic_ns() / SECOND_NS)
         self._heard: deque[Frame] = deque()
         self._since_ns = self._count = self._heard_bytes = 0
         self._shows: dict[tuple[RobotId, ViewKind], asyncio.Task[None]] = {}
-        self._news = asyncio.Event()
+        self._news = self._seen.news
 
     def take(self, seen: Observation) -> None:
         """Take one thing in, in place of what is older and was not told yet."""
         if isinstance(seen, PresenceObservation):
-            self._newest["presence", seen.robot] = seen
+            self._seen.show(("presence", seen.robot), seen, STEP_BYTES)
         elif isinstance(seen, ViewObservation):
-            self._newest[type(seen.content).__name__, seen.robot] = seen
+            content = seen.content
+            self._seen.show((type(content).__name__, seen.robot), seen, _size(content))
         else:
-            self._steps.append(seen)
-        self._news.set()
+            self._seen.say(seen, STEP_BYTES)
 
     def hear(self, frame: Frame) -> None:
         """Take in what the other end says."""
@@ -91,6 +94,9 @@ class ObservationFeed:
             observer: Follows robots, and hands on to `take`.
             robots: Which ones.
             send: Sends one frame; whatever it raises ends this.
+
+        Raises:
+            SlowConsumer: The reader takes too little.
         """
         observer.open(robots)
         known = dict(observer.robots)
@@ -100,7 +106,7 @@ class ObservationFeed:
         looking.add_done_callback(lambda _: self._news.set())
         try:
             for frame in self._session.begin():
-                await send(frame)
+                await sent_in_time(send, frame)
             while not self.overflowed:
                 await self._news.wait()
                 self._news.clear()
@@ -108,7 +114,7 @@ class ObservationFeed:
                 for robot in gone:
                     del known[robot]
                 for frame in await asyncio.to_thread(self._step, *self._batch(), gone):
-                    await send(frame)
+                    await sent_in_time(send, frame)
                 self._look_at(observer)
                 if looking.done():
                     return
@@ -117,12 +123,10 @@ class ObservationFeed:
             await _ended(looking, *self._shows.values())
 
     def _batch(self) -> tuple[list[Frame], list[Observation]]:
-        heard, seen = list(self._heard), [*self._steps, *self._newest.values()]
+        heard = list(self._heard)
         self._heard.clear()
         self._heard_bytes = 0
-        self._steps.clear()
-        self._newest.clear()
-        return heard, seen
+        return heard, self._seen.take_all()
 
     def _step(
         self, heard: list[Frame], seen: list[Observation], gone: list[RobotId]
@@ -143,6 +147,12 @@ class ObservationFeed:
         for robot, sight in wanted - self._shows.keys():
             showing = observer.show(robot, sight, SHOW_EVERY_S[sight])
             self._shows[robot, sight] = asyncio.create_task(showing)
+
+
+def _size(content: OccupancyMap | Drawing) -> int:
+    """Return as how many bytes a view counts."""
+    seen = content.cells if isinstance(content, OccupancyMap) else content.content
+    return STEP_BYTES + len(seen)
 
 
 async def _ended(*tasks: asyncio.Task[None]) -> None:

@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from rosic.api.callers import NO_KEY
+from rosic.api.connections import frame_of
 from rosic.api.rosbridge.drive import TopicDriver
 from rosic.api.rosbridge.messages import (
     LEVELS,
@@ -25,7 +26,11 @@ from rosic.api.rosbridge.messages import (
     read,
     written,
 )
-from rosic.api.rosbridge.outbox import COMPRESSIONS, ClientOutbox, SubscriptionSettings, TopicQueue
+from rosic.api.rosbridge.subscriptions import (
+    COMPRESSIONS,
+    SubscriptionSettings,
+    TopicSubscriptions,
+)
 from rosic.api.rosbridge.topics import PublishingRight, absolute
 from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.i18n import said
@@ -38,6 +43,7 @@ from rosic.errors import (
     TooManyRequests,
     Unrecognised,
 )
+from rosic.gateway.send_queue import SendQueue
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine
@@ -46,6 +52,7 @@ if TYPE_CHECKING:
     from rosic.api.rosbridge.calls import ClientCalls
     from rosic.api.rosbridge.messages import Heard, Id, Told
     from rosic.api.rosbridge.shared import RosbridgeParts
+    from rosic.api.rosbridge.subscriptions import ClientQueue
     from rosic.contracts.graph_topics import OpenedPublisher
 
 TOPICS_AT_MOST: Final = 128
@@ -97,17 +104,17 @@ class RosbridgeConnection:
 
     Attributes:
         caller: Who it is by now.
-        outbox: What it is yet to be told.
+        queue: What it is yet to be told.
         rejected: It has shown too many keys that are none.
     """
 
     def __init__(self, parts: RosbridgeParts, caller: ApiCaller | None) -> None:
         self._parts, self.caller = parts, caller
-        self.outbox = ClientOutbox()
+        self.queue: ClientQueue = SendQueue()
         self.rejected = False
         self._level = LEVELS.index("error")
         self._tries = 0
-        self._queues: dict[str, TopicQueue] = {}
+        self._queues: dict[str, TopicSubscriptions] = {}
         self._publishing: dict[str, _Publishing | TopicDriver] = {}
         self._calls: ClientCalls | None = None
         self._refused_s: dict[tuple[str, ...], float] = {}
@@ -262,7 +269,7 @@ class RosbridgeConnection:
             if queue is None:
                 if len(self._queues) >= TOPICS_AT_MOST:
                     raise TooManyRequests(TOO_MANY_TOPICS, retry_after_s=1.0)
-                queue = TopicQueue(access.topic, self.outbox)
+                queue = TopicSubscriptions(access.topic, self.queue)
                 queue.subscribe(heard.id, terms)
                 await self._parts.hub.listen(access, queue)
                 self._queues[access.topic] = queue
@@ -328,7 +335,8 @@ class RosbridgeConnection:
 
     def say(self, told: Told) -> None:
         """Tell the client something."""
-        self.outbox.say(written(told))
+        frame = frame_of(written(told), text=True)
+        self.queue.say(lambda: frame, len(frame))
 
     def _status(self, level: str, sentence: str, known: Id = None) -> None:
         if LEVELS.index(level) <= self._level:

@@ -88,12 +88,11 @@ def _head(major: int, number: int) -> bytes:
 _SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
 
 
-def png(text: str) -> str:
+def png(content: bytes) -> str:
     """Return a text as the pixels of a picture, in base64; ends with line feeds until it is full.
 
     The picture is as nearly square as it can be, of 8 bits each of red, green and blue.
     """
-    content = text.encode()
     width = max(1, isqrt(len(content) // 3))
     height = max(1, ceil(len(content) / 3 / width))
     row = width * 3

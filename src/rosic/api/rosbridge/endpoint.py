@@ -19,6 +19,7 @@ from rosic.api.rosbridge.shared import RefusalNotes, RosbridgeParts
 from rosic.api.rosbridge.topics import TopicDirectory, TopicHub
 from rosic.core.i18n import said
 from rosic.errors import Fault, Unrecognised
+from rosic.gateway.send_queue import SLOW, SlowConsumer
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, MutableMapping
@@ -41,13 +42,10 @@ EACH_AT_MOST: Final = 128
 UNKNOWN_AT_MOST: Final = 16
 """Connections from one place of whoever has yet to say who they are."""
 KNOWN_WITHIN_S: Final = 10.0
-TAKEN_WITHIN_S: Final = 5.0
 LOOK_S: Final = 0.25
 CHECK_S: Final = 1.0
 ENDED: Final = 4401
-SLOW: Final = 1013
 MANY: Final = "Too many connections are open already. Close one first."
-TOO_SLOW: Final = "You take too little of what you are sent, so you are told nothing more."
 SOCKETS: Final = "Clients of rosbridge come in here, by a WebSocket."
 UNREAD: Final = said("That address cannot be read. Name a ticket in it, or nothing.")
 NOBODY: Final = "No key was shown in time. Show one by the op auth, in a header, or by a ticket."
@@ -154,14 +152,12 @@ class RosbridgeEndpoint:
             log.info("a client of rosbridge is gone")
 
     async def _check(self, client: RosbridgeConnection) -> None:
-        """End the connection of whoever is not known any more, or takes too little."""
+        """End the connection of whoever is not known any more."""
         loop = asyncio.get_running_loop()
         begun_s = looked_s = loop.time()
         unknown = client.caller is None
         while True:
             await asyncio.sleep(LOOK_S)
-            if client.outbox.overflowed or client.outbox.waits_s() > TAKEN_WITHIN_S:
-                raise _Left(SLOW, TOO_SLOW)
             caller, now_s = client.caller, loop.time()
             if client.rejected or (caller is None and now_s - begun_s > KNOWN_WITHIN_S):
                 raise _Left(ENDED, NOBODY)
@@ -194,19 +190,21 @@ async def _hear(client: RosbridgeConnection, receive: Receive) -> None:
 
 
 async def _tell(client: RosbridgeConnection, send: Send) -> None:
-    loop, outbox = asyncio.get_running_loop(), client.outbox
     step = StepLimit()
-    while True:
+
+    async def tell(frame_of: Callable[[], bytes]) -> None:
         try:
-            told = await outbox.next()
+            frame = frame_of()
         except Fault as why:
             log.warning("a message for a client of rosbridge cannot be read: %s", why)
-            continue
-        outbox.sending(loop.time())
-        form = "bytes" if isinstance(told, bytes) else "text"
-        await send({"type": "websocket.send", form: told})
-        outbox.sending(None)
+            return
+        await send({"type": "websocket.send", "frame": frame})
         await step.rest()
+
+    try:
+        await client.queue.tell(tell)
+    except SlowConsumer as slow:
+        raise _Left(SLOW, str(slow)) from None
 
 
 async def _closed(send: Send, code: int, why: str) -> None:

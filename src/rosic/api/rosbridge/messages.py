@@ -245,9 +245,9 @@ def _as_plain(value: object) -> object:
 _encode = msgspec.json.Encoder(enc_hook=_as_plain).encode
 
 
-def written(told: Told) -> str:
+def written(told: Told) -> bytes:
     """Return a message as it is sent. Bytes are written in base64, what is no number as null."""
-    return _encode(told).decode()
+    return _encode(told)
 
 
 def given_id(known: Id) -> Id | msgspec.UnsetType:

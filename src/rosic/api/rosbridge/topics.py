@@ -11,7 +11,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from rosic.api.rosbridge.outbox import TopicUpdate
+from rosic.api.rosbridge.subscriptions import TopicUpdate
 from rosic.core.i18n import said
 from rosic.core.policy.query import Deny
 from rosic.core.policy.scope import NO_SKILLS
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from rosic.api.callers import ApiCaller
     from rosic.api.context import ApiContext
-    from rosic.api.rosbridge.outbox import TopicQueue
+    from rosic.api.rosbridge.subscriptions import TopicSubscriptions
     from rosic.api.settings import OpenedTopicSettings
     from rosic.contracts.graph_topics import (
         GraphTopics,
@@ -251,7 +251,7 @@ class _Listened:
 
     def __init__(self) -> None:
         self.opened: OpenedTopic | None = None
-        self.queues: set[TopicQueue] = set()
+        self.queues: set[TopicSubscriptions] = set()
         self.turn = asyncio.Lock()
 
 
@@ -272,7 +272,7 @@ class TopicHub:
         self._listened: dict[str, _Listened] = {}
         self._published: dict[str, _Published] = {}
 
-    async def listen(self, access: TopicAccess, queue: TopicQueue) -> None:
+    async def listen(self, access: TopicAccess, queue: TopicSubscriptions) -> None:
         """Have a client told what is published to a topic.
 
         Raises:
@@ -301,7 +301,7 @@ class TopicHub:
 
         return told
 
-    async def leave(self, topic: str, queue: TopicQueue) -> None:
+    async def leave(self, topic: str, queue: TopicSubscriptions) -> None:
         """Tell a client no more; nobody listens to what nobody is told."""
         there = self._listened.get(topic)
         if there is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
+from contextlib import suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
 
 HEARD: Final = 256
 """Messages of one topic that may wait for the event loop, and in DDS for the ROS thread."""
+HEARD_BYTES: Final = 8 << 20
+"""Of those that wait for the event loop; one that is larger waits alone."""
+FRESH_NS: Final = 250_000_000
+"""Once a message has waited so long for the event loop, the newest alone is told."""
 SAID: Final = 4096
 """Messages that a publisher keeps until every subscriber has them: of a flood none is lost."""
 MATCHED_LOOKS: Final = 50
@@ -40,6 +45,11 @@ class RawTopicMessage:
     def __init__(self, content: bytes, look: Callable[[bytes], Fields]) -> None:
         self._content, self._look = content, look
 
+    @property
+    def size(self) -> int:
+        """Return how many bytes came."""
+        return len(self._content)
+
     @cached_property
     def fields(self) -> Fields:
         """Return its fields.
@@ -50,20 +60,62 @@ class RawTopicMessage:
         return self._look(self._content)
 
 
-class HeardTopic(Subscription):
-    """Every message of a topic, in order, as bytes until somebody looks.
+class HeardMessages:
+    """What came of a topic and waits for the event loop: all of it, as long as the loop keeps up.
+
+    Put in on the ROS thread, taken on the loop.
 
     Attributes:
         lost: How many were dropped because the loop did not come to them.
     """
 
+    def __init__(self, now_ns: Callable[[], int]) -> None:
+        self.lost = 0
+        self._now_ns = now_ns
+        self._waiting: deque[tuple[int, bytes]] = deque()
+
+    def __len__(self) -> int:
+        return len(self._waiting)
+
+    def put(self, content: bytes) -> None:
+        """Take a message in; the oldest give way where there is no room."""
+        room = max(1, min(HEARD, HEARD_BYTES // max(1, len(content))))
+        while len(self._waiting) >= room:
+            self._drop_oldest()
+        self._waiting.append((self._now_ns(), content))
+
+    def take(self) -> bytes | None:
+        """Return the oldest; the newest, where that has waited too long; None: nothing waits."""
+        try:
+            came_ns, content = self._waiting.popleft()
+            if self._now_ns() - came_ns > FRESH_NS:
+                while self._waiting:
+                    _, content = self._waiting.popleft()
+                    self.lost += 1
+        except IndexError:  # the other thread was quicker
+            return None
+        return content
+
+    def _drop_oldest(self) -> None:
+        with suppress(IndexError):  # likewise
+            self._waiting.popleft()
+            self.lost += 1
+
+
+class HeardTopic(Subscription):
+    """Every message of a topic, in order, as bytes until somebody looks."""
+
     def __init__(
         self, runtime: RosConnection, topic: str, cls: RosObject, on_message: OnMessage
     ) -> None:
         super().__init__(runtime, topic, cls)
-        self.lost = 0
         self._on_message, self._read = on_message, fields_of(cls)
-        self._waiting: deque[bytes] = deque(maxlen=HEARD)
+        self._waiting = HeardMessages(runtime.now_ns)
+
+    @property
+    def lost(self) -> int:
+        """How many messages were dropped because the loop did not come to them."""
+        return self._waiting.lost
 
     async def open(self, runtime: RosRuntime, quality: TopicQos) -> None:
         """Begin to listen."""
@@ -71,16 +123,17 @@ class HeardTopic(Subscription):
 
     def arrived(self, content: bytes) -> None:
         """Take a message; on the ROS thread."""
-        if len(self._waiting) == HEARD:
-            self.lost += 1
         self._runtime.traffic.came(len(content))
-        self._waiting.append(content)
+        self._waiting.put(content)
         self._knock()
 
     def _deliver(self) -> None:
         until_ns = self._runtime.now_ns() + STEP_NS
         for _ in range(len(self._waiting)):
-            self._on_message(RawTopicMessage(self._waiting.popleft(), self._look))
+            content = self._waiting.take()
+            if content is None:
+                break
+            self._on_message(RawTopicMessage(content, self._look))
             if self._runtime.now_ns() > until_ns:
                 break
         if self._waiting:
