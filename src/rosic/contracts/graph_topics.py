@@ -56,10 +56,21 @@ class OpenedTopic(Protocol):
 class OpenedPublisher(Protocol):
     """A topic that is published to."""
 
-    def publish(self, fields: Fields) -> None:
-        """Check every field, and send it at once; what is left out is the type's own default.
+    async def packed(self, fields: Fields) -> bytes:
+        """Check every field, and return what is sent; what is left out is the type's own default.
 
-        A header without a time is given that of now.
+        A header without a time is given that of now. This may wait for the link, so whether
+        somebody may publish is asked after it. Nothing was sent.
+
+        Raises:
+            Fault: It cannot be sent, and why.
+        """
+        ...
+
+    def send(self, content: bytes) -> None:
+        """Send what was packed, at once.
+
+        How much is kept for subscribers that take nothing is bounded in bytes; the newest counts.
 
         Raises:
             Fault: Nothing was sent, and why.

@@ -146,7 +146,7 @@ class RosbridgeConnection:
         heard = read(text)
         if isinstance(heard, Publish) and (used := self._publishing.get(heard.topic)) is not None:
             try:
-                self._publish(used, heard)
+                await self._publish(used, heard)
             except RosicError as why:
                 self._refuse(why, heard.id, "publish", heard.topic)
             return
@@ -172,7 +172,7 @@ class RosbridgeConnection:
     async def _done(self, heard: Heard, caller: ApiCaller) -> None:
         if isinstance(heard, Publish):
             used = await self._opened(caller, heard.topic, "")
-            self._publish(used, heard)
+            await self._publish(used, heard)
         elif isinstance(heard, Advertise):
             await self._opened(caller, heard.topic, heard.type)
         elif isinstance(heard, Unadvertise):
@@ -199,12 +199,13 @@ class RosbridgeConnection:
 
     # ---- publishing ----
 
-    def _publish(self, used: _Publishing | TopicDriver, heard: Publish) -> None:
+    async def _publish(self, used: _Publishing | TopicDriver, heard: Publish) -> None:
         if isinstance(used, TopicDriver):
             used.put(heard.msg)
         else:
+            content = await used.publisher.packed(heard.msg)
             used.right.check()
-            used.publisher.publish(heard.msg)
+            used.publisher.send(content)
 
     async def _opened(
         self, caller: ApiCaller, topic: str, type_name: str

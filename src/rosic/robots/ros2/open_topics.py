@@ -31,8 +31,11 @@ HEARD_BYTES: Final = 8 << 20
 """Of those that wait for the event loop; one that is larger waits alone."""
 FRESH_NS: Final = 250_000_000
 """Once a message has waited so long for the event loop, the newest alone is told."""
-SAID: Final = 4096
-"""Messages that a publisher keeps until every subscriber has them: of a flood none is lost."""
+SAID: Final = (4_096, 480, 60, 7)
+"""Messages that a publisher keeps until every subscriber has them: of a flood of small ones none
+is lost. The larger they are the fewer."""
+SAID_BYTES: Final = 32 << 20
+"""Of all that one publisher keeps; more only where seven messages are larger."""
 MATCHED_LOOKS: Final = 50
 MATCHED_EVERY_S: Final = 0.01
 STEP_NS: Final = 4_000_000
@@ -145,27 +148,57 @@ class HeardTopic(Subscription):
 
 
 class CheckedPublisher:
-    """Publishes what programs say, each field checked."""
+    """Publishes what programs say, each field checked.
 
-    def __init__(self, publisher: Publisher, cls: RosObject, runtime: RosRuntime) -> None:
-        self._publisher, self._cls, self._runtime = publisher, cls, runtime
-        self._stamped = "header" in cls.get_fields_and_field_types()
+    DDS counts what it keeps in messages. So when larger ones come, another publisher takes over,
+    which keeps fewer; the one before keeps what it has until all is over.
+    """
 
-    def publish(self, fields: Fields) -> None:
-        """Check and send; see `contracts.graph_topics.OpenedPublisher`.
+    def __init__(self, runtime: RosRuntime, topic: str, type_name: str) -> None:
+        self._runtime, self._topic, self._type_name = runtime, topic, type_name
+        self._cls = runtime.types.message(type_name)
+        self._publishers: list[Publisher] = []
+        self._depth = SAID[0]
+        self._turn = asyncio.Lock()
+
+    async def open(self) -> None:
+        """Be on the topic. Raises as `OpenTopics.listen` does."""
+        quality = TopicQos(depth=self._depth)
+        opened = await self._runtime.publisher(self._topic, self._type_name, quality)
+        self._publishers.append(opened)
+        await _matched(self._runtime, opened)
+
+    async def packed(self, fields: Fields) -> bytes:
+        """Check and serialise; see `contracts.graph_topics.OpenedPublisher`.
 
         Raises:
             BadValue: A field does not fit.
+            NotSent: The link is closed, or too much is open.
+        """
+        content = self._publishers[-1].packed(to_message(self._cls, unpacked(self._cls, fields)))
+        depth = next((each for each in SAID if len(content) * each <= SAID_BYTES), SAID[-1])
+        if depth < self._depth:
+            await self._keep_fewer(depth)
+        return content
+
+    def send(self, content: bytes) -> None:
+        """Send it.
+
+        Raises:
             NotSent: The link is closed, or ROS did not take it.
         """
-        message = to_message(self._cls, unpacked(self._cls, fields))
-        if self._stamped and (message.header.stamp.sec or message.header.stamp.nanosec):
-            message = bytes(self._runtime.ros.serialization.serialize_message(message))
-        self._publisher.send(message)
+        self._publishers[-1].send(content)
+
+    async def _keep_fewer(self, depth: int) -> None:
+        async with self._turn:
+            if depth < self._depth:
+                self._depth = depth
+                await self.open()
 
     async def close(self) -> None:
         """Leave the topic."""
-        await self._publisher.close()
+        for publisher in self._publishers:
+            await publisher.close()
 
 
 class OpenTopics:
@@ -211,9 +244,9 @@ class OpenTopics:
     async def publisher(self, topic: str, type_name: str) -> CheckedPublisher:
         """Open a publisher. Raises as `listen` does."""
         runtime = await self._runtime(type_name)
-        opened = await runtime.publisher(topic, type_name, TopicQos(depth=SAID))
-        await _matched(runtime, opened)
-        return CheckedPublisher(opened, runtime.types.message(type_name), runtime)
+        opened = CheckedPublisher(runtime, topic, type_name)
+        await opened.open()
+        return opened
 
     async def _runtime(self, type_name: str) -> RosRuntime:
         return (await self._station.learn({type_name})).counting(self._traffic)

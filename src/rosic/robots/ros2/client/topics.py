@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.publishers import About, Ends
 
 HEADER = "std_msgs/Header"
+CLOSED = "The link to ROS 2 is closed; nothing was sent."
 
 ON_ITS_WAY_S = 0.25
 """A message is kept by its publisher until every subscriber has it. Acknowledgements would tell,
@@ -114,6 +115,18 @@ class Publisher:
             return message
         return bytes(self._runtime.ros.serialization.serialize_message(message))
 
+    def packed(self, message: RosObject) -> bytes:
+        """Serialise a message; a header without a time is given that of now.
+
+        Raises:
+            NotSent: The link is closed.
+        """
+        if not self._runtime.alive:
+            raise NotSent(CLOSED)
+        if self._stamped and not (message.header.stamp.sec or message.header.stamp.nanosec):
+            message.header.stamp = self._runtime.thread.node.get_clock().now().to_msg()
+        return bytes(self._runtime.ros.serialization.serialize_message(message))
+
     def send(self, message: RosObject | bytes) -> None:
         """Send a message, or what was made of it, at once and on the calling thread.
 
@@ -123,7 +136,7 @@ class Publisher:
             NotSent: As `publish` does.
         """
         if not self._runtime.alive:
-            raise NotSent("The link to ROS 2 is closed; nothing was sent.")
+            raise NotSent(CLOSED)
         try:
             if self._stamped and not isinstance(message, bytes):
                 message.header.stamp = self._runtime.thread.node.get_clock().now().to_msg()
