@@ -8,6 +8,7 @@ API = "tests/api/test_rosbridge.py"
 PORT = "tests/api/test_rosbridge_port.py"
 FLOODS = "tests/api/test_floods.py"
 ORDERS = "tests/api/test_orders.py"
+QUEUE = "tests/gateway/test_send_queue.py"
 STOOD_STILL = "test_what_waited_while_the_gateway_stood_still_moves_nothing_and_a_stop_stops"
 
 OF_ROSBRIDGE = (
@@ -80,5 +81,22 @@ OF_ROSBRIDGE = (
         guard="sent_ns=now_ns - self.waited_ns(),",
         without="sent_ns=now_ns,",
         caught_by=(f"{ORDERS}::{STOOD_STILL}",),
+    ),
+    Fault(
+        name="I15 what waits for a slow client grows old",
+        file="gateway/send_queue.py",
+        guard="if now_s - oldest_s > FRESH_S:",
+        without="if False:",
+        caught_by=(
+            f"{QUEUE}::test_what_is_told_was_never_older_than_a_moment_however_slowly_it_is_taken",
+            f"{QUEUE}::test_a_client_that_takes_nothing_is_kept_one_message_of_each_topic",
+        ),
+    ),
+    Fault(
+        name="I15 bytes that wait for a slow client are not counted",
+        file="gateway/send_queue.py",
+        guard="while self._older_bytes > OLDER_BYTES_AT_MOST:",
+        without="while False:",
+        caught_by=(f"{QUEUE}::test_the_topic_that_has_most_gives_way_and_not_the_others",),
     ),
 )
