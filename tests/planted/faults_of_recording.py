@@ -61,8 +61,8 @@ OF_RECORDING = (
     Fault(
         name="what is shown live waits for whoever is slow",
         file=FEED,
-        guard='            self._newest["presence", seen.robot] = seen\n',
-        without="            self._steps.append(seen)\n",
+        guard='            self._seen.show(("presence", seen.robot), seen, STEP_BYTES)\n',
+        without="            self._seen.say(seen, STEP_BYTES)\n",
         caught_by=(SHOWN + "test_a_slow_reader_gets_the_newest_and_keeps_nobody_up",),
     ),
     Fault(
