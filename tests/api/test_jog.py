@@ -61,15 +61,16 @@ async def test_a_stick_drives_and_letting_go_brings_it_to_rest() -> None:
     async with served() as place, place.listening(await place.person("Bo")) as connection:
         stick = Stick(connection)
         before = x_m(place)
-        steering = asyncio.create_task(stick.hold(2.0, linear=0.4))
+        steering = asyncio.create_task(stick.hold(60 * pace(), linear=0.4))
         driving = await stick.heard(over=False)
-        assert (driving["robot"], driving["first"]) == ("omni", 1)
-        await steering
+        assert driving["robot"] == "omni"
+        assert driving["first"] >= 1  # of a crowded machine the first samples may be too old
+        await place.until(lambda: x_m(place) > before + 0.1)
+        steering.cancel()
         await stick.send(release=True)
         ended = await stick.heard()
         assert ended["ending"] == "done"
         assert ended["text"].startswith("drove live for ")
-        assert x_m(place) > before + 0.1
         assert at_rest(place)
 
 

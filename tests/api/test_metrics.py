@@ -30,7 +30,8 @@ LINE = re.compile(r'[a-z_]+(\{[a-z]+="[^"\n]*"(,[a-z]+="[^"\n]*")*\})? [0-9.e+-]
 async def measured(
     place: Place, settings: MetricsSettings | None = None
 ) -> AsyncIterator[httpx.AsyncClient]:
-    endpoint = MetricsEndpoint(place.gateway.kernel, settings or MetricsSettings(listen=ANYWHERE))
+    listen = settings or MetricsSettings(listen=ANYWHERE)
+    endpoint = MetricsEndpoint(place.gateway.kernel, listen, tuple)
     running = asyncio.create_task(endpoint.run())
     try:
         async with asyncio.timeout(30 * pace()):

@@ -17,6 +17,7 @@ from rosic.stores.memory import MemoryStore
 from tests.api.bridge_client import BridgeClient, bridge
 from tests.api.served import ServedGateway, served
 from tests.gateway.place import ask_as_operator
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from rosic.core.records import Record
@@ -139,8 +140,8 @@ async def test_a_page_of_another_site_is_turned_away() -> None:
             "/omni/cmd_vel is of the type geometry_msgs/msg/Twist.",
         ),
         (
-            '{"op": "publish", "topic": "/omni/cmd_vel", "msg": {"linear": {"z": 1}}}',
-            "linear.z must be 0: omni is not driven by it here.",
+            '{"op": "publish", "topic": "/omni/cmd_vel", "msg": {"linear": {"w": 1}}}',
+            "linear.w must be 0: omni is not driven by it here.",
         ),
         ('{"op": "cancel_action_goal", "action": "/omni/move", "id": "9"}', "no such goal"),
     ],
@@ -171,13 +172,14 @@ async def test_publishing_a_velocity_is_a_live_order_of_its_skill() -> None:
     async with served() as place, bridge(place, await place.key("operator")) as client:
         await client.say("set_level", level="info")
         await client.say("advertise", topic=CMD_VEL, type="geometry_msgs/Twist")
-        await drive(client, 1.0)
-        assert await client.status("info") == "omni is driven by /omni/cmd_vel now."
+        driving = asyncio.create_task(drive(client, 60 * pace()))
+        await place.until(lambda: x_m(place) > 0.1)
+        driving.cancel()
+        await client.until(lambda m: m.get("msg") == "omni is driven by /omni/cmd_vel now.")
         await drive(client, 0.1, REST)
-        assert "driven no further: drove live for" in await client.status("info")
+        await client.until(lambda m: "driven no further: drove live for" in m.get("msg", ""))
         [order] = place.server.context.feed.newest()
         assert (order.skill, order.ending) == ("drive", "done")
-        assert x_m(place) > 0.1
         assert place.gateway.rooms.linker.presence("omni").at_rest
 
 
@@ -186,8 +188,10 @@ async def test_silence_ends_it_and_only_zeros_let_it_drive_again() -> None:
         key = await place.key("operator")
         async with bridge(place, key) as client:
             await client.say("set_level", level="warning")
-            await drive(client, 0.5)
-            assert "the controls fell silent" in await client.status("warning")
+            driving = asyncio.create_task(drive(client, 60 * pace()))
+            await place.until(lambda: x_m(place) > 0.02)
+            driving.cancel()
+            await client.until(lambda m: "the controls fell silent" in m.get("msg", ""))
             await drive(client, 0.3)
             assert "Publish zeros" in await client.status()
         async with bridge(place, key) as client:
@@ -202,8 +206,17 @@ async def test_silence_ends_it_and_only_zeros_let_it_drive_again() -> None:
 async def test_what_is_published_too_fast_is_brought_within_bounds() -> None:
     async with served() as place, bridge(place, await place.key("operator")) as client:
         await client.say("set_level", level="warning")
-        await drive(client, 0.4, {"linear": {"x": 99.0}})
-        assert await client.status("warning") == "Brought within what is allowed: linear."
+
+        async def push() -> None:
+            while True:  # on a crowded machine the first messages may be too old to be followed
+                await drive(client, 0.4, {"linear": {"x": 99.0}})
+                await drive(client, 0.4, REST)
+
+        pushing = asyncio.create_task(push())
+        try:
+            await client.until(lambda m: m.get("msg") == "Brought within what is allowed: linear.")
+        finally:
+            pushing.cancel()
 
 
 async def test_after_a_stop_and_a_resume_it_does_not_drive_on_by_itself() -> None:
@@ -372,6 +385,27 @@ async def test_zeros_of_another_connection_let_nobody_drive_on_after_a_stop() ->
             await drive(controller, 0.1, REST)
             await drive(controller, 0.5)
             assert "is driven by" in await controller.status("info")
+
+
+async def test_what_is_out_of_a_base_s_plane_is_left_out_told_and_counts_as_no_zeros() -> None:
+    up = {"linear": {"x": 0.0, "y": 0.0, "z": 0.5}, "angular": {"x": 0.0, "y": 0.0, "z": 0.0}}
+    rising = {"linear": {"x": 0.3, "y": 0.0, "z": 0.5}, "angular": {"x": 0.0, "y": 0.0, "z": 0.0}}
+    async with served() as place:
+        hal = await place.program("operator")
+        key = str(hal.headers["authorization"]).removeprefix("Bearer ")
+        async with bridge(place, key) as client:
+            await client.say("set_level", level="warning")
+            publishing = asyncio.create_task(drive(client, 4.0, rising))
+            await place.until(lambda: x_m(place) > 0.02)
+            await client.until(lambda m: "so linear.z is not followed" in m.get("msg", ""))
+            await hal.post("/v1/stop", json={"robots": ["omni"]})
+            await hal.post("/v1/chat", json={"text": "resume omni"})
+            resting_m = x_m(place)
+            await publishing
+            await drive(client, 0.3, up)
+            await drive(client, 0.3, rising)
+            assert x_m(place) == pytest.approx(resting_m, abs=1e-3)
+            assert "Publish zeros" in await client.status()
 
 
 async def test_a_connection_is_of_one_key() -> None:

@@ -51,12 +51,41 @@ def test_another_type_is_said() -> None:
         live_topic([OMNI], "/omni/cmd_vel", "geometry_msgs/msg/TwistStamped")
 
 
-@pytest.mark.parametrize("field", ["linear.z", "angular.x", "something.else"])
-@pytest.mark.parametrize("value", [0.1, nan, "x", [1], True])
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        *(("something.else", value) for value in (0.1, nan, "x", [1], True)),
+        *(("linear.z", value) for value in (nan, "x", [1], True)),
+        ("angular.x", nan),
+    ],
+)
 def test_what_the_skill_does_not_send_has_to_be_zero(field: str, value: object) -> None:
     assert topic().values({"linear.x": 0.3, field: 0}) == {"linear": 0.3}
     with pytest.raises(NotUnderstood, match=f"{field} must be 0: omni is not driven by it here"):
         topic().values({"linear.x": 0.3, field: value})
+
+
+@pytest.mark.parametrize("field", ["linear.z", "angular.x", "angular.y"])
+def test_what_is_out_of_the_plane_of_a_base_is_left_out_and_told(field: str) -> None:
+    message = {"linear.x": 0.3, "angular.z": 0.9, field: 0.9}
+    assert topic().values(message) == {"linear": 0.3, "angular": 0.9}
+    assert topic().ignored(message) == (field,)
+    assert topic().ignored(TWIST) == ()
+
+
+def test_what_might_change_the_way_is_refused_all_the_same() -> None:
+    flies = topic(**{"linear.z": "$lateral"})
+    assert flies.ignored({"angular.x": 0.9}) == ()
+    with pytest.raises(NotUnderstood, match=r"angular\.x must be 0"):
+        flies.values({"linear.x": 0.3, "angular.x": 0.9})
+    drive = OMNI.skills["drive"]
+    assert drive.topic is not None
+    bound = replace(drive.topic, message={"linear.x": "$linear", "angular.z": "$angular"})
+    narrow = replace(OMNI, skills={"drive": replace(drive, topic=bound)})
+    base = live_topic([narrow], "/omni/cmd_vel")
+    assert base is not None
+    with pytest.raises(NotUnderstood, match=r"linear\.y must be 0"):
+        base.values({"linear.x": 0.3, "linear.y": 0.3})
 
 
 @pytest.mark.parametrize("value", [nan, 10**400, "0.3", True, None, [0.3]])

@@ -39,6 +39,7 @@ ASKED: tuple[Callable[[Messenger], object], ...] = (
     contract.retract_of,
     contract.menus_of,
     contract.catching_up,
+    traffic.is_connected,
     lambda messenger: contract.is_account(messenger, "no number"),
     traffic.traffic_of,
 )

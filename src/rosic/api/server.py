@@ -124,7 +124,7 @@ class ApiServer:
         self._speech = CallerRequests(self.context)
         self.stream = EventStream(self.context, self._speech)
         self._connections = FoxgloveConnections(self.context)
-        self._figures = GatewayMetrics(kernel)
+        self._figures = GatewayMetrics(kernel, tuple)
         check_topics(settings.topics, kernel.rooms.profiles)
         self._tickets = TicketBook(callers, kernel.machine_clock, kernel.entropy.token)
         self._rosbridge = RosbridgeEndpoint(self.context, self._speech, self._tickets)

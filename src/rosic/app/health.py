@@ -9,6 +9,7 @@ from rosic.app.maintenance import lost
 from rosic.app.setup.diagnostics import ABOUT, examine_memory
 from rosic.app.setup.diagnostics_checks import DiagnosticFinding, FindingVerdict, examine_disk
 from rosic.contracts.messenger import catching_up
+from rosic.contracts.traffic import is_connected
 from rosic.core.i18n import said
 from rosic.core.time_units import SECOND_NS
 from rosic.gateway.observed_state import HealthFinding
@@ -31,6 +32,7 @@ _VERDICTS: Final = {
 IS_THERE: Final = said("All files of the record are there, and it answers in time.")
 IS_LATE: Final = said("The record does not answer in time. Nothing that moves is taken on.")
 IS_BEHIND: Final = said("It still brings what was sent while nobody listened.")
+IS_AWAY: Final = said("Its platform does not answer: nobody is heard by it, and no stop either.")
 LISTENS: Final = said("It listens.")
 
 
@@ -70,9 +72,9 @@ class GatewayHealth:
 
     def _messengers(self) -> Iterator[HealthFinding]:
         for messenger in self._gateway.kernel.messengers:
-            behind = catching_up(messenger)
-            text = IS_BEHIND if behind else LISTENS
-            yield HealthFinding(messenger.name, LOOK if behind else GOOD, text)
+            away, behind = is_connected(messenger) is False, catching_up(messenger)
+            text = IS_AWAY if away else IS_BEHIND if behind else LISTENS
+            yield HealthFinding(messenger.name, LOOK if away or behind else GOOD, text)
 
     def _robots(self) -> Iterator[HealthFinding]:
         rooms = self._gateway.kernel.rooms

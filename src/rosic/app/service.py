@@ -24,7 +24,7 @@ from rosic.core.time_units import DAY_S
 from rosic.errors import MessengerFault, RosicError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
     from rosic.app.config import Config
     from rosic.contracts.clock import Clock, Entropy
@@ -92,6 +92,7 @@ class GatewayService:
         self._begun_ns = begun_ns
         self._ended = asyncio.Event()
         self._ended_ns = 0
+        self._is_ready = False
         socket_path(config.data)
         self._latch = latch_of(config)
         self._api = None if config.api is None else GatewayApi(config.api, clock)
@@ -179,13 +180,20 @@ class GatewayService:
         """Begin what the gateway does beside its work: tell other software, and forget."""
         tasks = []
         if (metrics := self._config.metrics) is not None:
-            serving = MetricsEndpoint(self._gateway.kernel, metrics)
+            serving = MetricsEndpoint(self._gateway.kernel, metrics, self._not_ready)
             tasks.append(asyncio.create_task(serving.run()))
         if hooks := self._config.webhooks:
             tasks.append(asyncio.create_task(webhooks_of(self._gateway, hooks).run()))
         if isinstance(store := self._parts.store, ForgettingStore):
             tasks.append(asyncio.create_task(forget_daily(store, self._clock)))
         return tasks
+
+    def _not_ready(self) -> Iterator[str]:
+        if not self._is_ready:
+            yield "the gateway is starting"
+        file = self._gateway.record_watch.lost_file()
+        if file:
+            yield f"{file} of the record is not there as it was"
 
     async def _work(self, admin: AdminApi) -> None:
         messengers = self._parts.messengers
@@ -200,6 +208,7 @@ class GatewayService:
             "robot" if robots == 1 else "robots",
             ", ".join(messenger.name for messenger in messengers),
         )
+        self._is_ready = True
         await self._welcome(admin)
         await self._gateway.run()
 

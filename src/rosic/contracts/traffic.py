@@ -21,3 +21,16 @@ class CountsTraffic(Protocol):
 def traffic_of(link: object) -> TrafficCount | None:
     """Return what has passed a link; None: it does not count."""
     return link.traffic if isinstance(link, CountsTraffic) else None
+
+
+@runtime_checkable
+class HasConnection(Protocol):
+    """It can tell whether its platform answers; see `is_connected`."""
+
+    def is_connected(self) -> bool:
+        """Return whether it did when it was asked last."""
+
+
+def is_connected(messenger: object) -> bool | None:
+    """Whether a messenger's platform answers; None: it cannot tell, or has none."""
+    return messenger.is_connected() if isinstance(messenger, HasConnection) else None

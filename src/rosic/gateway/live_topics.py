@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 HEADER: Final = "header"
 """Of a message that has one; what is sent to the robot bears the time of its sending."""
 DEEPEST: Final = 8
+AHEAD: Final = "linear.x"
+"""Of a velocity; what is before it in a field's name, where the velocity is."""
+OUT_OF_PLANE: Final = ("linear.z", "angular.x", "angular.y")
 
 
 class LiveTopic(NamedTuple):
@@ -35,6 +38,8 @@ class LiveTopic(NamedTuple):
         topic, type: As the profile has them.
         parameters: Field to the parameter that it takes.
         literals: Field to the value that it always has.
+        out_of_plane: Fields of a velocity that cannot change the way of a robot that moves in a
+            plane: it is sent zero there, whatever a message says.
     """
 
     robot: RobotId
@@ -43,6 +48,14 @@ class LiveTopic(NamedTuple):
     type: str
     parameters: Mapping[str, str]
     literals: Mapping[str, Argument | bool]
+    out_of_plane: frozenset[str] = frozenset()
+
+    def ignored(self, message: Mapping[str, object]) -> tuple[str, ...]:
+        """Return the fields of a message that are not followed, and whose rest is."""
+        if not self.out_of_plane:
+            return ()
+        given = flat(message)
+        return tuple(field for field, value in given if value and field in self.out_of_plane)
 
     def values(self, message: Mapping[str, object]) -> dict[str, float]:
         """Return what a message says of the skill's parameters, SI, unbounded.
@@ -51,8 +64,9 @@ class LiveTopic(NamedTuple):
             message: As a client sent it: its fields nested or dotted; what is left out is zero.
 
         Raises:
-            NotUnderstood: A field that the skill does not send is not zero, two that are one
-                parameter differ, or a value is no number. Nothing of the message is followed.
+            NotUnderstood: A field that the skill does not send is not zero and might have changed
+                the robot's way, two that are one parameter differ, or a value is no number. Nothing
+                of the message is followed.
         """
         found: dict[str, float] = {}
         given = dict(flat(message))
@@ -74,6 +88,8 @@ class LiveTopic(NamedTuple):
         return found
 
     def _check_literal(self, field: str, value: object) -> None:
+        if field in self.out_of_plane and is_finite_number(value):
+            return
         literal = self.literals.get(field, 0.0)
         if value == literal or (field not in self.literals and not value):
             return
@@ -138,7 +154,19 @@ def _streamed(robot: RobotId, skill: Skill) -> LiveTopic | None:
         if parameter is None or parameter.choices is not None or value[1:] == DURATION:
             return None  # what a choice stands for cannot be told from a number
         parameters[field] = value[1:]
-    return LiveTopic(robot, skill.id, sent.topic, sent.type, parameters, literals)
+    away = _out_of_plane(frozenset(parameters) | frozenset(literals))
+    return LiveTopic(robot, skill.id, sent.topic, sent.type, parameters, literals, away)
+
+
+def _out_of_plane(sent: frozenset[str]) -> frozenset[str]:
+    """Return what of a velocity is out of the plane of a robot that is sent only what is in it.
+
+    Panels for robots of every kind fill these fields with what they please; a base has nothing that
+    could follow them. Of a robot that is sent any of them, none is left out.
+    """
+    before = {field.removesuffix(AHEAD) for field in sent if field.endswith(AHEAD)}
+    away = frozenset(f"{place}{field}" for place in before for field in OUT_OF_PLANE)
+    return frozenset() if away & sent else away
 
 
 def flat(

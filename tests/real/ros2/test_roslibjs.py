@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import threading
 from contextlib import contextmanager
 from functools import partial
@@ -136,7 +137,15 @@ async def hold(page: Page, key: str, seconds: float) -> None:
     await page.keyboard.up(key)
 
 
-async def test_a_public_panel_drives_from_a_page_elsewhere_and_is_let_in_by_name_alone(
+def yaw_rad(place: ServedGateway) -> float:
+    """Return how the robot stands, as its side says."""
+    pose = place.gateway.rooms.linker.presence("omni").pose
+    assert pose is not None
+    assert pose.yaw_rad is not None
+    return pose.yaw_rad
+
+
+async def test_a_public_panel_drives_and_turns_from_a_page_elsewhere_and_is_let_in_by_name_alone(
     place: ServedGateway, origin: str
 ) -> None:
     sharer = await place.program("sharer")
@@ -156,7 +165,15 @@ async def test_a_public_panel_drives_from_a_page_elsewhere_and_is_let_in_by_name
         [order] = feed.newest()
         assert (order.robot, order.skill, order.ending) == ("omni", "drive", "done")
 
+        # This panel sets linear.z, too, when it turns; a base has nothing that could follow it.
+        before_rad = yaw_rad(place)
+        await hold(page, "a", 1.5)
+        await until(lambda: all(order.is_over for order in feed.newest()))
+        turned, _ = feed.newest()
+        assert (turned.skill, turned.ending) == ("drive", "done")
+        await until(lambda: math.remainder(yaw_rad(place) - before_rad, math.tau) > 0.3)
+
         with panel_server() as other:  # the same page, from where nobody has named
             await panel(page, other)
             await page.wait_for_function("document.title == 'closed'")
-    assert len(tuple(feed.newest())) == 1
+    assert len(tuple(feed.newest())) == 2

@@ -20,6 +20,8 @@ from rosic.api.settings import HostPort, hostname
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
     from rosic.gateway.feature import Kernel
 
 HEAD_BYTES: Final = 8_192
@@ -48,14 +50,20 @@ class MetricsEndpoint:
     Args:
         kernel: Of a gateway that is open.
         settings: Where, and by which names.
+        not_ready: Tells what speaks against leading anybody here besides, a line each.
 
     Attributes:
         port: On which it listens; 0: not yet.
     """
 
-    def __init__(self, kernel: Kernel, settings: MetricsSettings) -> None:
+    def __init__(
+        self,
+        kernel: Kernel,
+        settings: MetricsSettings,
+        not_ready: Callable[[], Iterable[str]],
+    ) -> None:
         self._settings = settings
-        self._metrics = GatewayMetrics(kernel)
+        self._metrics = GatewayMetrics(kernel, not_ready)
         self._open = 0
         self.port = 0
         own = LOCAL_NAMES if settings.listen.is_loopback else frozenset[str]()

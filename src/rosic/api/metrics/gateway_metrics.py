@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Final
 from rosic import __version__
 from rosic.api.metrics.exposition import COUNTER, GAUGE, HISTOGRAM, Histogram, family, page, sample
 from rosic.api.rate_feed import messenger_counts, robot_counts
+from rosic.contracts.traffic import is_connected
 from rosic.core.order import OrderStage
 from rosic.core.time_units import SECOND_NS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from rosic.core.identity import CommandId
     from rosic.core.order import Order, Outcome, StageReport
@@ -110,12 +111,16 @@ class LoopMonitor:
 class GatewayMetrics:
     """Everything that is measured, put together when it is asked for.
 
+    Args:
+        kernel: Of a gateway that is open.
+        besides: Tells what else speaks against leading anybody here, a line each.
+
     Attributes:
         loop: Has to run, to measure the event loop.
     """
 
-    def __init__(self, kernel: Kernel) -> None:
-        self._kernel = kernel
+    def __init__(self, kernel: Kernel, besides: Callable[[], Iterable[str]]) -> None:
+        self._kernel, self._besides = kernel, besides
         self._orders = OrderMetrics(kernel)
         self.loop = LoopMonitor()
         kernel.pipeline.executor.watching.observe(self._orders)
@@ -126,9 +131,16 @@ class GatewayMetrics:
 
     @property
     def not_ready(self) -> tuple[str, ...]:
-        """Return why nobody should be led here now, a line each; empty: nothing speaks against."""
-        late = self._kernel.changes.late
-        return ("the record does not answer in time",) if late else ()
+        """Return why nobody should be led here now, a line each; empty: nothing speaks against.
+
+        A messenger that is away is none of it while another way in is there, the page perhaps: who
+        stops a robot by that one must still be led here.
+        """
+        late = ("the record does not answer in time",) if self._kernel.changes.late else ()
+        links = [is_connected(messenger) for messenger in self._kernel.messengers]
+        deaf = links and all(link is False for link in links)
+        heard = ("no messenger is connected",) if deaf else ()
+        return (*late, *heard, *self._besides())
 
     def page(self) -> bytes:
         """Return all of it as Prometheus reads it."""
@@ -212,8 +224,18 @@ class GatewayMetrics:
         name = "process_cpu_seconds_total"
         spent_s = used.ru_utime + used.ru_stime
         yield from family(name, COUNTER, "Processor time used.", (sample(name, {}, spent_s),))
-        late = int(bool(self.not_ready))
+        late = int(self._kernel.changes.late)
         yield from _value("rosic_record_late", "1 while the record does not answer in time.", late)
+        ready = int(not self.not_ready)
+        yield from _value("rosic_ready", "1 while /readyz says so.", ready)
+        links = {one.name: is_connected(one) for one in self._kernel.messengers}
+        name, about = "rosic_messenger_up", "1 while a platform answers; nothing if none can tell."
+        samples = (
+            sample(name, {"messenger": messenger}, int(link))
+            for messenger, link in links.items()
+            if link is not None
+        )
+        yield from family(name, GAUGE, about, samples)
         resident = _resident_bytes()
         if resident:
             yield from _value("process_resident_memory_bytes", "Memory in use.", resident)

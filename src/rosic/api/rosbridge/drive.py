@@ -110,12 +110,21 @@ class TopicDriver:
         """
         values = self._live.values(message)
         neutral = not any(values.values())
+        ignored = self._live.ignored(message)
+        if ignored:
+            fields = ", ".join(ignored)
+            told = said(
+                "{robot} moves in a plane, so {fields} is not followed; the rest is.",
+                robot=self._shown,
+                fields=fields,
+            )
+            self._complain("warning", told)
         waited_ns = self._context.messenger(self._caller).waited_ns()
         came_ns = self._clock.monotonic_ns() - waited_ns
         self._newest = _Newest(values, self._sent_ns(message), came_ns)
-        if neutral:
+        if neutral and not ignored:  # zeros, and nothing else
             self._rested = self._driven.held(*self._key)
-        elif waited_ns > LATE_S * SECOND_NS:
+        elif not neutral and waited_ns > LATE_S * SECOND_NS:
             self._complain("warning", STOOD_STILL)
             return
         self._mind_release(neutral=neutral)

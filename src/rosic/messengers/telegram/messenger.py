@@ -323,6 +323,10 @@ class TelegramMessenger:
         """Return whether backlog may still come; see ``contracts.messenger``."""
         return self._listener.catching_up
 
+    def is_connected(self) -> bool:
+        """Return whether Telegram answers us; see ``contracts.messenger``."""
+        return self._running and self._listener.is_connected
+
     def watch_chats(self, passed: Passed) -> None:
         """Have somebody told what happens to chats; see ``contracts.messenger``."""
         self._passed = passed

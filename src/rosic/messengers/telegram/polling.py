@@ -91,12 +91,17 @@ class Poller:
         self._limit = BATCH
         self._full_ns: int | None = None
         self._failures = 0
-        self._contested = False
+        self._answered = self._contested = False
 
     @property
     def catching_up(self) -> bool:
         """Whether what was sent while nobody listened may still come."""
         return self._listening.frozen
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether the last poll was answered, and nobody else receives."""
+        return self._answered and not (self._failures or self._contested)
 
     async def run(self, receive: Receive, hooks: UpdateHooks) -> None:
         """Listen until cancelled.
@@ -111,6 +116,7 @@ class Poller:
                 given out again once it does.
         """
         self._listening, self._outage, self._full_ns = PollingGap(), Outage(), None
+        self._answered = False
         async with self._line.held():
             account = await self._meet()
             self.reading.begin(hooks, own_name=account.user_name, hears_groups=account.reads_groups)
@@ -191,6 +197,7 @@ class Poller:
             return
         now = self._now()
         listening.answered(now)
+        self._answered = True
         self._outage.answered(asked)
         self._recovered()
         window.confirmed(offset)
