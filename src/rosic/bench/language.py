@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
-from time import perf_counter_ns
+from random import Random
+from statistics import median
+from time import perf_counter_ns, thread_time_ns
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
 from rosic.app.features import command_table
 from rosic.bench.report import BenchCase, BenchReport, case_of, machine
+from rosic.bench.strangers import pace_of_machine
 from rosic.config.lexicons import known_phrases
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
-from rosic.core.language import LineContext, Vocabulary, understand
+from rosic.core.language import (
+    LONGEST_TEXT,
+    MOST_LINES,
+    MOST_PHRASE_WORDS,
+    LineContext,
+    Vocabulary,
+    understand,
+)
 from rosic.core.language.lexicon import NO_PHRASES
 from rosic.core.robot.skill import Parameter, Skill
 
@@ -22,6 +32,7 @@ if TYPE_CHECKING:
 
 ROUNDS, QUICK_ROUNDS = 300, 20
 RUNS, QUICK_RUNS = 5, 1
+ROBOTS = ("omni", "kuka1", "yumi", "cf1", "cf2", "cf3")
 MANY_SKILLS = 5_000
 PROMISED_MS = 2.0
 EXACT = ("omni move 1 m left", "kuka1 grasp force=20", "cf1 takeoff 1 m")
@@ -38,13 +49,35 @@ SEQUENCES = (
 NOTHING = ("omni should never move", "what a lovely day it is", "how is the weather in Lisbon?")
 # As many words as are read, each of which may mean something in every language.
 LONGEST = ("omni " + "left 1 m and forward 2 cm a la no " * 8)[:238].rsplit(" ", 1)[0]
+# Texts that nobody writes: as many words as are read, of any language, drawn at random; some were
+# found by changing words of the slowest for as long as that made them slower.
+CONTRIVED, QUICK_CONTRIVED = 300, 30
+CONTRIVED_ROUNDS = 9
+SEED = 7
+COMMON = """
+    omni drone drones all left right up down forward back move turn take land off it no again then
+    and und links vor para zu a little bit half faster meter degrees 8
+"""
+SLOWEST = (
+    "a zu a drone drones terceira tschüss fortyfour dreieck para podría all apenitas back anda 8",
+    "drone para a bájate base left minuto 8 degrees ninetytwo",
+    "dankschön drone suba para para attraper links nun transport vierzehn left degré transmets",
+    "drones " * MOST_PHRASE_WORDS,
+    "omin forwrad 1 m\nomin forwrad 1 m",
+    "\n".join(["omin forwrad 1 m and then land on it"] * MOST_LINES),
+    ("left " * LONGEST_TEXT)[:LONGEST_TEXT],
+    ("前进" * LONGEST_TEXT)[:LONGEST_TEXT],
+)
 
 METHOD = (
     "Each text read {rounds} times anew, {runs} runs, medians. Rate: texts a second. Six robots "
-    "that ship are spoken of; and the same with a robot of {skills:,} skills beside them."
+    "that ship are spoken of; and the same with a robot of {skills:,} skills beside them. "
+    "Contrived: {contrived} texts of {words} words at random from all lexicons, and the slowest "
+    "that a search found; processor time, in units of the machine for which figures are promised."
 )
 BESIDE = "{name}: {ratio:.1f} times a line of the grammar."
 WORST = "The slowest of all texts: {ms:.2f} ms (promised: {promised:.0f})."
+CONTRIVED_WORST = "The slowest contrived text: {ms:.2f} ms (promised: {promised:.0f})."
 FLAT = "With {skills:,} skills beside them, what people write costs {ratio:.2f} times as much."
 EXACT_RATIO = "A line of the grammar costs {ratio:.2f} times what it does without any lexicon."
 
@@ -52,11 +85,8 @@ EXACT_RATIO = "A line of the grammar costs {ratio:.2f} times what it does withou
 def measure(*, quick: bool) -> BenchReport:
     """Return what was measured."""
     rounds, runs = (QUICK_ROUNDS, QUICK_RUNS) if quick else (ROUNDS, RUNS)
-    files = shipped_profiles()
-    robots = [load_profile(files[name]) for name in ("omni", "kuka1", "yumi", "cf1", "cf2", "cf3")]
-    units, commands = known_units(), command_table()
-    few = Vocabulary.build(robots, units, commands, known_phrases())
-    many = Vocabulary.build([*robots, _of_many(robots[0])], units, commands, known_phrases())
+    few = vocabulary_of_robots()
+    many = vocabulary_of_robots(many_skills=True)
     bare = replace(few, phrases=NO_PHRASES)
     named = {
         "grammar": (few, EXACT),
@@ -72,12 +102,31 @@ def measure(*, quick: bool) -> BenchReport:
         name: case_of(name, [_run(*what, rounds) for _ in range(runs)])
         for name, what in named.items()
     }
+    texts = contrived_texts(few, QUICK_CONTRIVED if quick else CONTRIVED)
+    costs = [_cost_ns(text, few) for text in (*SLOWEST, *texts)]
+    contrived = case_of("contrived", [(1e9 * len(costs) / sum(costs), costs)])
+    worst = CONTRIVED_WORST.format(ms=max(costs) / 1e6, promised=PROMISED_MS)
     return BenchReport(
         machine=machine(),
-        method=METHOD.format(rounds=rounds, runs=runs, skills=MANY_SKILLS),
-        cases=tuple(cases.values()),
-        findings=tuple(_findings(cases)),
+        method=METHOD.format(
+            rounds=rounds,
+            runs=runs,
+            skills=MANY_SKILLS,
+            contrived=len(texts),
+            words=MOST_PHRASE_WORDS,
+        ),
+        cases=(*cases.values(), contrived),
+        findings=(*_findings(cases), worst),
     )
+
+
+def vocabulary_of_robots(*, many_skills: bool = False) -> Vocabulary:
+    """Return what can be said of six robots that ship, and of one of very many skills."""
+    files = shipped_profiles()
+    robots = [load_profile(files[name]) for name in ROBOTS]
+    if many_skills:
+        robots.append(_of_many(robots[0]))
+    return Vocabulary.build(robots, known_units(), command_table(), known_phrases())
 
 
 def _of_many(like: Profile) -> Profile:
@@ -99,6 +148,30 @@ def _run(vocabulary: Vocabulary, texts: Sequence[str], rounds: int) -> tuple[flo
             understand(text, vocabulary, context)
             times.append(perf_counter_ns() - began)
     return len(times) / (sum(times) / 1e9), times
+
+
+def contrived_texts(vocabulary: Vocabulary, count: int) -> list[str]:
+    """Return texts of words of any language, half of them of frequent ones."""
+    words = sorted(
+        {word for table in vocabulary.phrases.tables for word in table.senses if " " not in word}
+    )
+    common = COMMON.split()
+    drawn = Random(SEED)  # noqa: S311 - the same texts each time
+    return [
+        " ".join(drawn.choice(common if at % 2 else words) for _ in range(MOST_PHRASE_WORDS))
+        for at in range(count)
+    ]
+
+
+def _cost_ns(text: str, vocabulary: Vocabulary) -> float:
+    """Return what a text costs of the processor, were this the machine of the promise."""
+    context = LineContext("", frozenset(vocabulary.profiles))
+    costs: list[int] = []
+    for _ in range(CONTRIVED_ROUNDS):
+        began_ns = thread_time_ns()
+        understand(text, vocabulary, context)
+        costs.append(thread_time_ns() - began_ns)
+    return median(costs) / pace_of_machine()
 
 
 def _findings(cases: dict[str, BenchCase]) -> list[str]:

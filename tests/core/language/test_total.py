@@ -16,6 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rosic.app.features import command_table
+from rosic.bench import language as bench
 from rosic.config.units import compile_units
 from rosic.core.language import (
     Do,
@@ -362,3 +363,15 @@ def test_what_is_not_understood_is_looked_for_among_a_bounded_number() -> None:
         context = LineContext("", frozenset(vocabulary.profiles))
         counts.append(steps(lambda v=vocabulary, c=context: understand("omn move", v, c)))  # type: ignore[misc]
     assert counts[1] <= 1.1 * counts[0]
+
+
+MOST_STEPS = 44_000
+"""Some 2 ms on the machine for which figures are promised (`rosic bench language`)."""
+
+
+def test_the_slowest_text_that_can_be_written_costs_what_is_promised() -> None:
+    vocabulary = bench.vocabulary_of_robots()
+    context = LineContext("", frozenset(vocabulary.profiles))
+    texts = (*bench.SLOWEST, *bench.contrived_texts(vocabulary, bench.QUICK_CONTRIVED))
+    costs = {text: steps(partial(understand, text, vocabulary, context)) for text in texts}
+    assert {text: cost for text, cost in costs.items() if cost > MOST_STEPS} == {}

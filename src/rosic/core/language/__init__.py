@@ -31,6 +31,7 @@ from rosic.core.language.line_parser import MOST_WORDS
 from rosic.core.language.line_words import leaves_out
 from rosic.core.language.numbers import Unit, UnitTable
 from rosic.core.language.parser import LONGEST_TEXT, MOST_LINES, LanguageReader, places, understand
+from rosic.core.language.phrase_reader import MOST_PHRASE_WORDS
 from rosic.core.language.sanitise import clean, clean_name, inert_text
 from rosic.core.language.secrecy import kept_of, without_codes
 from rosic.core.language.stop_detection import hears_stop
@@ -40,6 +41,7 @@ from rosic.core.language.wait_detection import hears_wait
 __all__ = [
     "LONGEST_TEXT",
     "MOST_LINES",
+    "MOST_PHRASE_WORDS",
     "MOST_WORDS",
     "SAY",
     "Answered",

@@ -32,7 +32,7 @@ from rosic.core.language.keywords import (
     POLITE,
     STATUS_WORDS,
 )
-from rosic.core.language.line_words import past_excepting, past_fillers
+from rosic.core.language.line_words import MOST_MENDED, past_excepting, past_fillers
 from rosic.core.language.skill_values import fits
 from rosic.core.language.stop_detection import hears_stop
 from rosic.core.language.syntax_errors import SyntaxErrorBuilder
@@ -98,7 +98,7 @@ class LineReader:
         self._raw, self._low = words
         self._vocabulary = vocabulary
         self._context = context
-        self._mends = mends
+        self._mends = mends and len(self._low) <= MOST_MENDED
         self._visible = context.visible
         self._selected = context.selected
         self.unsure = False

@@ -11,6 +11,9 @@ from rosic.core.language.sanitise import clean, fold_word, normalised
 
 FOLDED_AT_MOST: Final = 1024
 
+MOST_MENDED: Final = 10
+"""A line of more words is not looked at for typing errors: what is asked in one is shorter."""
+
 NEGATING: Final = frozenset({"minus", "nicht", "not"})
 """Of what leaves robots out, the words that also say something else in many a sentence."""
 

@@ -29,10 +29,11 @@ from rosic.core.language.kept_places import with_places
 from rosic.core.language.keywords import FILLERS
 from rosic.core.language.lexicon import NO_PHRASES, SenseKind
 from rosic.core.language.line_parser import LineReader
-from rosic.core.language.line_words import phrase_key, words_of
+from rosic.core.language.line_words import phrase_key, spoken_line, words_of
 from rosic.core.language.phrase_reader import (
     LONGEST_PHRASE,
     MEANT,
+    MOST_PHRASE_WORDS,
     NO_ORDER,
     WHICH_ROBOT,
     PhraseReader,
@@ -41,6 +42,8 @@ from rosic.core.language.sanitise import REORDERING, clean, is_plain
 from rosic.core.language.stop_detection import hears_stop
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from rosic.core.language.vocabulary import Vocabulary, VocabularyHolder
     from rosic.core.robot.profile import RobotId
 
@@ -49,8 +52,9 @@ if TYPE_CHECKING:
 
 LONGEST_TEXT = 4096
 MOST_LINES = 20
-MOST_PHRASES = 3
-"""So many lines of a message are read as people write them; the others are of the grammar."""
+MOST_PHRASES = 2
+"""A message of so many lines, with `MOST_PHRASE_WORDS` in all, is read as people write it and
+looked at for typing errors; the lines of a longer one are of the grammar."""
 
 
 def understand(
@@ -82,13 +86,16 @@ def understand(
                 )
             ),
         )
-    many = len(lines) > MOST_PHRASES
-    strict = replace(vocabulary, phrases=NO_PHRASES) if many else vocabulary
-    read = [
-        _cleaned(line, vocabulary if at < MOST_PHRASES else strict, context, mends=mends)
-        for at, line in enumerate(lines)
-    ]
+    strictly = len(lines) > 1 and _are_many(lines)
+    strict = replace(vocabulary, phrases=NO_PHRASES) if strictly else vocabulary
+    read = [_cleaned(line, strict, context, mends=mends and not strictly) for line in lines]
     return tuple(read) or (_EMPTY,)
+
+
+def _are_many(lines: Sequence[str]) -> bool:
+    """Whether a message has more lines, or words, than are read as people write them."""
+    words = (len(spoken_line(line[:LONGEST_PHRASE]).words) for line in lines[:MOST_PHRASES])
+    return len(lines) > MOST_PHRASES or sum(words) > MOST_PHRASE_WORDS
 
 
 def places(text: str, written: str) -> tuple[int, ...]:
@@ -108,7 +115,11 @@ def places(text: str, written: str) -> tuple[int, ...]:
 
 
 def _with_words(text: str) -> list[str]:
-    return [line for line in text.splitlines() if clean(line).strip()]
+    return [line for line in text.splitlines() if _has_words(line)]
+
+
+def _has_words(line: str) -> bool:
+    return any(clean(line[at : at + 64]).strip() for at in range(0, len(line), 64))
 
 
 _EMPTY = Misunderstood(said("There was nothing to read. Say help for what can be said."), ("help",))

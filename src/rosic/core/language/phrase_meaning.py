@@ -65,6 +65,22 @@ def best_of(readings: Sequence[Reading]) -> list[Reading]:
     return [reading for reading in readings if reading.unknown == fewest]
 
 
+_OF_PROFILE: Final = frozenset({SenseKind.OWN_SKILL, SenseKind.OWN_CHOICE, SenseKind.OWN_PARAMETER})
+
+
+def own_words(reading: Reading) -> int:
+    """Return how many words are of the profile or numbers alone, and not of the language."""
+    return sum(all(sense.kind in _OF_PROFILE for sense in item.senses) for item in reading.items)
+
+
+def only_asks(reading: Reading) -> bool:
+    """Whether a line is a question, with a name in it at most."""
+    return all(
+        item.means(SenseKind.QUESTION) or item.means(SenseKind.NOTHING) or item.callee is not None
+        for item in reading.items
+    )
+
+
 class Meaning(NamedTuple):
     """What a line asks of a robot, as far as it says so.
 

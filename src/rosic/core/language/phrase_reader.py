@@ -23,7 +23,7 @@ from rosic.core.language.ast import (
     Status,
 )
 from rosic.core.language.lexicon import SenseKind
-from rosic.core.language.line_words import SpokenLine, phrase_key, spoken_line
+from rosic.core.language.line_words import MOST_MENDED, SpokenLine, phrase_key, spoken_line
 from rosic.core.language.phrase_meaning import (
     DOES,
     ROBOTS_LOOKED_AT,
@@ -33,6 +33,8 @@ from rosic.core.language.phrase_meaning import (
     clauses_of,
     is_in_order,
     is_told,
+    only_asks,
+    own_words,
     speaks_of,
     without_callee,
 )
@@ -57,7 +59,7 @@ from rosic.core.language.sanitise import quote
 from rosic.core.language.suggestions import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from rosic.core.language.ast import Do, LineContext
     from rosic.core.language.compiled import NameTarget
@@ -66,12 +68,16 @@ if TYPE_CHECKING:
     from rosic.core.language.vocabulary import Vocabulary
 
 LONGEST_PHRASE: Final = 240
-MOST_PHRASE_WORDS: Final = 20
+MOST_PHRASE_WORDS: Final = 16
+"""Of a message: what reading costs grows with them. Of 1,622 phrases one has more."""
 LANGUAGES_PROPOSED: Final = 2
 """Of so many languages a line is taken for, for what it proposes: those with most of its words."""
 MOST_UNKNOWN: Final = 3
-"""With more words that nobody knows, a line is not looked at for typing errors."""
+"""With more words that nobody knows, a line is not looked at for typing errors; nor a long one."""
 NAMES_LOOKED_AT: Final = 128
+LINES_TRIED: Final = 16
+WORDS_TRIED: Final = 32
+"""A long line is tried with fewer robots than a short one: each takes time for each word."""
 
 GO_TO: Final = "goto"
 SCHEDULED: Final = "/schedule "
@@ -167,8 +173,7 @@ class PhraseReader:
             values = SkillValueReader(items, compiled, units, positional=positional).read()
             vague = {value for item in items for value in item.values(SenseKind.VAGUE)}
             lines.update(dict.fromkeys(following_lines(callee, compiled, given, values, vague)))
-        read = [line for line in lines if not isinstance(self._reads(line), Misunderstood)]
-        return tuple(read[:MOST_PROPOSED])
+        return self._readable(lines)
 
     # ---- who ----
 
@@ -197,13 +202,17 @@ class PhraseReader:
     def _readings(
         self, callee: NameTarget | None, tables: Sequence[LexiconTable], *, mends: bool = False
     ) -> list[Reading]:
+        """Return the line as those languages read it in which the fewest words mean nothing."""
         words = self._words(callee or self._chosen)
-        found = []
+        fewest = len(self._line.words)
+        found: list[Reading] = []
         for table in tables:
             reader = WordReader(self._line, table, words, self._named, self._vocabulary.units)
-            items = self._kinds.named(reader.items(mends=mends))
-            found.append(Reading(table, items, sum(not item.is_known for item in items)))
-        return found
+            read = reader.items(fewest, mends=mends)
+            if read is not None:
+                found.append(Reading(table, *read))
+                fewest = read[1]
+        return [r._replace(items=self._kinds.named(r.items)) for r in best_of(found)]
 
     # ---- what acts ----
 
@@ -254,7 +263,7 @@ class PhraseReader:
         *,
         blocked: bool,
     ) -> Line | None:
-        asked = self._question([r for r in best if _only_asks(r)], callee)
+        asked = self._question([r for r in best if only_asks(r)], callee)
         manner = self._manner(best) if asked is None else None
         if manner is not None:
             return manner
@@ -267,7 +276,11 @@ class PhraseReader:
             return manner
         if blocked and not instead:
             return Misunderstood(NO_ORDER, ("help",))
-        return self._kept(best, callee) or self._renamed(best) or self._proposed(best, callee)
+        kept = self._kept(best, callee) or (self._renamed(best) if callee is None else None)
+        return kept or self._proposed(best, callee)
+
+    def _may_be_misspelt(self, best: Sequence[Reading]) -> bool:
+        return 0 < best[0].unknown <= MOST_UNKNOWN and len(self._line.words) <= MOST_MENDED
 
     def _kept(self, best: Sequence[Reading], callee: NameTarget | None) -> Line | None:
         """Return what keeps the place where a robot is: this is the dock."""
@@ -286,7 +299,7 @@ class PhraseReader:
 
     def _renamed(self, best: Sequence[Reading]) -> Line | None:
         """Return what the line would be if a word that means nothing were a misspelt name."""
-        if self._named.named or best[0].unknown > MOST_UNKNOWN:
+        if self._named.named or not self._may_be_misspelt(best):
             return None
         names = [
             name
@@ -375,25 +388,18 @@ class PhraseReader:
 
     def _proposed(self, best: Sequence[Reading], callee: NameTarget | None) -> Line | None:
         """Return up to three lines that may be meant."""
-        likely = sorted(best, key=_own_words)[:LANGUAGES_PROPOSED]
+        likely = sorted(best, key=own_words)[:LANGUAGES_PROPOSED]
         tables = [reading.table for reading in likely]
-        few = 0 < best[0].unknown <= MOST_UNKNOWN
-        mended = self._readings(callee, tables, mends=True) if few else likely
+        mends = self._may_be_misspelt(best)
+        mended = self._readings(callee, tables, mends=True) if mends else likely
         callee = callee or self._chosen
-        lines: dict[str, None] = {}
-        vague: dict[str, None] = {}
-        for reading in best_of(mended):
-            for item in reading.items:
-                vague.update(dict.fromkeys(item.values(SenseKind.VAGUE)))
-            for target in (callee,) if callee is not None else self._some_candidates(reading):
-                lines.update(dict.fromkeys(self._lines(reading, target)))
-        timed = [line for line in lines if line.startswith(SCHEDULED)]
-        lines = dict.fromkeys(timed) if timed else lines  # none that would be done now
-        nowhere = False
-        if not lines and callee is not None and vague:
-            lines = dict.fromkeys(first_lines(callee, vague))
+        meant = best_of(mended)
+        said_vaguely = (v for r in meant for item in r.items for v in item.values(SenseKind.VAGUE))
+        vague = dict.fromkeys(said_vaguely)
+        read, nowhere = self._offers(meant, callee), False
+        if not read and callee is not None and vague:
+            read = self._readable(first_lines(callee, vague))
             nowhere = set(vague) == {"place"}
-        read = [line for line in lines if not isinstance(self._reads(line), Misunderstood)]
         if not read:
             return Proposed(GOES_ON, ("help",), follows=tuple(vague)) if vague else None
         sentence = WHICH_ROBOT if callee is None else WHERE if nowhere else MEANT
@@ -405,20 +411,39 @@ class PhraseReader:
             )
         sure = self._whole or bool(vague.keys() - {"place"})
         doubtful = bool(best[0].unknown) or not sure
-        offers = tuple(read[:MOST_PROPOSED])
-        return Proposed(sentence, offers, follows=tuple(vague), doubtful=doubtful)
+        return Proposed(sentence, read, follows=tuple(vague), doubtful=doubtful)
 
-    def _lines(self, reading: Reading, callee: NameTarget) -> Iterator[str]:
-        """Yield what a reading may ask of somebody, clause by clause, at its time if it has one."""
-        when, items = without_time(reading.items)
-        lines = self._untimed(reading._replace(items=items), callee)
-        if not when:
-            yield from lines
-        if not when or when == UNSURE:
-            return
-        for line in lines:
-            self._whole = True  # a plan is shown whole before it stands
-            yield f"{SCHEDULED}{when} {line.removeprefix('/task ')}"
+    def _readable(self, lines: Iterable[str]) -> tuple[str, ...]:
+        """Return the first few lines that the grammar reads."""
+        read: dict[str, None] = {}
+        for line in islice(lines, LINES_TRIED):
+            if line not in read and not isinstance(self._reads(line), Misunderstood):
+                read[line] = None
+                if len(read) == MOST_PROPOSED:
+                    break
+        return tuple(read)
+
+    def _offers(self, meant: Sequence[Reading], callee: NameTarget | None) -> tuple[str, ...]:
+        """Return the first few lines that may be meant; if a time is said, none without it."""
+        timed = [(without_time(reading.items), reading) for reading in meant]
+        read = [(when, reading._replace(items=items)) for (when, items), reading in timed]
+        then = [one for one in read if one[0] and one[0] != UNSURE]
+        planned = tuple(islice(self._lines(then, callee), LINES_TRIED))
+        return self._readable(planned or self._lines([o for o in read if not o[0]], callee))
+
+    def _lines(
+        self, readings: Sequence[tuple[str, Reading]], callee: NameTarget | None
+    ) -> Iterator[str]:
+        """Yield what readings may ask of somebody, clause by clause, each at its time."""
+        room = WORDS_TRIED
+        for when, reading in readings:
+            for target in (callee,) if callee is not None else self._some_candidates(reading):
+                if room <= 0:
+                    return
+                room -= len(reading.items)
+                for line in self._untimed(reading, target):
+                    self._whole |= bool(when)  # a plan is shown whole before it stands
+                    yield f"{SCHEDULED}{when} {line.removeprefix('/task ')}" if when else line
 
     def _untimed(self, reading: Reading, callee: NameTarget) -> Iterator[str]:
         """Yield the lines that a reading may be, whenever they are to be done."""
@@ -476,22 +501,6 @@ class PhraseReader:
             yield vocabulary.callees[robot]
 
 
-def _own_words(reading: Reading) -> int:
-    """Return how many words are of the profile or numbers alone, and not of the language."""
-    return sum(all(sense.kind in _OF_PROFILE for sense in item.senses) for item in reading.items)
-
-
-def _only_asks(reading: Reading) -> bool:
-    """Whether a line is a question, with a name in it at most."""
-    return all(
-        item.means(SenseKind.QUESTION) or item.means(SenseKind.NOTHING) or item.callee is not None
-        for item in reading.items
-    )
-
-
 def _answered(manner: str) -> Answered:
     """Return the answer to what is polite; praise is answered as thanks are."""
     return Answered("thanks" if manner == "praise" else manner)
-
-
-_OF_PROFILE: Final = frozenset({SenseKind.OWN_SKILL, SenseKind.OWN_CHOICE, SenseKind.OWN_PARAMETER})

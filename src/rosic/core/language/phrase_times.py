@@ -43,6 +43,8 @@ def without_time(items: Sequence[Item]) -> TimedLine:
     A number belongs to the time behind ``at`` and behind a day, before ``o'clock``, and with what
     counts it behind ``in``.
     """
+    if not any(item.means(SenseKind.TIME) or CLOCK.fullmatch(item.text) for item in items):
+        return TimedLine("", list(items))
     words: list[str] = []
     others: list[Item] = []
     at = 0

@@ -54,6 +54,8 @@ def skill_evidence(items: Sequence[Item], robot: CompiledRobot, words: RobotWord
     verbs: dict[str, None] = {}
     parameters: list[str] = []
     for item in items:
+        if not item.senses:
+            continue
         strong = dict.fromkeys(_skills(item, robot))
         if strong and item.follows_verb:
             phrases.update(strong)
@@ -65,19 +67,20 @@ def skill_evidence(items: Sequence[Item], robot: CompiledRobot, words: RobotWord
         chosen.update(dict.fromkeys(_choosing(item, words)))
         parameters += item.values(SenseKind.OWN_PARAMETER)[:1]
     both = [name for name in (named or [{}])[0] if all(name in other for other in named)]
-    directed = any(_DIRECTIONS.intersection(_said_choices(item, words)) for item in items)
     if named:
         return SkillEvidence(tuple([robot.skills[name] for name in both]), True)
     taking = _taking(parameters, robot) if not (chosen or phrases) else ()
     likely = tuple(chosen) or tuple(phrases) or taking
-    surely = directed if chosen else bool(likely)
+    surely = bool(likely)
+    if chosen:
+        surely = any(_DIRECTIONS.intersection(_said_choices(item, words)) for item in items)
     return SkillEvidence(tuple([robot.skills[n] for n in likely or tuple(verbs)]), surely)
 
 
 def _choosing(item: Item, words: RobotWords) -> list[str]:
     """Return the skills that have a choice."""
-    said = (*item.values(SenseKind.CHOICE), *item.values(SenseKind.OWN_CHOICE))
-    return [skill for choice in said for skill in words.chosen.get(choice, ())]
+    said = item.values(SenseKind.CHOICE) + item.values(SenseKind.OWN_CHOICE)
+    return [skill for choice in said for skill in words.chosen.get(choice, ())] if said else []
 
 
 def _said_choices(item: Item, words: RobotWords) -> set[str]:
@@ -177,8 +180,11 @@ class SkillValueReader:
                     self._left += self._items[at : number.after]
                 at = number.after
             else:
-                self._take(self._items[at], at + 1)
-                at += 1
+                item, at = self._items[at], at + 1
+                if not item.is_known:
+                    self._left.append(item)
+                elif not _says_nothing(item):
+                    self._take(item, at)
         self._name(None, None)
         left = tuple([item for item in self._left if not self._names_given(item)])
         return PlacedValues(self._given, self._si, left, self._beyond, self._bare)
@@ -269,6 +275,8 @@ class SkillValueReader:
             *item.values(SenseKind.SKILL),
             *((item.text, item.callee.name) if item.callee is not None else ()),
         )
+        if not said:
+            return []
         return [
             (parameter, parameter.words[word])
             for parameter in self._skill.choices
@@ -309,6 +317,11 @@ class SkillValueReader:
         self._given[parameter.name] = f"{number.value:.10g} {shown.symbol}".rstrip()
         self._si[parameter.name] = si
         return True
+
+
+def _says_nothing(item: Item) -> bool:
+    """Whether some words say nothing of any skill's values."""
+    return bool(item.senses) and item.callee is None and _IGNORED.issuperset(item.kinds)
 
 
 # ---- as a line of the grammar ----

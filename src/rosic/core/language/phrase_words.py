@@ -5,6 +5,9 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+import msgspec
+
+from rosic.core.language.compiled import NameTarget
 from rosic.core.language.lexicon import (
     CONTENT,
     LexiconTable,
@@ -22,7 +25,6 @@ if TYPE_CHECKING:
         CompiledParameter,
         CompiledRobot,
         CompiledSkill,
-        NameTarget,
     )
     from rosic.core.language.numbers import UnitTable
 
@@ -148,7 +150,7 @@ def _frozen(table: Mapping[str, dict[Sense, None]]) -> dict[str, tuple[Sense, ..
 # ---- the words of a line ----
 
 
-class Item(NamedTuple):
+class Item(msgspec.Struct, eq=False):
     """Some words of a line, and what they may mean.
 
     Attributes:
@@ -159,6 +161,7 @@ class Item(NamedTuple):
         callee: The robot or group that they name.
         numeral: The number that they begin with.
         follows_verb: They begin with a verb of any motion: ``go to``.
+        by_kind: The senses by their sorts, once somebody has asked for them.
     """
 
     text: str
@@ -169,22 +172,38 @@ class Item(NamedTuple):
     numeral: Numeral | None = None
     follows_verb: bool = False
     raw: str = ""
+    by_kind: dict[SenseKind, tuple[str, ...]] | None = None
 
     @property
     def is_known(self) -> bool:
         """Whether they mean anything."""
         return bool(self.senses) or self.callee is not None or self.numeral is not None
 
+    @property
+    def kinds(self) -> Mapping[SenseKind, tuple[str, ...]]:
+        """What they may mean, by its sort."""
+        return self.by_kind or self._sorted()
+
     def means(self, kind: SenseKind) -> bool:
         """Whether they may mean something of a sort."""
-        for sense in self.senses:  # noqa: SIM110 - asked a thousand times a line
-            if sense.kind is kind:
-                return True
-        return False
+        return kind in (self.by_kind or self._sorted())
 
     def values(self, kind: SenseKind) -> tuple[str, ...]:
         """Return what of a sort they may mean."""
-        return tuple([sense.value for sense in self.senses if sense.kind is kind])
+        return (self.by_kind or self._sorted()).get(kind, ())
+
+    def _sorted(self) -> dict[SenseKind, tuple[str, ...]]:
+        """Sort the senses, of which a thousand questions a line are asked."""
+        if not self.senses:
+            return _NO_KINDS
+        by_kind: dict[SenseKind, tuple[str, ...]] = {}
+        for kind, value in self.senses:
+            by_kind[kind] = (*by_kind.get(kind, ()), value)
+        self.by_kind = by_kind
+        return by_kind
+
+
+_NO_KINDS: Final[dict[SenseKind, tuple[str, ...]]] = {}
 
 
 class Places(NamedTuple):
@@ -251,13 +270,15 @@ class WordReader:
         self._places = places
         self._units = units
 
-    def items(self, *, mends: bool = False) -> list[Item]:
-        """Return the line's words, each in one item.
+    def items(self, most: int, *, mends: bool = False) -> tuple[list[Item], int] | None:
+        """Return the line's words, each in one item, and how many mean nothing.
 
         Args:
+            most: None where more than so many do: what another language knows better is not read
+                to its end.
             mends: Whether a word that means nothing is taken for the one it was to be.
         """
-        line, found = self._line, list[Item]()
+        line, found, unknown = self._line, list[Item](), 0
         gaps = self._gaps() if not self._table.gapped.keys().isdisjoint(line) else {}
         at = 0
         while at < len(line):
@@ -273,9 +294,13 @@ class WordReader:
             else:
                 counted = bool(found) and _is_counted(found[-1])
                 item = self._phrase(at, counted=counted)
-                found.append(item or self._word(at, counted=counted, mends=mends))
+                item = item or self._word(at, counted=counted, mends=mends)
+                unknown += not item.is_known
+                if unknown > most:
+                    return None
+                found.append(item)
             at = found[-1].end
-        return found
+        return found, unknown
 
     def _phrase(self, at: int, *, counted: bool) -> Item | None:
         """Return the longest phrase that begins here.
@@ -291,7 +316,9 @@ class WordReader:
             if self._breaks and not self._breaks.isdisjoint(range(at + 1, at + count)):
                 continue
             key = word if count == 1 else " ".join(line[at : at + count])
-            senses = (*own.get(key, ()), *said.get(key, ()), *table.senses.get(key, ()))
+            senses = table.senses.get(key, ())
+            if key in own or key in said:
+                senses = (*own.get(key, ()), *said.get(key, ()), *senses)
             if senses:
                 if count > 1 and (last := line[at + count - 1]) in self._words.places:
                     senses = (*senses, Sense(SenseKind.OWN_PLACE, last))  # to the dock

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import RobotId
 
 ALL: Final = "all"
+FARTHEST: Final = 2
+"""So many words may stand before a kind: a number, and what counts it."""
 
 
 class KindReader:
@@ -44,12 +46,23 @@ class KindReader:
 
         What is no robot or group by that stays what it is.
         """
-        if not any(item.means(SenseKind.KIND) or item.means(SenseKind.KINDS) for item in items):
+        kinds = [
+            at
+            for at, item in enumerate(items)
+            if item.means(SenseKind.KIND) or item.means(SenseKind.KINDS)
+        ]
+        if not kinds:
             return items
+        counted = any(item.means(SenseKind.COUNTER) for item in items)
         found: list[Item] = []
         at = 0
         while at < len(items):
-            callee, end = self._of_kind(items, at)
+            if not counted and (kind := items[at].values(SenseKind.KINDS)):
+                callee, end = self.all_of(kind[0]), at + 1
+            elif any(at <= place <= at + FARTHEST for place in kinds):
+                callee, end = self._of_kind(items, at, counted=counted)
+            else:
+                callee, end = None, at
             if callee is None:
                 found.append(items[at])
                 at += 1
@@ -61,10 +74,12 @@ class KindReader:
             at = end
         return found
 
-    def _of_kind(self, items: Sequence[Item], at: int) -> tuple[NameTarget | None, int]:
+    def _of_kind(
+        self, items: Sequence[Item], at: int, *, counted: bool
+    ) -> tuple[NameTarget | None, int]:
         """Return who is named here by what they are, and where that ends."""
         every = ALL in items[at].values(SenseKind.KIND)
-        number, end = _number_before(items, at)
+        number, end = _number_before(items, at) if counted else ("", at)
         end += every
         if end >= len(items):
             return None, at

@@ -97,7 +97,8 @@ def clean(text: str) -> str:
     if is_plain(text):
         return text
     lines = "\n".join(text.splitlines()).replace("\t", " ")
-    return "".join([character for character in lines if _is_kept(character)])
+    unseen = {ord(sign): None for sign in set(lines) if not _is_kept(sign)}
+    return lines.translate(unseen) if unseen else lines
 
 
 def inert_text(text: str) -> str:

@@ -23,6 +23,9 @@ _NO_UNIT: Final = frozenset(
     }
 )
 """What a word says that is no unit although one is spelled so: ``in``."""
+_BEGIN_NUMBER: Final = frozenset(
+    {SenseKind.MINUS, SenseKind.UNIT, SenseKind.AMOUNT, SenseKind.ONE, SenseKind.NUMBER}
+)
 
 
 class SpokenNumber(NamedTuple):
@@ -57,6 +60,8 @@ class SpokenNumbers:
     def at(self, at: int) -> SpokenNumber | None:
         """Return the number that begins at a place; None where none does."""
         item = self._items[at]
+        if item.numeral is None and _BEGIN_NUMBER.isdisjoint(item.kinds):
+            return None
         if item.means(SenseKind.MINUS) and at + 1 < len(self._items):
             found = self.at(at + 1)
             return None if found is None else found._replace(value=-found.value)

@@ -53,6 +53,7 @@ FIRST_LINES, LAST_LINES = 96, 32
 LONGEST_LINE = 64
 LONGEST_SHOUT = 256
 LONGEST_WORD = 16
+LONGEST_DECORATED = 8 * LONGEST_WORD  # with marks on its letters
 # What ends a clause: whoever shouts stop at the end of a sentence means it.
 ENDS = ",;:.!?"
 KINDS_KEPT = 4096
@@ -351,7 +352,7 @@ def resembles_stop(word: str) -> bool:
     Asked of lines of one word that are not understood alone. Short words have to begin alike: many
     words of every day lie two letters away from them.
     """
-    folded = fold_stop(word)
+    folded = fold_stop(word) if len(word) <= LONGEST_DECORATED else word
     if len(folded) > LONGEST_WORD:
         return False
     return any(folded[:1] == stop[0] and distance(folded, stop, 2) < 3 for stop in RESEMBLED)  # noqa: PLR2004

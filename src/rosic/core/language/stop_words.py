@@ -149,7 +149,8 @@ def fold_stop(text: str) -> str:
 
 def _fold(text: str) -> str:
     decomposed = unicodedata.normalize("NFKD", normalised(text).casefold())
-    return _UNSEEN.sub("", "".join([c for c in decomposed if not unicodedata.combining(c)]))
+    marks = {ord(sign): None for sign in set(decomposed) if unicodedata.combining(sign)}
+    return _UNSEEN.sub("", decomposed.translate(marks) if marks else decomposed)
 
 
 _fold_again = lru_cache(maxsize=WORDS_KEPT)(_fold)

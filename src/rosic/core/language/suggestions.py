@@ -51,11 +51,13 @@ def did_you_mean(word: str, candidates: Iterable[str]) -> tuple[str, ...]:
     limit = 2 if len(word) > _SHORT else 1 if len(word) > 1 else 0
     letters = set(word)
     found: dict[str, int] = {}
+    length = len(word)
+    begins = length >= _PREFIX
     for candidate in islice(candidates, MOST_CANDIDATES):
         folded = candidate.casefold()
-        if len(word) >= _PREFIX and folded.startswith(word):
+        if begins and folded.startswith(word):
             found[candidate] = limit
-        elif abs(len(folded) - len(word)) <= limit and len(letters ^ set(folded)) <= 2 * limit:
+        elif -limit <= len(folded) - length <= limit and len(letters ^ set(folded)) <= 2 * limit:
             slips = distance(word, folded, limit)
             if slips <= limit:
                 found[candidate] = slips
