@@ -22,7 +22,7 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 from websockets.frames import Frame, Opcode
 
 if TYPE_CHECKING:
-    from collections.abc import MutableMapping
+    from collections.abc import Callable, MutableMapping
 
     from rosic.api.settings import ServingLimits
 
@@ -33,6 +33,12 @@ STEP_BYTES: Final = 4_096
 
 STEP_S: Final = 0.002
 """After so long at one client's messages the loop has its turn: a stop waits for no flood."""
+
+
+LATE_S: Final = 0.2
+"""A loop that is so late stood still, and more may have come meanwhile than it has read."""
+GRACE_S: Final = 1.0
+"""So much longer it then waits."""
 
 
 class StepLimit:
@@ -49,6 +55,43 @@ class StepLimit:
             self._until_s = self._loop.time() + STEP_S
 
 
+class ConnectionDeadline:
+    """Ends a connection after so long, but has the loop read first what has come by then.
+
+    After a standstill of the process the loop knows what is due before it looks at what came
+    meanwhile, and a stop may be in that.
+
+    Args:
+        loop: Of the connection.
+        seconds: After so long.
+        end: Ends it.
+    """
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, seconds: float, end: Callable[[], object]
+    ) -> None:
+        self._loop, self._end = loop, end
+        self._due_s = loop.time() + seconds
+        self._handle: asyncio.Handle = loop.call_at(self._due_s, self._note_due)
+
+    def cancel(self) -> None:
+        """End nothing."""
+        self._handle.cancel()
+
+    def _note_due(self) -> None:
+        if self._loop.time() - self._due_s > LATE_S:
+            self._handle = self._loop.call_later(GRACE_S, self._read)
+        else:
+            self._read()
+
+    def _read(self) -> None:
+        # What is called in the next turn is called before what is read in it: it takes two.
+        self._handle = self._loop.call_soon(self._note_read)
+
+    def _note_read(self) -> None:
+        self._handle = self._loop.call_soon(self._end)
+
+
 class PacedTransport:
     """The transport of a connection, and what has come over it and was not looked at yet.
 
@@ -63,6 +106,11 @@ class PacedTransport:
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - as the transport has it
         return getattr(self._transport, name)
+
+    @property
+    def holds(self) -> bool:
+        """Whether something has come that was not looked at yet."""
+        return bool(self._held)
 
     def came(self, data: bytes) -> None:
         """Take in what has come: at once, or a step at a time."""
@@ -150,13 +198,13 @@ class ClientWatchdog:
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
-        self._handle: asyncio.TimerHandle | None = None
+        self._handle: ConnectionDeadline | None = None
 
     def begin(self, transport: asyncio.Transport) -> None:
         """Count from now on: more waits for the client than is kept for it."""
         self.end()
         loop = asyncio.get_running_loop()
-        self._handle = loop.call_later(self._seconds, transport.abort)
+        self._handle = ConnectionDeadline(loop, self._seconds, transport.abort)
 
     def end(self) -> None:
         """Count no more."""
@@ -215,7 +263,7 @@ class LimitedHttp(WatchedConnection, HttpToolsProtocol):
         super().__init__(**of_uvicorn)
         self._silent = silent
         self._stalled = ClientWatchdog(silent.limits.stalled_s)
-        self._waiting: asyncio.TimerHandle | None = None
+        self._waiting: ConnectionDeadline | None = None
         self._head_bytes = 0
         self._whole = True
 
@@ -262,10 +310,19 @@ class LimitedHttp(WatchedConnection, HttpToolsProtocol):
             self._await_head(self._silent.limits.idle_s)
             self._silent.put(self)
 
+    def timeout_keep_alive_handler(self) -> None:
+        """Do nothing: it would not look at what has come, and we wait for the head ourselves."""
+
     def _await_head(self, seconds: float) -> None:
         self._head_is_here()
         self._head_bytes = 0
-        self._waiting = self.loop.call_later(seconds, self.transport.abort)
+        self._waiting = ConnectionDeadline(self.loop, seconds, self._end)
+
+    def _end(self) -> None:
+        if self._paced.holds:
+            self._waiting = ConnectionDeadline(self.loop, GRACE_S, self._end)
+        else:
+            self.transport.abort()
 
     def _head_is_here(self) -> None:
         if self._waiting is not None:
@@ -338,6 +395,16 @@ class LimitedSocket(WatchedConnection, WebSocketsSansIOProtocol):
             super().data_received(data)
         else:
             self.take_in(data)
+
+    def keepalive_timeout(self) -> None:
+        """Fail a connection whose client answers no ping, once what has come was looked at."""
+        unanswered = self.pending_ping_payload
+
+        def end() -> None:
+            if self.pending_ping_payload == unanswered:
+                super(LimitedSocket, self).keepalive_timeout()
+
+        ConnectionDeadline(self.loop, GRACE_S, end)
 
     def handle_cont(self, event: Frame) -> None:
         """Take in one more fragment of a message, unless there are too many."""
