@@ -64,3 +64,19 @@ def test_a_stop_that_comes_on_an_idle_connection_in_a_standstill_is_given() -> N
     selector = FreezingSelector()
     with asyncio.Runner(loop_factory=lambda: asyncio.SelectorEventLoop(selector)) as runner:
         runner.run(stop_in_a_standstill(selector))
+
+
+async def test_answers_go_at_once_on_a_connection_that_is_kept() -> None:
+    """Else the kernel holds each back for 40 ms, until the client has said that it got the last."""
+    async with served(ApiSettings(listen=ANYWHERE, rosbridge=ANYWHERE)) as place:
+        for port in (place.server.port, place.server.rosbridge_port):
+            with socket.create_connection(("127.0.0.1", port)) as client:
+                await place.until(lambda: place.server.connections)
+                (accepted,) = (
+                    connection.transport.get_extra_info("socket")
+                    for uvicorn in place.server._uvicorns
+                    for connection in uvicorn.server_state.connections
+                )
+                assert accepted.getpeername() == client.getsockname()
+                assert accepted.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+            await place.until(lambda: not place.server.connections)

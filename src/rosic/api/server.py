@@ -364,7 +364,8 @@ def _http(_request: Request[Any, Any, Any], error: HTTPException) -> Response[by
 
 def _listener(listen: HostPort, key: str) -> socket.socket:
     family = socket.AF_INET6 if ":" in listen.host else socket.AF_INET
-    listener = socket.socket(family)
+    # asyncio lets an answer go at once only where the protocol is named (TCP_NODELAY).
+    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind((listen.host, listen.port))

@@ -78,7 +78,7 @@ class HttpEndpoint:
         Raises:
             ConfigurationError: The port is taken.
         """
-        with socket.socket() as listener:
+        with socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP) as listener:
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             try:
                 listener.bind((HOST, self._port))
