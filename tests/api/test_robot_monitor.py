@@ -25,7 +25,13 @@ class Place:
         self.now_ns, self.asked = 0, 0
         self.held = (False, "")
         self.presence = PresenceOut(
-            online=True, age_s=0.0, doing="", at_rest=True, values={"battery": 90.0}, pose=None
+            online=True,
+            age_s=0.0,
+            doing="",
+            at_rest=True,
+            values={"battery": 90.0},
+            ages_s={"battery": 0.0},
+            pose=None,
         )
         self.looks = RobotMonitor(self._show, lambda _robot: self.held, lambda: self.now_ns)
 
@@ -57,6 +63,13 @@ class Place:
             if self.after() is not before:
                 return True
         return False
+
+
+def test_ages_alone_are_no_news() -> None:
+    place = Place()
+    before = place.after()
+    place.presence = replace(place.presence, age_s=60.0, ages_s={"battery": 60.0})
+    assert place.after(REST_NS) is before
 
 
 def test_a_robot_at_rest_is_asked_twice_a_second_and_one_that_moves_at_every_look() -> None:

@@ -163,6 +163,22 @@ def test_a_value_is_said_again_when_it_changes_and_once_a_second() -> None:
     assert told(21, 79.0) == 1
 
 
+def test_an_old_value_is_said_once_and_of_when_it_was_heard() -> None:
+    messages, said = FoxgloveMessages([OMNI]), []
+    for tenths in range(40):
+        age_s = tenths / 10 + 0.03 * (tenths % 3)
+        presence = Presence(online=True, values={"battery": 80.0}, ages_s={"battery": age_s})
+        seen = PresenceObservation(
+            at_ns=NOW_NS + tenths * 100_000_000, robot="omni", presence=presence
+        )
+        said += [
+            message.at_ns
+            for message in messages.messages([seen])
+            if message.channel.topic == "/omni/telemetry/battery"
+        ]
+    assert said == [NOW_NS]
+
+
 @pytest.mark.parametrize(
     ("named", "frame"),
     [("odom", "omni/odom"), ("map", "map"), ("/map", "map"), ("", "omni/odom"), ("omni/x",) * 2],

@@ -196,6 +196,7 @@ class ApiContext(NamedTuple):
             doing=found.doing,
             at_rest=found.at_rest,
             values=found.values,
+            ages_s=found.ages_s,
             pose=None
             if pose is None
             else PoseOut(pose.x_m, pose.y_m, pose.z_m, pose.yaw_rad, pose.frame),

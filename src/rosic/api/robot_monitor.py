@@ -89,10 +89,11 @@ def _acts(shown: RobotOut) -> bool:
 
 
 def _no_news(before: _Look, now: RobotOut, now_ns: int) -> bool:
-    """Whether a robot is as it was: its age alone is no news, nor soon how its values creep."""
+    """Whether a robot is as it was: ages alone are no news, nor soon how its values creep."""
     was, present = before.shown.presence, now.presence
     values = present.values
     if not _acts(now) and now_ns - before.told_ns < VALUES_NS:
         values = was.values
-    same = msgspec.structs.replace(present, age_s=was.age_s, values=values)
+    ages = {"age_s": was.age_s, "ages_s": was.ages_s}
+    same = msgspec.structs.replace(present, values=values, **ages)
     return msgspec.structs.replace(now, presence=same) == before.shown

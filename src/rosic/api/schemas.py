@@ -48,6 +48,7 @@ class PresenceOut(msgspec.Struct, frozen=True):
         doing: Skill that it carries out; empty: none.
         at_rest: None: not measured.
         values: Newest telemetry, in the units of the profile.
+        ages_s: Since each of them was heard; one that is not named is of now.
     """
 
     online: bool | None
@@ -55,6 +56,7 @@ class PresenceOut(msgspec.Struct, frozen=True):
     doing: str
     at_rest: bool | None
     values: dict[str, float | str]
+    ages_s: dict[str, float]
     pose: PoseOut | None
 
 

@@ -1,7 +1,8 @@
 """What was seen of robots, as messages that Foxglove knows: JSON, each with its schema.
 
-The same messages go into a file and over a connection. A value is said again when it has changed,
-and once a second all the same, so that a curve has no holes.
+The same messages go into a file and over a connection. A state is said again when it has changed,
+and once a second all the same. A value is said of the moment at which it was heard, and once:
+again when it was heard again, as another one, or a second later.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
 SCHEMAS: Final = Path(__file__).with_name("schemas.json")
 """Those of Foxglove as they publish them, and three of our own."""
 AGAIN_NS: Final = SECOND_NS
+SAME_NS: Final = SECOND_NS // 10
+"""So far two looks may differ on when one reading was heard."""
 INFO, WARNING = 2, 3
 UINT8: Final = 1
 EARTH_FIXED: Final = frozenset({"map", "world", "earth"})
@@ -137,7 +140,7 @@ class FoxgloveMessages:
         for name, value in presence.values.items():
             topic = f"/{robot}/telemetry/{_text(name)}"
             heard_ns = at_ns - int(max(0.0, presence.ages_s.get(name, 0.0)) * SECOND_NS)
-            if self._is_news(topic, at_ns, value):
+            if self._is_news(topic, heard_ns, value):
                 yield self._value(robot, topic, name, value, heard_ns)
 
     def _pose(self, robot: RobotId, at_ns: int, pose: Pose) -> Iterator[EncodedMessage]:
@@ -192,7 +195,7 @@ class FoxgloveMessages:
     def _is_news(self, topic: str, at_ns: int, what: object, *, again: bool = True) -> bool:
         before = self._said.get(topic)
         same = before is not None and before[1] == what
-        if before is not None and same and (not again or 0 <= at_ns - before[0] < AGAIN_NS):
+        if before is not None and same and (not again or -SAME_NS <= at_ns - before[0] < AGAIN_NS):
             return False
         self._said[topic] = (at_ns, what)
         return True

@@ -50,6 +50,15 @@ def test_only_numbers_are_kept() -> None:
     assert samples.points("kuka1", "x", 1.0) == ()
 
 
+def test_a_reading_is_kept_once_as_of_when_it_was_heard() -> None:
+    samples = TelemetryBuffer()
+    for second in range(10):
+        jitter_s = 0.01 * (second % 3)  # of the two clocks that an age comes from
+        samples.take("omni", [("x", 1.0)], second + 0.5, {"x": second + 0.25 + jitter_s})
+    samples.take("omni", [("x", 2.0)], 10.5, {"x": 0.5})
+    assert samples.points("omni", "x", 11.0) == ((-10.75, 1.0), (-1.0, 2.0))
+
+
 def test_a_long_way_is_thinned_and_keeps_its_ends() -> None:
     track = RobotTrack("move", 0)
     for step in range(20 * WAY_POINTS):

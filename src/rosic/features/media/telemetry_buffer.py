@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from rosic.gateway.scheduling import go_round
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.core.order import Order, Outcome
@@ -28,6 +28,8 @@ WAY_POINTS = 600
 EVERY_S = 1.0
 FOLLOW_S = 0.1
 NEGLIGIBLE_M = 1e-4
+SAME_S = 0.1
+"""Two readings that were heard so close together are one: their ages are told apart from now."""
 
 
 class SampleRing:
@@ -40,6 +42,11 @@ class SampleRing:
         self._values = array("d", bytes(8 * KEPT))
         self._next = 0
         self._count = 0
+
+    @property
+    def newest_s(self) -> float | None:
+        """When the newest sample is from; None: there is none."""
+        return self._times[self._next - 1] if self._count else None
 
     def add(self, at_s: float, value: float) -> None:
         """Take a sample; the oldest goes."""
@@ -61,15 +68,30 @@ class TelemetryBuffer:
     def __init__(self) -> None:
         self._rings: dict[tuple[RobotId, str], SampleRing] = {}
 
-    def take(self, robot: RobotId, values: Iterable[tuple[str, float | str]], now_s: float) -> None:
-        """Keep what is a number."""
+    def take(
+        self,
+        robot: RobotId,
+        values: Iterable[tuple[str, float | str]],
+        now_s: float,
+        ages_s: Mapping[str, float] | None = None,
+    ) -> None:
+        """Keep what is a number and was heard since the last time, as of when it was heard.
+
+        Args:
+            robot: Whose.
+            values: What it reported last.
+            now_s: Monotonic clock.
+            ages_s: Since each was heard; one that is not named is of now.
+        """
         for name, value in values:
             if isinstance(value, str) or not isfinite(value):
                 continue
             ring = self._rings.get((robot, name))
             if ring is None:
                 ring = self._rings[robot, name] = SampleRing()
-            ring.add(now_s, value)
+            heard_s = now_s - max(0.0, (ages_s or {}).get(name, 0.0))
+            if ring.newest_s is None or heard_s > ring.newest_s + SAME_S:
+                ring.add(heard_s, value)
 
     def names(self, robot: RobotId) -> tuple[str, ...]:
         """Return the values of a robot that were ever a number."""
@@ -185,7 +207,7 @@ class TelemetrySampler:
                 log.exception("%s could not be sampled", robot)
                 continue
             if presence.online is not False:
-                self.samples.take(robot, presence.values.items(), now_s)
+                self.samples.take(robot, presence.values.items(), now_s, presence.ages_s)
 
     # ---- ways ----
 
