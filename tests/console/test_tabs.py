@@ -192,6 +192,25 @@ async def test_people_are_listed_given_rights_and_locked_out(site: Site) -> None
     await there.fits("people")
 
 
+async def test_every_right_is_taken_once_the_question_on_the_tab_is_answered(site: Site) -> None:
+    place, there = site
+    page, directory = there.page, site.place.gateway.rooms.authoriser.directory
+    await place.key("operator", name="Hal")
+    hal = place.principal("Hal")
+    await there.go("live")
+    await there.go("people")
+    row, questions = page.get_by_role("row", name=re.compile("^Hal ")), page.locator(".questions")
+    for answer in ("Leave it", "Revoke"):
+        assert directory.has_good_key(hal)
+        await row.get_by_role("button", name="Take rights away").click()
+        await row.get_by_role("button", name="Take every right of Hal").click()
+        await expect(page.locator(".known .said")).to_have_class("said warn")
+        await expect(questions).to_contain_text("Hal")
+        await questions.get_by_role("button", name=answer).click()
+        await expect(questions.get_by_role("button")).to_have_count(0)
+    await place.until(lambda: not directory.has_good_key(hal))
+
+
 async def test_who_looks_after_nobody_reads_why(site: Site, browser: Browser) -> None:
     async with opened(browser, site.place, DESK) as there:
         await there.sign_in("Bo")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rosic.core.message import AnswerState
 from tests.gateway.place import Place
 
 
@@ -16,10 +17,12 @@ async def test_a_question_that_nobody_answers_loses_its_buttons() -> None:
         await place.clock.advance(59.0)
         await place.quiet()
         assert "Do it" in _labels(place, message)
+        assert place.chat.shown(message).state is AnswerState.ASKED
         await place.clock.advance(3.0)
         await place.quiet()
         assert _labels(place, message) == ["Ask again"]
         assert place.chat.shown(message).text == f"{shown.text}\nToo late: nothing was done."
+        assert place.chat.shown(message).state is AnswerState.NOT_DONE
 
 
 async def test_a_menu_lies_open_for_longer_and_keeps_what_stops() -> None:

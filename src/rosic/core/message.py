@@ -225,8 +225,9 @@ class Button(msgspec.Struct, frozen=True, gc=False):
 class AnswerState(enum.Enum):
     """What a message comes to, for whoever does not read it: a program.
 
-    ``FINAL``: an answer, and all of it. ``GOES_ON``: more is said about the same. ``ASKED``: more
-    is said once somebody else was asked. ``AGREED``: they agree, and its first button does it.
+    ``FINAL``: an answer, and all of it. ``GOES_ON``: more is said about the same. ``ASKED``: it
+    has buttons, and nothing is done before one is tapped; or it has none, and more is said once
+    somebody else was asked. ``AGREED``: they agree, and its first button does it.
     ``DONE``: what was ordered is done. ``NOT_DONE``: it is not, or nobody knows; the text says so.
     """
 

@@ -17,7 +17,7 @@ from msgspec.structs import replace
 
 from rosic.authoriser.button_tokens import is_lasting, lifetime_of, open_button
 from rosic.core.i18n import in_language, said
-from rosic.core.message import SendPriority
+from rosic.core.message import AnswerState, SendPriority
 from rosic.gateway.confirmation import SECONDED
 from rosic.gateway.replies import ASK_FIRST, CONFIRMED, LEAVE, TRAIL
 
@@ -96,7 +96,14 @@ class ButtonExpiry:
         text, again = self._again(note)
         if again is not None:
             left = (*left, (again,))
-        outbound = replace(note.outbound, text=text, buttons=left, weight=SendPriority.FEEDBACK)
+        state = note.outbound.state
+        outbound = replace(
+            note.outbound,
+            text=text,
+            buttons=left,
+            weight=SendPriority.FEEDBACK,
+            state=AnswerState.NOT_DONE if state is AnswerState.ASKED else state,
+        )
         self._chat_sender.say(
             replace(
                 note,

@@ -20,7 +20,7 @@ from rosic.core.language.proposals import MOST_PROPOSED
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood, Refusal
 from rosic.gateway.button_rows import rows
-from rosic.gateway.commands import Reply
+from rosic.gateway.commands import Reply, asks_first
 from rosic.gateway.replies import ASK_FIRST, CONFIRMED, DO_IT, LEAVE, LEAVE_IT, PREVIOUS, TRAIL
 
 if TYPE_CHECKING:
@@ -215,7 +215,7 @@ def _question(
 ) -> Reply:
     back = (Button(PREVIOUS, _backwards(trail)),) if trail else ()
     last = (Button(DO_IT, f"{CONFIRMED}{command}"), *back, Button(LEAVE_IT, LEAVE))
-    return Reply(joined("", (title, "?")), (*steppers, last))
+    return asks_first(joined("", (title, "?")), (*steppers, last))
 
 
 def _backwards(trail: Sequence[str]) -> str:

@@ -40,6 +40,16 @@ class Reply(msgspec.Struct, frozen=True):
     state: AnswerState = AnswerState.FINAL
 
 
+def asks_first(text: str, buttons: tuple[tuple[Button, ...], ...]) -> Reply:
+    """Return a question to whoever said something: nothing is done before they tap a button."""
+    return Reply(text, buttons, state=AnswerState.ASKED)
+
+
+def is_question(reply: Reply) -> bool:
+    """Whether a reply asks whoever reads it, and not somebody else on their behalf."""
+    return reply.state is AnswerState.ASKED and bool(reply.buttons)
+
+
 class CommandContext(msgspec.Struct, frozen=True):
     """One command, and who asked for it, where.
 

@@ -20,7 +20,7 @@ from rosic.core.policy.roles import ASSURANCES, Assurance, StepRequired
 from rosic.errors import Expired, FirstNeeded, NotPermitted
 from rosic.gateway import cancel_messages as words
 from rosic.gateway.agreement import ResolvedAct
-from rosic.gateway.commands import Reply
+from rosic.gateway.commands import Reply, asks_first
 from rosic.gateway.delivery.notifier import Notification
 from rosic.gateway.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
 from rosic.organiser.refusals import ANY_CHANNEL, bound_of
@@ -139,7 +139,7 @@ class Confirmation:
                 if needed.overheard
                 else said("{act}? It moves only if you confirm it.", act=act.shown)
             )
-            return Reply(question, _do_it(f"{CONFIRMED}{act.command}", act))
+            return asks_first(question, _do_it(f"{CONFIRMED}{act.command}", act))
         if needed.need == StepRequired.SECOND_PERSON.value:
             return self._ask_others(caller, line, needed, cause, live=live)
         if needed.need == StepRequired.STEP_UP.value and not self._has_phone(caller.principal):

@@ -14,7 +14,7 @@ from rosic.core.message import Button
 from rosic.core.robot.geography import GeographicFrame, OutsidePlane, local_m
 from rosic.core.units import bound_in_words, measured
 from rosic.errors import NotUnderstood, OutOfBounds
-from rosic.gateway.commands import Reply
+from rosic.gateway.commands import Reply, asks_first
 from rosic.gateway.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class GoToLocation:
                 raise OutOfBounds(_outside(shown, (x, y), name, (low, high)))
         command = f"{robot} {messages.spoken(way.skill)} {way.x}={x:.2f} {way.y}={y:.2f}"
         row = (Button(DO_IT, f"{CONFIRMED}{command}"), Button(LEAVE_IT, LEAVE))
-        return Reply(self._question(robot, shown, x, y), (row,))
+        return asks_first(self._question(robot, shown, x, y), (row,))
 
     def _question(self, robot: RobotId, shown: str, x: float, y: float) -> str:
         here = self._rooms.linker.presence(robot).values

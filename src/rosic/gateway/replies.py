@@ -15,7 +15,8 @@ from rosic.core.language import clean, hears_stop
 from rosic.core.message import AnswerState, Button, ChatKind, Outbound
 from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.time_units import MINUTE_NS
-from rosic.errors import Fault, Refusal, Repeated, Unrecognised
+from rosic.errors import Fault, FirstNeeded, Refusal, Repeated, Unrecognised
+from rosic.gateway.commands import Reply, is_question
 from rosic.gateway.delivery.catch_up import BacklogReplies
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 from rosic.gateway.delivery.translation import translated
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Address, Caller, CommandId
     from rosic.core.message import Chat, Inbound
-    from rosic.gateway.commands import Reply
     from rosic.gateway.components import Components
     from rosic.gateway.message_context import MessageContext
 
@@ -45,6 +45,9 @@ MARKS = (CONFIRMED, *BEHIND)
 # Between a command and those that it was before, the newest first; the oldest is the menu it came
 # from.
 TRAIL = "\x1f"
+ONLY_A_PERSON = said(
+    "Only a person can confirm that, in a chat of their own or on the page. Nothing was done."
+)
 DO_IT, LEAVE_IT, PREVIOUS = said("Do it"), said("Leave it"), said("Previous")
 # What a refusal offers to tap: a page. A robot beyond it can be named; platforms take 100 at most.
 OFFERED_AT_MOST = 8
@@ -167,6 +170,8 @@ class Replies:
 
     def offer(self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply) -> None:
         """Answer with buttons that only this person, in this chat, can use, once (I16)."""
+        if self._cannot_answer(messenger, inbound, caller, reply):
+            return
         outbound = Outbound(
             chat=inbound.chat,
             text=reply.text,
@@ -192,6 +197,16 @@ class Replies:
             tuple(issue(bind(b, caller, chat), who, chat.id) for b in row) for row in buttons
         )
 
+    def _cannot_answer(
+        self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply
+    ) -> bool:
+        """Refuse what a program would have to confirm: nobody reads there, so nobody taps there."""
+        if not caller.is_program or not is_question(reply):
+            return False
+        text = joined("\n", (ONLY_A_PERSON, reply.text))
+        self.deny(messenger, inbound, text, FirstNeeded.code)
+        return True
+
     def hand_over(
         self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply
     ) -> None:
@@ -200,6 +215,8 @@ class Replies:
         An empty text says nothing: the handler answers later.
         """
         if not reply.text and reply.attachment is None:
+            return
+        if self._cannot_answer(messenger, inbound, caller, reply):
             return
         outbound = Outbound(
             chat=inbound.chat,

@@ -6,6 +6,8 @@ import { ask, useStore } from "./store.js";
 import { spoken, t } from "./texts.js";
 
 const EVERY_MS = 10_000;
+// What a question of the conversation is in until it is answered: asked first, or agreed to by others.
+const WAITS = new Set(["asked", "agreed"]);
 const NOTHING = { data: null, why: "" };
 
 /** Ask for something now and again while it is shown: { data, why, again }. Old data is none. */
@@ -84,7 +86,7 @@ export function Nothing({ asked, none }) {
 export function Questions() {
   const { messages } = useStore();
   const { said, act } = useDeed();
-  const open = [...messages.values()].filter((each) => each.state === "asked" && each.buttons.length);
+  const open = [...messages.values()].filter((each) => WAITS.has(each.state) && each.buttons.length);
   const tap = (message, button) =>
     act(async () => {
       const answer = await ask("POST", "/v1/chat", { message, button });

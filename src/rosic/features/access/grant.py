@@ -21,7 +21,7 @@ from rosic.features.access.admin_policy import (
     sure,
 )
 from rosic.features.access.invite import read_grant
-from rosic.gateway.commands import Reply, check_private
+from rosic.gateway.commands import Reply, asks_first, check_private
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.calendar_messages import moment
 
@@ -139,7 +139,7 @@ class GrantCommands:
         if given.lasts_s is None and asked.act != agreed:
             yes = Button(request_messages.give_label(), f"/grant {found.id} {rest}", act=agreed)
             question = request_messages.give_question(found.name, given.words)
-            return Reply(
+            return asks_first(
                 asked_again(asked.act, question), ((yes, Button(messages.LEAVE_IT, LEAVE)),)
             )
         grants = await self._write(by, found, given)

@@ -29,7 +29,7 @@ from rosic.features.access import messages
 from rosic.features.access import program_key_messages as words
 from rosic.features.access.admin_policy import PEOPLE, asked_again, sure
 from rosic.features.access.invite import LONGEST_LINE, read_grant
-from rosic.gateway.commands import Reply, check_length, check_private
+from rosic.gateway.commands import Reply, asks_first, check_length, check_private
 from rosic.gateway.replies import LEAVE
 from rosic.gateway.requests import check_command_fresh
 
@@ -247,7 +247,7 @@ class ProgramKeyCommands:
                 act=agreed,
             )
             leave = Button(messages.LEAVE_IT, LEAVE)
-            return Reply(asked_again(asked.act, question), ((yes, leave),))
+            return asks_first(asked_again(asked.act, question), ((yes, leave),))
 
         def ended() -> tuple[Record, ...]:
             good = [key for key in self._keys.of(program.id) if key.revoked_ns is None]

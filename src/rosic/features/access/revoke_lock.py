@@ -15,7 +15,7 @@ from rosic.core.message import Button
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access import access_messages, messages
 from rosic.features.access.admin_policy import BY_ID, LOCK, PEOPLE, PersonNames, asked_again, sure
-from rosic.gateway.commands import Reply, check_private
+from rosic.gateway.commands import Reply, asks_first, check_private
 from rosic.gateway.replies import LEAVE
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class RevokeLockCommands:
         if asked.act != agreed:
             self._check_revocable(found)
             yes = Button(access_messages.REVOKE, f"/revoke {found.id}", act=agreed)
-            return Reply(
+            return asks_first(
                 asked_again(asked.act, question), ((yes, Button(messages.LEAVE_IT, LEAVE)),)
             )
         written = await self._end_for_good(found, by)
@@ -150,7 +150,9 @@ class RevokeLockCommands:
             agreed = sure("lock", by)
             if asked.act != agreed:
                 yes = Button(access_messages.LOCK_ME, f"/lock {by}", act=agreed)
-                return Reply(access_messages.LOCK_LAST, ((yes, Button(messages.LEAVE_IT, LEAVE)),))
+                return asks_first(
+                    access_messages.LOCK_LAST, ((yes, Button(messages.LEAVE_IT, LEAVE)),)
+                )
         written = await self._end_for_now(found.id, by)
         self._notices.locked(found, by)
         return _locked(found, by, written=written)

@@ -18,7 +18,7 @@ from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access import messages, request_messages, roles_messages
 from rosic.features.access.admin_policy import asked_again, sure
 from rosic.features.access.limit_line import limit_typed
-from rosic.gateway.commands import Reply, check_length, check_private
+from rosic.gateway.commands import Reply, asks_first, check_length, check_private
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.grants import MOST_ROLES
 
@@ -176,7 +176,7 @@ class RoleCommands:
             before, affected = self._book.own.get(name), self._check(by, name, role)
             yes = Button(roles_messages.MAKE_IT, f"/role {name} {MAY} {what}", act=agreed)
             question = roles_messages.question(name, role, before, self._names(affected))
-            return Reply(
+            return asks_first(
                 asked_again(asked.act, question), ((yes, Button(messages.LEAVE_IT, LEAVE)),)
             )
         async with self._registry.changes.turn() as turn:

@@ -24,7 +24,7 @@ from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, Refusal, TooM
 from rosic.features.booking import messages, plan_messages
 from rosic.features.booking import plan_messages as words
 from rosic.features.booking.context import decided
-from rosic.gateway.commands import Reply
+from rosic.gateway.commands import Reply, asks_first
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_conflicts import SlotTaken
 from rosic.organiser.planning.figures import figures_of
@@ -226,7 +226,7 @@ class PlanCommand:
         key = _id(given)
         self._proposed[by] = key, given
         yes = Button(said("Book all of it"), f"/plan {BOOK} {key}")
-        return Reply(text, ((yes, Button(said("Leave it"), f"/plan {LEAVE}")),))
+        return asks_first(text, ((yes, Button(said("Leave it"), f"/plan {LEAVE}")),))
 
     def _shared(
         self, wishes: tuple[RecordedWish, ...]

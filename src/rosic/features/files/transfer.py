@@ -32,7 +32,7 @@ from rosic.errors import (
 )
 from rosic.features.files.background import TransferProgress, send_file
 from rosic.gateway.button_rows import rows
-from rosic.gateway.commands import Reply
+from rosic.gateway.commands import Reply, asks_first
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.why_stopped import may_resume
 
@@ -207,7 +207,7 @@ class FileTransfer:
         ask = words.put_question if self._files_of(robot).inbox else words.deliver_question
         text = ask(filed.name, filed.size, filed.digest, shown)
         yes = Button(words.PUT, f"/files put {filed.id} {robot}")
-        return Reply(text, ((yes, Button(words.LEAVE_IT, LEAVE)),))
+        return asks_first(text, ((yes, Button(words.LEAVE_IT, LEAVE)),))
 
     async def put(self, asked: CommandContext, rest: str) -> Reply:
         """Put a file there, after a tap on the question; what counts is what is so now.

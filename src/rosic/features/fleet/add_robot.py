@@ -15,7 +15,7 @@ from rosic.core.policy.scope import FLEET, GRANT
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.fleet import added_robot_messages as words
 from rosic.features.fleet.task_commands import ASSIGN
-from rosic.gateway.commands import Reply, check_private
+from rosic.gateway.commands import Reply, asks_first, check_private
 from rosic.gateway.robot_registry import TEXT_BYTES, ProfileDraft
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ class AddRobotFromChat:
         if not shown:
             asks = (words.would_add(profile), words.would_speak(filed.name, role))
             text = joined("\n", (*asks, core_words.help_for(profile), *advice))
-            return Reply(text, words.confirm_buttons(filed.name, role, digest))
+            return asks_first(text, words.confirm_buttons(filed.name, role, digest))
         if shown != digest:
             raise NotUnderstood(words.CHANGED, offers=(words.add_command(filed.name, role),))
         added = await self._robot_adder().add(

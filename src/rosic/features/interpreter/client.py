@@ -16,7 +16,7 @@ from rosic.core.time_units import MINUTE_NS
 from rosic.errors import Refusal
 from rosic.features.interpreter import messages as words
 from rosic.features.interpreter.prompt import instructions_for, is_withheld, without_names
-from rosic.gateway.commands import Reply
+from rosic.gateway.commands import Reply, asks_first
 from rosic.gateway.replies import LEAVE, LEAVE_IT
 from rosic.gateway.requests import is_missed
 
@@ -203,7 +203,7 @@ class InterpreterClient:
             return
         self.counts["proposed"] += 1
         rows = (*((button,) for button in buttons), (Button(LEAVE_IT, LEAVE),))
-        self._say(message, Reply(words.proposed([b.label for b in buttons]), rows))
+        self._say(message, asks_first(words.proposed([b.label for b in buttons]), rows))
 
     def _selected(self, who: PrincipalId, message: MessageContext) -> str:
         """Return whom somebody means where they name none, if they see it still; else nothing."""

@@ -19,7 +19,7 @@ from rosic.errors import (
     StoreFault,
 )
 from rosic.features.personal_data import messages as words
-from rosic.gateway.commands import Reply
+from rosic.gateway.commands import Reply, asks_first
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.calendar_messages import moment
 
@@ -145,7 +145,7 @@ class ArchiveCommands:
             raise NotUnderstood(NOT_ON)
         if not sure:
             yes = Button(words.YES_ERASE, "/archive erase", act=SURE)
-            return Reply(words.ERASE_SURE, ((yes, Button(words.LEAVE_IT, LEAVE)),))
+            return asks_first(words.ERASE_SURE, ((yes, Button(words.LEAVE_IT, LEAVE)),))
         async with self._data_context.changes.turn() as turn:
             now_ns, by = self._data_context.clock.wall_ns(), asked.caller.principal
             decided = Decided(act="erase-archive", by=by, about=key, at_ns=now_ns)

@@ -28,7 +28,7 @@ from rosic.features.personal_data.archive_commands import ArchiveCommands, hande
 from rosic.features.personal_data.order_history import OrderHistory
 from rosic.features.personal_data.settings import SettingsCommands
 from rosic.features.personal_data.shared_data import ShareCommands
-from rosic.gateway.commands import Reply, check_private
+from rosic.gateway.commands import Reply, asks_first, check_private
 from rosic.gateway.replies import LEAVE
 
 if TYPE_CHECKING:
@@ -232,7 +232,7 @@ class MyDataCommands:
             raise NotUnderstood(words.ONLY_ME if typed else words.HOW_TO_FORGET)
         self._erasing.check(principal, principal)
         yes = Button(words.YES_FORGET, "/forget me", act=SURE)
-        return Reply(words.SURE, ((yes,), (Button(words.LEAVE_IT, LEAVE),)))
+        return asks_first(words.SURE, ((yes,), (Button(words.LEAVE_IT, LEAVE),)))
 
 
 def register_commands(

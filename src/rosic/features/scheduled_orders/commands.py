@@ -25,7 +25,7 @@ from rosic.features.scheduled_orders.schedule import (
     ScheduledText,
     fact_of,
 )
-from rosic.gateway.commands import Reply
+from rosic.gateway.commands import Reply, asks_first
 from rosic.gateway.replies import LEAVE
 
 if TYPE_CHECKING:
@@ -168,7 +168,7 @@ class ScheduledOrderCommands:
         shown = [act.shown for act in plan.acts]
         now_ns = self._rooms.organiser.wall_ns()
         question = words.plan(self._when(who, plan.when, now_ns), plan.when.zone, shown, plan.note)
-        return Reply(question, words.plan_buttons(key, LEAVE))
+        return asks_first(question, words.plan_buttons(key, LEAVE))
 
     def _check_room(self, who: PrincipalId) -> None:
         """See that somebody may plan one more.
