@@ -8,13 +8,15 @@ from typing import Any
 
 import pytest
 
-from rosic.api import order_feed
+from rosic.api import order_feed, ordering
+from rosic.client import RosicClient
 from rosic.core.policy.roles import SkillPrecondition
 from rosic.core.time_units import SECOND_NS
 from rosic.messengers.program import standstill
 from rosic.messengers.program.standstill import AFTER_NS, STILL_NS, StandstillWatch
 from tests.api.served import problem, served
 from tests.gateway.test_rights import rules
+from tests.pace import pace
 
 MOVE = {"skill": "move", "arguments": {"distance": 0.1, "direction": "left"}}
 
@@ -156,6 +158,85 @@ async def test_what_a_person_must_confirm_is_begun_once_they_have() -> None:
         done = (await hal.get(f"/v1/orders/{asked['id']}?wait_s=30")).json()
         assert [order["id"] for order in orders] == [done["id"]]
         assert done["state"] == "done"
+
+
+async def test_what_is_asked_about_is_found_under_its_id_and_says_what_came_of_it() -> None:
+    async with served(rules=rules(SkillPrecondition(scopes=("omni:*",), confirm=True))) as place:
+        hal, mel = await place.program("operator"), await place.program("operator", name="Mel")
+        placed = await hal.post("/v1/robots/omni/orders", json=move())
+        asked, path = placed.json(), placed.headers["location"]
+        assert path == f"/v1/orders/{asked['id']}"
+        assert (await hal.get(path)).json() == asked
+        assert problem(await mel.get(path))[:2] == (404, "not-found")
+        await place.until(lambda: place.chat.told)
+        question = place.chat.told[-1]
+        no = question.outbound.buttons[0][1]
+        waiting = asyncio.create_task(hal.get(f"{path}?wait_s=30"))
+        place.chat.tap(no, under=question.message, account=question.outbound.chat.id)
+        over = (await waiting).json()
+        assert (over["state"], over["over"], over["id"]) == ("refused", True, asked["id"])
+        assert "does not agree" in over["text"]
+        assert (await hal.get("/v1/orders")).json() == []
+
+
+async def test_what_a_person_is_asked_on_the_page_keeps_its_id_until_it_is_done_or_left() -> None:
+    async with served(rules=rules(SkillPrecondition(scopes=("omni:*",), confirm=True))) as place:
+        ada = await place.person("Ada")
+        for label, state in (("Leave it", "refused"), ("Do it", "done")):
+            placed = await ada.post("/v1/robots/omni/orders", json=move())
+            path = placed.headers["location"]
+            assert (await ada.get(path)).json()["state"] == "asked"
+            shown = (await ada.get("/v1/chat")).json()[-1]
+            [nonce] = [b["nonce"] for row in shown["buttons"] for b in row if b["label"] == label]
+            await ada.post("/v1/chat", json={"message": shown["id"], "button": nonce, "wait_s": 0})
+            over = (await ada.get(f"{path}?wait_s=30")).json()
+            assert (over["state"], over["id"]) == (state, placed.json()["id"])
+            listed = [each["id"] for each in (await ada.get("/v1/orders")).json()]
+            assert listed == ([placed.json()["id"]] if state == "done" else [])
+
+
+@pytest.mark.parametrize(("answer", "end"), [(0, "done"), (1, "refused")])
+async def test_an_order_is_followed_over_what_a_person_is_asked(answer: int, end: str) -> None:
+    confirm = rules(SkillPrecondition(scopes=("omni:*",), confirm=True))
+    async with (
+        served(rules=confirm) as place,
+        RosicClient(place.url, await place.key("operator")) as client,
+    ):
+        order = await client.order("omni", "move", {"distance": 0.1, "direction": "left"})
+        following = client.follow(order)
+        assert (await anext(following)).state == "asked"
+        await place.until(lambda: place.chat.told)
+        question = place.chat.told[-1]
+        button = question.outbound.buttons[0][answer]
+        place.chat.tap(button, under=question.message, account=question.outbound.chat.id)
+        found = [found async for found in following]
+        assert (found[-1].state, {each.id for each in found}) == (end, {order.id})
+        assert (await client.wait(order, 30 * pace())).state == end
+
+
+async def test_a_question_that_nobody_answers_is_over_in_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(ordering, "AGREED_WITHIN_S", 0.3)
+    async with served(rules=rules(SkillPrecondition(scopes=("omni:*",), confirm=True))) as place:
+        hal = await place.program("operator")
+        path = (await hal.post("/v1/robots/omni/orders", json=move())).headers["location"]
+        over = (await hal.get(f"{path}?wait_s=30")).json()
+        assert (over["state"], over["code"]) == ("refused", "expired")
+        assert over["text"] == "Nobody has agreed in time. Nothing was done."
+
+
+async def test_of_an_order_whose_author_is_answered_elsewhere_nothing_is_said_to_be_known(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(ordering, "AGREED_WITHIN_S", 0.3)
+    second = SkillPrecondition(scopes=("omni:*",), second_person=True)
+    async with served(rules=rules(second)) as place:
+        bo = await place.person("Bo")
+        path = (await bo.post("/v1/robots/omni/orders", json=move())).headers["location"]
+        over = (await bo.get(f"{path}?wait_s=30")).json()
+        assert (over["state"], over["over"]) == ("unknown", True)
+        assert "is not known here" in over["text"]
 
 
 async def test_a_stop_is_given_whatever_it_names_and_stays() -> None:

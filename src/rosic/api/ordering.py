@@ -12,6 +12,8 @@ from collections import OrderedDict
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
+from msgspec.structs import replace
+
 from rosic.api.order_feed import order_id
 from rosic.api.problems import problem
 from rosic.api.schemas import AnswerOut, ChatIn, OrderOut, StopOut
@@ -29,25 +31,34 @@ if TYPE_CHECKING:
     from rosic.api.callers import ApiCaller
     from rosic.api.context import ApiContext
     from rosic.api.order_feed import OrderEntry
-    from rosic.api.schemas import OrderIn, Problem, StopIn
+    from rosic.api.schemas import OrderIn, PageMessage, Problem, StopIn
     from rosic.core.message import Inbound, Outbound
     from rosic.messengers.program.calls import ToolCall
 
 ACCEPTED_WITHIN_S: Final = 10.0
 """So long an order may wait for the rooms before its caller is told that nothing is known of it."""
-AGREED_WITHIN_S: Final = 3_600.0
-"""So long a program's question to a person is followed: longer than any question stands."""
+AGREED_WITHIN_S: Final = 600.0
+"""So long what somebody is asked about an order is followed: longer than any question stands."""
 STOP_FOLLOWED_S: Final = 60.0
 PLACED_KEPT: Final = 4_000
 KEY_FORM: Final = re.compile(r"[!-~]{1,128}\Z")
 BAD_KEY: Final = said("Idempotency-Key is 1 to 128 letters, digits and signs, without a space.")
 OTHER_ORDER: Final = said("That Idempotency-Key stands for another order. Nothing was done.")
+NOBODY_AGREED: Final = said("Nobody has agreed in time. Nothing was done.")
+ANSWERED_ELSEWHERE: Final = said(
+    "Somebody else was asked, and their answer went to your own chat. What came of it is not "
+    "known here."
+)
 NO_ANSWER: Final = said("It was said, and nothing was answered yet.")
 LATE: Final = said("Nothing is known of this order yet. Ask for it by its id; it may go on.")
 STOP_GIVEN: Final = said(
     "The stop was given. Whether everything is at rest is not known here; please look."
 )
 ASKED: Final = "asked"
+REFUSED: Final = "refused"
+UNKNOWN: Final = "unknown"
+_WAITS: Final = frozenset({AnswerState.ASKED.value, AnswerState.AGREED.value})
+_SETTLES: Final = frozenset({AnswerState.FINAL.value, AnswerState.NOT_DONE.value})
 _GOES_ON: Final = frozenset({AnswerState.GOES_ON, AnswerState.AGREED})
 
 
@@ -63,20 +74,59 @@ class PlacedOrder:
     """An order that a caller has placed in this run.
 
     Attributes:
-        text: The line that says it.
-        id: Under which it is found in the feed: another one once a person had to agree to it.
+        id: Under which it is found, whoever had to agree to it.
+        caller: Who placed it.
+        inbound: What says it.
+        robot, skill: What it is for.
         asked: What somebody is asked before it is done; empty: nobody is.
+        questions: Messages of the page that ask its author.
+        elsewhere: Somebody else is asked, whose answer its author reads in their own chat.
         entry: The order, once it is accepted; kept when there are many newer ones.
         refused: Why it was refused.
         settled: It is accepted, asked about or refused.
+        answered: It is accepted or refused.
     """
 
-    def __init__(self, order: str, text: str) -> None:
-        self.id, self.text = order, text
+    def __init__(self, caller: ApiCaller, inbound: Inbound, robot: str, skill: str) -> None:
+        self.id = order_id(line_id(inbound, 0))
+        self.caller, self.inbound, self.robot, self.skill = caller, inbound, robot, skill
         self.asked = ""
+        self.questions: set[str] = set()
+        self.elsewhere = False
         self.entry: OrderEntry | None = None
         self.refused: Problem | None = None
-        self.settled = asyncio.Event()
+        self.settled, self.answered = asyncio.Event(), asyncio.Event()
+        self._until_s = asyncio.get_running_loop().time() + AGREED_WITHIN_S
+
+    @property
+    def line(self) -> tuple[str, str]:
+        """Whose message it is, and its id."""
+        return self.inbound.sender.account, self.inbound.message
+
+    def left_s(self) -> float:
+        """Return for how many seconds more anybody could agree to it."""
+        return max(0.0, self._until_s - asyncio.get_running_loop().time())
+
+    def ask(self, what: str) -> None:
+        """Take in that somebody is asked about it."""
+        self.asked = what
+        self.settled.set()
+
+    def ask_elsewhere(self) -> None:
+        """Take in that somebody else is asked, and answers its author elsewhere."""
+        self.elsewhere = True
+
+    def accept(self, entry: OrderEntry) -> None:
+        """Take in that it is on disk."""
+        self.entry = entry
+        self.settled.set()
+        self.answered.set()
+
+    def refuse(self, why: Problem) -> None:
+        """Take in that nothing comes of it."""
+        self.refused = why
+        self.settled.set()
+        self.answered.set()
 
 
 class CallerRequests:
@@ -85,10 +135,12 @@ class CallerRequests:
     def __init__(self, context: ApiContext) -> None:
         self._context = context
         self._placed: OrderedDict[str, PlacedOrder] = OrderedDict()
+        self._by_line: dict[tuple[str, str], PlacedOrder] = {}
         self._changed: dict[str, asyncio.Event] = {}
         self._following: BackgroundTasks[None] = BackgroundTasks()
         self._stops = CallerStops(self._follow_stop)
         context.feed.changed.connect(self._note)
+        context.page.news.connect(self._asked_on_page)
 
     async def close(self) -> None:
         """Follow nothing any more."""
@@ -122,45 +174,42 @@ class CallerRequests:
         first = order_id(line_id(inbound, 0))
         placed = self._placed.get(first)
         if placed is None:
-            placed = self._begin(caller, inbound, first, robot)
-        elif placed.text != text:
-            raise RefusedOrder(problem("repeated", OTHER_ORDER))
+            placed = self._begin(PlacedOrder(caller, inbound, robot, wanted.skill))
+        elif placed.inbound.text != text:
+            raise RefusedOrder(problem("repeated", context.callers.read_by(OTHER_ORDER, caller)))
         try:
             async with asyncio.timeout(ACCEPTED_WITHIN_S):
                 await placed.settled.wait()
         except TimeoutError:
-            late = context.callers.read_by(LATE, caller)
-            return OrderOut(placed.id, robot, wanted.skill, "unknown", over=False, text=late)
-        if placed.refused is not None:
+            return self._shown(placed)
+        if placed.refused is not None and placed.entry is None:
             raise RefusedOrder(placed.refused)
-        entry = placed.entry = context.feed[placed.id] or placed.entry
-        if entry is None:
-            return OrderOut(first, robot, wanted.skill, ASKED, over=False, text=placed.asked)
         if wanted.wait_s:
-            await self.wait(entry, wanted.wait_s)
-        return context.shown(entry, caller)
+            await self._over(placed, wanted.wait_s)
+        return self._shown(placed)
 
-    def _begin(self, caller: ApiCaller, inbound: Inbound, first: str, robot: str) -> PlacedOrder:
-        call = self._context.begin(caller, inbound, robot)
-        placed = self._placed[first] = PlacedOrder(first, inbound.text)
+    def _begin(self, placed: PlacedOrder) -> PlacedOrder:
+        call = self._context.begin(placed.caller, placed.inbound, placed.robot)
+        self._placed[placed.id] = self._by_line[placed.line] = placed
         if len(self._placed) > PLACED_KEPT:
-            self._placed.popitem(last=False)
-        self._following.begin(self._follow(caller, call, placed))
+            _, gone = self._placed.popitem(last=False)
+            self._by_line.pop(gone.line, None)
+        self._following.begin(self._follow(call, placed))
         return placed
 
-    async def _follow(self, caller: ApiCaller, call: ToolCall, placed: PlacedOrder) -> None:
+    async def _follow(self, call: ToolCall, placed: PlacedOrder) -> None:
         """Follow an order until it is accepted or refused; or until a person has answered."""
-        context, messenger = self._context, self._context.messenger(caller)
+        context, messenger = self._context, self._context.messenger(placed.caller)
         try:
             async with asyncio.timeout(AGREED_WITHIN_S):
                 while context.feed[placed.id] is None:
                     message, outbound = await call.news()
                     if outbound.state is AnswerState.AGREED:
                         tapped = messenger.begin_agreed(call, message, outbound)
-                        placed.id = order_id(line_id(tapped, 0))
+                        context.feed.asked_as(line_id(tapped, 0), placed.id)
                     elif context.feed[placed.id] is not None:
                         break
-                    elif self._is_settled(caller, outbound, placed):
+                    elif self._is_settled(outbound, placed):
                         return
         except TimeoutError:
             return
@@ -168,23 +217,37 @@ class CallerRequests:
             placed.settled.set()
             messenger.calls.close(call)
 
-    def _is_settled(self, caller: ApiCaller, outbound: Outbound, placed: PlacedOrder) -> bool:
+    def _is_settled(self, outbound: Outbound, placed: PlacedOrder) -> bool:
         """Take in an answer of the rooms. Return whether nothing more will be said to a caller."""
         if outbound.state is AnswerState.NOT_DONE:
             code = outbound.code or "order-void"
-            placed.refused = problem(code, outbound.text, offers=outbound.offers)
+            placed.refuse(problem(code, outbound.text, offers=outbound.offers))
             return True
         if outbound.state in _GOES_ON:
             return False
-        placed.asked = outbound.text
-        placed.settled.set()
-        return caller.address.platform == PAGE  # a person answers in their conversation
+        placed.ask(outbound.text)
+        return placed.caller.address.platform == PAGE  # their answer is seen there
+
+    def _asked_on_page(self, account: str, message: PageMessage) -> None:
+        """Take in what a person is asked of an order in their conversation, and their answer."""
+        placed = self._by_line.get((account, self._context.page.line_of(message.id)))
+        if placed is None or placed.answered.is_set() or message.own:
+            return
+        if message.state in _WAITS and message.buttons:
+            placed.questions.add(message.id)
+            plain = self._context.page.inbound(placed.caller.address, "")
+            for button in (each for row in message.buttons for each in row):
+                tapped = replace(plain, nonce=button.nonce)
+                self._context.feed.asked_as(line_id(tapped, 0), placed.id)
+        elif message.state == ASKED:
+            placed.ask_elsewhere()
+        elif message.state in _SETTLES and message.id in placed.questions:
+            placed.refuse(problem(message.code or "order-void", message.text))
 
     def _note(self, entry: OrderEntry) -> None:
         placed = self._placed.get(entry.id)
         if placed is not None:
-            placed.entry = entry
-            placed.settled.set()
+            placed.accept(entry)
         changed = self._changed.pop(entry.id, None)
         if changed is not None:
             changed.set()
@@ -198,10 +261,71 @@ class CallerRequests:
         except TimeoutError:
             return
 
-    def placed(self, order: str) -> str:
-        """Return under which id an order is found that was placed under this one."""
-        known = self._placed.get(order)
-        return order if known is None else known.id
+    async def order(self, caller: ApiCaller, order: str, wait_s: float) -> OrderOut:
+        """Return an order, once it is over or after so many seconds; what is asked about, too.
+
+        Raises:
+            NotFound: There is none, as far as they may see.
+        """
+        placed = self._placed.get(order)
+        if placed is not None and placed.caller.principal == caller.principal:
+            self._context.profile(caller, placed.robot)
+            await self._over(placed, wait_s)
+            return self._shown(placed)
+        entry = self._context.entry(caller, order)
+        if wait_s:
+            await self.wait(entry, wait_s)
+        return self._context.shown(entry, caller)
+
+    def robot_of(self, caller: ApiCaller, order: str) -> str:
+        """Return whose order it is.
+
+        Raises:
+            NotFound: There is none, as far as they may see.
+        """
+        placed = self._placed.get(order)
+        if placed is not None and placed.caller.principal == caller.principal:
+            return placed.robot
+        return self._context.entry(caller, order).robot
+
+    async def _over(self, placed: PlacedOrder, seconds: float) -> None:
+        """Wait until nothing more comes of an order, at most so long."""
+        try:
+            async with asyncio.timeout(seconds):
+                async with asyncio.timeout(placed.left_s()):
+                    await placed.answered.wait()
+                if placed.entry is not None:
+                    await self.wait(placed.entry, seconds)
+        except TimeoutError:
+            return
+
+    def _shown(self, placed: PlacedOrder) -> OrderOut:
+        """Return an order as it is shown to whoever placed it."""
+        context, caller = self._context, placed.caller
+        entry = context.feed[placed.id] or placed.entry
+        if entry is not None:
+            return context.shown(entry, caller)
+        late = bool(placed.asked) and not placed.left_s()
+        if late and not placed.elsewhere and placed.refused is None:
+            sentence = context.callers.read_by(NOBODY_AGREED, caller)
+            placed.refuse(problem("expired", sentence))
+        if (why := placed.refused) is not None:
+            state, text, code = REFUSED, why.detail, why.code
+        elif placed.asked and not late:
+            state, text, code = ASKED, placed.asked, ""
+        else:
+            sentence = ANSWERED_ELSEWHERE if late else LATE
+            state, text, code = UNKNOWN, context.callers.read_by(sentence, caller), ""
+        return OrderOut(
+            placed.id,
+            placed.robot,
+            placed.skill,
+            state,
+            over=late or why is not None,
+            who=caller.name,
+            code=code,
+            text=text,
+        )
 
     # ---- stops ----
 

@@ -31,6 +31,8 @@ MESSAGES_KEPT: Final = 200
 PEOPLE_KEPT: Final = 1_000
 FILES_KEPT: Final = 10
 FILE_BYTES: Final = 20_000_000
+LINES_KEPT: Final = 10_000
+"""Messages and taps of which it is known what line they go back to."""
 
 
 class Conversation:
@@ -82,6 +84,7 @@ class PageMessenger(ProgramMessenger):
         super().__init__(name, clock, standstill)
         self.news: Signal[[str, PageMessage]] = Signal()
         self._conversations: OrderedDict[str, Conversation] = OrderedDict()
+        self._lines: OrderedDict[str, str] = OrderedDict()
 
     def conversation(self, account: str) -> Conversation:
         """Return somebody's conversation; an empty one where nothing was said."""
@@ -91,6 +94,17 @@ class PageMessenger(ProgramMessenger):
             if len(self._conversations) > PEOPLE_KEPT:
                 self._conversations.popitem(last=False)
         return found
+
+    def line_of(self, message: str) -> str:
+        """Return the id of the line that a message goes back to, over all taps; empty: of none."""
+        return self._lines.get(message, "")
+
+    def _goes_back(self, message: str, line: str) -> None:
+        if not line:
+            return
+        self._lines[message] = line
+        if len(self._lines) > LINES_KEPT:
+            self._lines.popitem(last=False)
 
     def forget(self, account: str) -> None:
         """Let go of what was said to somebody."""
@@ -103,7 +117,9 @@ class PageMessenger(ProgramMessenger):
             MessengerFault: Nobody listens. Nothing was said.
         """
         call = super().begin(inbound, robot)
-        if inbound.nonce is None:
+        tapped = inbound.nonce is not None
+        self._goes_back(inbound.message, self.line_of(inbound.under) if tapped else inbound.message)
+        if not tapped:
             account, text = inbound.sender.account, inbound.text
             self._put(account, PageMessage(inbound.message, inbound.sent_ns, text, own=True))
         return call
@@ -130,6 +146,7 @@ class PageMessenger(ProgramMessenger):
     async def send(self, outbound: Outbound) -> str:
         """Put it into the conversation, and tell the call because of which it is said."""
         message, there = self.next_id(), self.conversation(outbound.chat.id)
+        self._goes_back(message, self.line_of(outbound.cause))
         shown = _shown(message, outbound, self._clock.wall_ns())
         if (attachment := outbound.attachment) is not None:
             attachment = await _whole(attachment)

@@ -98,7 +98,7 @@ async def place_order(
 ) -> Response[OrderOut]:
     """Give an order. With the same Idempotency-Key it is the same order, and is given once."""
     placed = await speech.place(caller, robot, data, key)
-    headers = {"Location": f"/v1/orders/{placed.id}"} if placed.id else {}
+    headers = {"Location": f"/v1/orders/{placed.id}"}
     return Response(placed, status_code=HTTP_202_ACCEPTED, headers=headers)
 
 
@@ -115,17 +115,13 @@ async def orders(
 
 @get("/orders/{order:str}", summary="One order", tags=["orders"])
 async def order(
-    api: Api,
     speech: Speech,
     caller: Who,
     order: FromPath[str],
     wait_s: Annotated[float, QueryParameter(name="wait_s", ge=0, le=60)] = 0.0,
 ) -> OrderOut:
     """Return an order, once it is over or after so many seconds."""
-    entry = api.entry(caller, speech.placed(order))
-    if wait_s:
-        await speech.wait(entry, wait_s)
-    return api.shown(entry, caller)
+    return await speech.order(caller, order, wait_s)
 
 
 @post(
@@ -134,10 +130,9 @@ async def order(
     summary="End what I have under way with the robot of an order",
     tags=["orders"],
 )
-async def cancel_order(api: Api, speech: Speech, caller: Who, order: FromPath[str]) -> AnswerOut:
+async def cancel_order(speech: Speech, caller: Who, order: FromPath[str]) -> AnswerOut:
     """End what the caller has under way with the robot of this order; nothing is latched."""
-    entry = api.entry(caller, speech.placed(order))
-    return await speech.say(caller, ChatIn(text=f"cancel {entry.robot}"))
+    return await speech.say(caller, ChatIn(text=f"cancel {speech.robot_of(caller, order)}"))
 
 
 @post("/stop", status_code=HTTP_200_OK, summary="Stop robots", tags=["stop"])

@@ -129,14 +129,14 @@ class OrderOut(msgspec.Struct, frozen=True):
     """An order and what became of it.
 
     Attributes:
-        id: Empty while somebody is asked whether it may be done.
-        state: ``asked``, then its newest stage, then how it ended: ``done``, ``failed``,
-            ``cancelled``, ``sent``, ``unknown``, ``refused``.
+        id: The same for ever, whoever is asked first.
+        state: ``asked`` while somebody is, then its newest stage, then how it ended: ``done``,
+            ``failed``, ``cancelled``, ``sent``, ``unknown``, ``refused``.
         who: Name of whoever gave it.
         sent: What was sent to the robot, as people read it.
         stages: Each once. ``received`` and later are said by the robot's side only.
         fraction: How far its robot says it is, in [0, 1].
-        text: What was said in the chat of whoever gave it; empty for others.
+        text: What is asked, or why it was refused; empty otherwise, and for others.
     """
 
     id: str

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 URL, KEY, CA = "ROSIC_URL", "ROSIC_KEY", "ROSIC_CA"
 GOOD_STATES: Final = frozenset({"done", "sent"})
-WAIT_S: Final = 3_600.0
 LISTED: Final = 50
 NOT_YET: Final = frozenset({"asked", "not-done"})
 """States of an answer: nothing was done, or somebody has to agree first."""
@@ -168,7 +167,8 @@ def order_line(order: OrderOut) -> str:
     at = order.stages[0].at if order.stages else ""
     fraction = "" if order.over or order.fraction is None else f" {order.fraction:.0%}"
     parts = (at, order.who, order.robot, order.sent or order.skill, f"{order.state}{fraction}")
-    return plain(joined("  ", [part for part in (*parts, order.note) if part]))
+    why = order.note or (order.text if order.over else "")
+    return plain(joined("  ", [part for part in (*parts, why) if part]))
 
 
 def print_json(found: object) -> None:
@@ -218,14 +218,10 @@ async def _order(
     if not options.wait:
         print(order_line(placed))
         return 0
-    if placed.state == "asked":
-        last = await client.wait(placed, WAIT_S)
-        print(order_line(last))
-    else:
-        last = placed
-        async for state in client.follow(placed):
-            last = state
-            print(order_line(last), flush=True)
+    last = placed
+    async for state in client.follow(placed):
+        last = state
+        print(order_line(last), flush=True)
     return 0 if last.state in GOOD_STATES else 1
 
 

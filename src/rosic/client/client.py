@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import random
-from contextlib import aclosing
+from contextlib import aclosing, suppress
 from secrets import token_urlsafe
 from typing import TYPE_CHECKING, Final, Self
 
@@ -31,7 +31,6 @@ from rosic.client.errors import (
     NotAGateway,
     NotAnswered,
     NotKnown,
-    NotThere,
     NotTrusted,
     TooManyCalls,
 )
@@ -186,12 +185,7 @@ class RosicClient(ContentCalls):
         until = loop.time() + wait_s
         found = order if isinstance(order, OrderOut) else await self._order(order, 0.0)
         while not found.over and (left_s := until - loop.time()) > 0:
-            try:
-                found = await self._order(found.id, min(left_s, WAIT_AT_ONCE_S))
-            except NotThere:
-                if found.state != ASKED:
-                    raise
-                await asyncio.sleep(min(left_s, ASK_EVERY_S))  # a person has not agreed yet
+            found = await self._order(found.id, min(left_s, WAIT_AT_ONCE_S))
         return found
 
     async def _order(self, order: str, wait_s: float) -> OrderOut:
@@ -202,6 +196,8 @@ class RosicClient(ContentCalls):
     async def follow(self, order: OrderOut | str) -> AsyncGenerator[OrderOut, None]:
         """Yield an order as it is now, each time that it has come further, until it is over.
 
+        While a person is asked about it, it is asked for each second.
+
         The connection is made again by itself; what happened meanwhile is seen then, the newest
         state alone.
 
@@ -210,7 +206,13 @@ class RosicClient(ContentCalls):
             NotTrusted, NotAGateway: See `events`.
         """
         order_id = order if isinstance(order, str) else order.id
-        shown: OrderOut | None = None
+        shown = await self._order(order_id, 0.0)
+        yield shown
+        if shown.state == ASKED:
+            shown = await self._agreed(order_id)
+            yield shown
+        if shown.over:
+            return
         async with aclosing(self.events("orders")) as happening:
             async for event in happening:
                 if isinstance(event, Connected):  # what was missed may be too old to be told again
@@ -219,11 +221,20 @@ class RosicClient(ContentCalls):
                     found = event.order
                 else:
                     continue
-                if shown is None or _progress(found) > _progress(shown):
+                if _progress(found) > _progress(shown):
                     shown = found
                     yield found
                 if found.over:
                     return
+
+    async def _agreed(self, order_id: str) -> OrderOut:
+        """Return an order once nobody is asked about it any more, looking each second."""
+        while True:
+            await asyncio.sleep(ASK_EVERY_S)
+            with suppress(GatewayUnreachable, GatewayFault, TooManyCalls):
+                found = await self._order(order_id, 0.0)
+                if found.state != ASKED:
+                    return found
 
     async def cancel(self, order: OrderOut | str) -> AnswerOut:
         """End what I have under way with the robot of an order; nothing is latched.
