@@ -34,6 +34,9 @@ REFUSED: Final = (
 )
 NAME: Final = "Problem"
 KEY: Final = "key"
+FILES: Final = "/v1/files"
+VIEWS: Final = "/v1/robots/{robot}/views/{kind}"
+BYTES: Final = {"schema": {"type": "string", "format": "binary"}}
 METHODS: Final = frozenset({"get", "put", "post", "delete", "patch"})
 
 
@@ -57,7 +60,7 @@ class DescribedProblems(JsonRenderPlugin):
 
 def described(schema: dict[str, Any]) -> dict[str, Any]:
     """Return a description in which every operation says how it refuses, and what it asks for."""
-    whole = deepcopy(schema)
+    whole = _any_of(deepcopy(schema))
     _, components = msgspec.json.schema_components(
         (Problem,), ref_template="#/components/schemas/{name}"
     )
@@ -65,12 +68,38 @@ def described(schema: dict[str, Any]) -> dict[str, Any]:
     parts.setdefault("schemas", {}).update(components)
     parts["securitySchemes"] = {KEY: {"type": "http", "scheme": "bearer"}}
     whole["security"] = [{KEY: []}]
+    _say_bytes(whole["paths"])
     for operation in _operations(whole):
         responses = operation.setdefault("responses", {})
         responses.get("204", {}).pop("content", None)
         for status in REFUSED:
             responses[str(int(status))] = _refusal(status)
     return whole
+
+
+def _say_bytes(paths: dict[str, Any]) -> None:
+    """Say of what sort the bytes are that no structure describes: files, and pictures."""
+    sent, shown = paths.get(FILES, {}).get("post"), paths.get(VIEWS, {}).get("get")
+    if sent is not None:
+        sent["requestBody"] = {"required": True, "content": {"application/octet-stream": BYTES}}
+    if shown is not None:
+        shown["responses"]["200"]["content"] = dict.fromkeys(("image/png", "image/jpeg"), BYTES)
+
+
+def _any_of(part: Any) -> Any:  # noqa: ANN401 - any part of a description
+    """Return a part in which what fits two kinds fits: 15.0 is a number and an integer.
+
+    Litestar writes each union as ``oneOf``, and beside a string with limits what all fits.
+    """
+    if isinstance(part, list):
+        return [_any_of(one) for one in part]
+    if not isinstance(part, dict):
+        return part
+    described_part = {key: _any_of(one) for key, one in part.items() if key != "oneOf"}
+    kinds = [_any_of(one) for one in part.get("oneOf", ()) if one != {}]
+    if len(kinds) == 1:
+        return {**kinds[0], **described_part}
+    return {**described_part, "anyOf": kinds} if kinds else described_part
 
 
 def _operations(schema: dict[str, Any]) -> Iterable[dict[str, Any]]:

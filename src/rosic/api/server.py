@@ -280,6 +280,7 @@ class ApiServer:
                 version=__version__,
                 path="/v1/openapi",
                 render_plugins=[self._description],
+                use_handler_docstrings=True,
             ),
             logging_config=None,
         )

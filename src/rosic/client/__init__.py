@@ -3,6 +3,40 @@
 from __future__ import annotations
 
 from rosic.client.client import RosicClient
-from rosic.client.errors import ApiProblem, ClientError, NotAnswered
+from rosic.client.errors import (
+    ApiProblem,
+    ClientError,
+    GatewayFault,
+    GatewayUnreachable,
+    NotAGateway,
+    NotAllowed,
+    NotAnswered,
+    NotKnown,
+    NotNow,
+    NotRecognised,
+    NotThere,
+    NotTrusted,
+    TooManyCalls,
+    WrongRequest,
+)
+from rosic.client.events import Connected, Disconnected
 
-__all__ = ["ApiProblem", "ClientError", "NotAnswered", "RosicClient"]
+__all__ = [
+    "ApiProblem",
+    "ClientError",
+    "Connected",
+    "Disconnected",
+    "GatewayFault",
+    "GatewayUnreachable",
+    "NotAGateway",
+    "NotAllowed",
+    "NotAnswered",
+    "NotKnown",
+    "NotNow",
+    "NotRecognised",
+    "NotThere",
+    "NotTrusted",
+    "RosicClient",
+    "TooManyCalls",
+    "WrongRequest",
+]
