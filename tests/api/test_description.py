@@ -85,7 +85,7 @@ async def test_what_is_said_and_answered_is_as_it_is_described() -> None:
 
         def fits(name: str, value: object) -> bool:
             schema = {"$ref": f"#/components/schemas/{name}", "components": whole["components"]}
-            return Draft202012Validator(schema).is_valid(value)
+            return bool(Draft202012Validator(schema).is_valid(value))
 
         assert fits("StopIn", {"robots": ["omni"]})
         assert not fits("StopIn", {"robots": [42]})

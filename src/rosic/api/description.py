@@ -60,7 +60,7 @@ class DescribedProblems(JsonRenderPlugin):
 
 def described(schema: dict[str, Any]) -> dict[str, Any]:
     """Return a description in which every operation says how it refuses, and what it asks for."""
-    whole = _any_of(deepcopy(schema))
+    whole: dict[str, Any] = _any_of(deepcopy(schema))
     _, components = msgspec.json.schema_components(
         (Problem,), ref_template="#/components/schemas/{name}"
     )

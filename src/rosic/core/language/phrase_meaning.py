@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import islice, pairwise
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from rosic.core.language.ast import Answered
 from rosic.core.language.lexicon import ARTICLE, OPENING, SenseKind
 from rosic.core.language.phrase_places import place_gone_to
 from rosic.core.language.phrase_values import (
@@ -79,6 +80,11 @@ def only_asks(reading: Reading) -> bool:
         item.means(SenseKind.QUESTION) or item.means(SenseKind.NOTHING) or item.callee is not None
         for item in reading.items
     )
+
+
+def answered(manner: str) -> Answered:
+    """Return the answer to what is polite; praise is answered as thanks are."""
+    return Answered("thanks" if manner == "praise" else manner)
 
 
 class Meaning(NamedTuple):

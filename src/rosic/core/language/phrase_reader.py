@@ -29,6 +29,7 @@ from rosic.core.language.phrase_meaning import (
     ROBOTS_LOOKED_AT,
     MeaningReader,
     Reading,
+    answered,
     best_of,
     clauses_of,
     is_in_order,
@@ -40,10 +41,7 @@ from rosic.core.language.phrase_meaning import (
 )
 from rosic.core.language.phrase_places import PLACE, keeping_line, kept_name
 from rosic.core.language.phrase_times import UNSURE, without_time
-from rosic.core.language.phrase_values import (
-    SKILLS_LOOKED_AT,
-    SkillValueReader,
-)
+from rosic.core.language.phrase_values import SKILLS_LOOKED_AT, SkillValueReader
 from rosic.core.language.phrase_words import NO_WORDS, WordReader, find_callees
 from rosic.core.language.proposals import (
     MOST_PROPOSED,
@@ -343,7 +341,7 @@ class PhraseReader:
                 for item in reading.items
             )
             if manners and alone and not reading.unknown:
-                return _answered(manners[0])
+                return answered(manners[0])
         return None
 
     def _at_least_manner(self, best: Sequence[Reading]) -> Line | None:
@@ -352,7 +350,7 @@ class PhraseReader:
             manners = [v for item in reading.items for v in item.values(SenseKind.MANNER)]
             speaks = any(item.means(kind) for item in reading.items for kind in DOES)
             if manners and not speaks and not self._named.named:
-                return _answered(manners[0])
+                return answered(manners[0])
         return None
 
     def _question(self, best: Sequence[Reading], callee: NameTarget | None) -> Line | None:
@@ -499,8 +497,3 @@ class PhraseReader:
         having = vocabulary.having.get(name, frozenset()) & self._context.visible
         for robot in sorted(islice(having, ROBOTS_LOOKED_AT)):
             yield vocabulary.callees[robot]
-
-
-def _answered(manner: str) -> Answered:
-    """Return the answer to what is polite; praise is answered as thanks are."""
-    return Answered("thanks" if manner == "praise" else manner)
