@@ -64,6 +64,22 @@ async def test_the_same_key_is_the_same_order() -> None:
         )
 
 
+async def test_what_is_not_done_is_said_in_the_language_of_whoever_asks() -> None:
+    async with served() as place:
+        ada = await place.person("Ada")
+        await ada.post("/v1/chat", json={"text": "/language de"})
+        key = {"Idempotency-Key": "one"}
+        placed = await ada.post("/v1/robots/omni/orders", json=move(), headers=key)
+        assert placed.status_code == 202
+        other = move(arguments={"distance": 0.2, "direction": "left"})
+        repeated = await ada.post("/v1/robots/omni/orders", json=other, headers=key)
+        assert problem(repeated)[:2] == (409, "repeated")
+        assert "steht für einen anderen Auftrag" in problem(repeated)[2]
+        deep = await ada.post("/v1/chat", content='{"text":' + "[" * 100_000)
+        assert problem(deep)[:2] == (400, "not-understood")
+        assert "verschachtelt" in problem(deep)[2]
+
+
 async def test_a_key_of_one_caller_is_nothing_to_another() -> None:
     async with served() as place:
         hal, sal = await place.program("operator"), await place.program("operator", name="Sal")

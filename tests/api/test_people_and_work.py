@@ -155,6 +155,17 @@ async def test_a_task_is_given_seen_held_and_ended(place: ServedGateway) -> None
     assert await over()
 
 
+async def test_a_new_task_does_nothing_with_one_that_there_is(place: ServedGateway) -> None:
+    ada = await place.person("Ada")
+    given = await ada.post("/v1/tasks", json={"on": "any", "steps": ["move 0.5 m left"]})
+    assert given.status_code == 201, given.text
+    [task] = (await ada.get("/v1/tasks")).json()
+    for on, steps in (("cancel", [task["id"]]), ("pause", [f" {task['id']} "])):
+        answer = await ada.post("/v1/tasks", json={"on": on, "steps": steps})
+        assert problem(answer)[:2] == (422, "not-understood")
+    assert [each["id"] for each in (await ada.get("/v1/tasks")).json()] == [task["id"]]
+
+
 async def test_a_mission_is_started_by_its_name() -> None:
     patrol = Mission(name="patrol", do=(MissionPart(on="omni", steps=("move 2 m left",)),))
     async with served(missions=(patrol,)) as place:

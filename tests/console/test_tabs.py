@@ -390,6 +390,7 @@ async def test_a_passkey_signs_in_instead_of_a_code(browser: Browser) -> None:
         await page.get_by_role("button", name="Sign in with a passkey").click()
         await there.connected()
         await expect(page.locator(".me")).to_contain_text("Ada")
+        await expect(page.locator(".top-notice")).to_have_count(0)
         await there.go("people")
         await page.get_by_role("button", name="Remove Laptop").click()
         await expect(page.get_by_text("Laptop signs nobody in any more.")).to_be_visible()

@@ -16,6 +16,7 @@ from rosic.api.problems import PROBLEM, problem
 from rosic.api.read_rates import headers_of
 from rosic.api.rosbridge.endpoint import PATHS as ROSBRIDGE_PATHS
 from rosic.api.settings import hostname
+from rosic.core.i18n import said
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, MutableMapping
@@ -49,8 +50,8 @@ ALLOWANCE: Final = "rosic-allowance"
 WRONG_HOST: Final = "This gateway is not reached by that name."
 WRONG_ORIGIN: Final = "A page of another site may not ask this. Nothing was done."
 NO_ORIGIN: Final = "A browser has to say which page asks. Nothing was done."
-TOO_SLOW: Final = "That came too slowly. Nothing was done."
-TOO_LARGE: Final = "That is more than is taken here. Nothing was done."
+TOO_SLOW: Final = said("That came too slowly. Nothing was done.")
+TOO_LARGE: Final = said("That is more than is taken here. Nothing was done.")
 
 CONTENT_POLICY: Final = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "

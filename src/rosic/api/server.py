@@ -48,6 +48,7 @@ from rosic.api.rosbridge.topics import check_topics
 from rosic.api.routes import OPEN, ROUTES, events
 from rosic.api.tickets import TicketBook, new_ticket
 from rosic.api.work_routes import ROUTES as WORK
+from rosic.core.i18n import said
 from rosic.errors import ConfigurationError, RosicError, Unrecognised
 
 if TYPE_CHECKING:
@@ -75,8 +76,8 @@ CLIENTS_AT_MOST: Final = 256
 """Connections at a time on the port of rosbridge."""
 CHECKS: Final = "/check"
 """What only looks what an order would come to counts as a read."""
-FAILED: Final = "Something went wrong here. It is not known what was done; please look."
-TOO_DEEP: Final = "That is nested too deeply. Nothing was done."
+FAILED: Final = said("Something went wrong here. It is not known what was done; please look.")
+TOO_DEEP: Final = said("That is nested too deeply. Nothing was done.")
 NOT_HERE: Final = "There is nothing at this address."
 WRONG_METHOD: Final = "That cannot be done at this address."
 
@@ -270,8 +271,8 @@ class ApiServer:
                 Exception: self._failed,
                 RosicError: self._refused,
                 RefusedOrder: _refused_by_rooms,
-                BodyLimitExceeded: _too_large,
-                BodyDeadlineExceeded: _too_slow,
+                BodyLimitExceeded: self._too_large,
+                BodyDeadlineExceeded: self._too_slow,
                 ValidationException: _invalid,
                 HTTPException: _http,
             },
@@ -324,27 +325,32 @@ class ApiServer:
             raise refused
 
     def _refused(self, request: Request[Any, Any, Any], error: RosicError) -> Response[bytes]:
-        caller: ApiCaller | None = request.scope["state"].get(CALLER)
-        sentence = self.context.callers.read_by(error.sentence, caller)
-        return answer(problem_of(error, sentence))
+        return answer(problem_of(error, self._read(request, error.sentence)))
 
     def _failed(self, request: Request[Any, Any, Any], error: Exception) -> Response[bytes]:
         if isinstance(error, RecursionError):  # of reading what was sent, before anything was done
-            return answer(problem("not-understood", TOO_DEEP, status=400))
+            return answer(problem("not-understood", self._read(request, TOO_DEEP), status=400))
         log.error("%s %s failed", request.method, request.url.path, exc_info=error)
-        return answer(problem("fault", FAILED, status=500))
+        return answer(problem("fault", self._read(request, FAILED), status=500))
+
+    def _too_large(
+        self, request: Request[Any, Any, Any], _error: BodyLimitExceeded
+    ) -> Response[bytes]:
+        return answer(problem("too-large", self._read(request, TOO_LARGE), status=413))
+
+    def _too_slow(
+        self, request: Request[Any, Any, Any], _error: BodyDeadlineExceeded
+    ) -> Response[bytes]:
+        return answer(problem("too-slow", self._read(request, TOO_SLOW), status=408))
+
+    def _read(self, request: Request[Any, Any, Any], sentence: str) -> str:
+        """Return a sentence in the language of whoever asks, as far as that is known by now."""
+        caller: ApiCaller | None = request.scope["state"].get(CALLER)
+        return self.context.callers.read_by(sentence, caller)
 
 
 def _refused_by_rooms(_request: Request[Any, Any, Any], error: RefusedOrder) -> Response[bytes]:
     return answer(error.problem)
-
-
-def _too_large(_request: Request[Any, Any, Any], _error: BodyLimitExceeded) -> Response[bytes]:
-    return answer(problem("too-large", TOO_LARGE, status=413))
-
-
-def _too_slow(_request: Request[Any, Any, Any], _error: BodyDeadlineExceeded) -> Response[bytes]:
-    return answer(problem("too-slow", TOO_SLOW, status=408))
 
 
 def _invalid(_request: Request[Any, Any, Any], error: ValidationException) -> Response[bytes]:

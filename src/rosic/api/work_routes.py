@@ -7,6 +7,7 @@ sentences, the same record.
 from __future__ import annotations
 
 import asyncio
+import re
 from typing import TYPE_CHECKING, Annotated, Final, Literal
 
 from litestar import delete, get, post
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
 UNKNOWN_TASK: Final = said("There is no such open task, as far as you may see.")
 UNKNOWN_MISSION: Final = said("There is no such mission that you may start.")
 UNKNOWN_RUN: Final = said("There is no such mission under way, as far as you may see.")
+_NUMBERED: Final = re.compile(r"\S+\s+\d+\s*\Z")
 NO_STEP: Final = said("A step is words of one line, without a semicolon. Nothing was done.")
 WEEK_NS: Final = 7 * DAY_NS
 ROBOTS_AT_ONCE: Final = 20
@@ -142,7 +144,10 @@ async def give_task(speech: Speech, caller: Who, data: JSONBody[TaskIn]) -> Answ
     if any(";" in step for step in steps):
         raise NotUnderstood(NO_STEP)
     options = f" {one_line(data.options)}" if data.options.strip() else ""
-    return await speech.command(caller, f"/task {one_line(data.on)} {'; '.join(steps)}{options}")
+    line = f"{one_line(data.on)} {'; '.join(steps)}{options}"
+    if _NUMBERED.match(line):  # as "pause 7", which does something with a task that there is
+        raise NotUnderstood(NO_STEP)
+    return await speech.command(caller, f"/task {line}")
 
 
 @post(

@@ -154,6 +154,7 @@ function signedOut(why) {
   }
   state.rates = null;
   state.notice = why;
+  run = ""; // whoever signs in next has lost no connection
   drop();
   changed();
 }
