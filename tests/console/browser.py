@@ -136,11 +136,12 @@ async def opened(
         url: Where it finds the gateway, if it is not where that listens.
     """
     touch = size is PHONE
-    context = await browser.new_context(viewport=size, has_touch=touch, locale="en-GB", **how)  # type: ignore[arg-type]
+    how = {"locale": "en-GB", **how}
+    context = await browser.new_context(viewport=size, has_touch=touch, **how)  # type: ignore[arg-type]
     try:
         there = OpenPage(await context.new_page(), place, url or place.url)
         yield there
-        assert there.wrong == []
+        assert there.wrong == [], there.wrong
         assert there.elsewhere == []
     finally:
         await context.close()

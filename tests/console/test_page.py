@@ -245,9 +245,9 @@ async def test_in_german_and_in_the_dark_and_on_the_wall(
         await there.sign_in()
         await there.go("drive/omni")
         await there.say("/language de")
-        await page.reload()
         await expect(page.get_by_text("Gateway verbunden")).to_be_visible()
         assert await page.evaluate("document.documentElement.lang") == "de"
+        await expect(page.get_by_role("form", name="Ein Stück fahren")).to_contain_text("Richtung")
         for line in ("omni move 0.5 m links", "cf1 takeoff 1 m", "kuka1 grasp force=20"):
             await page.get_by_label("Nachricht").fill(line)
             await page.get_by_role("button", name="Senden").click()

@@ -90,7 +90,7 @@ class ApiContext(NamedTuple):
         """Return who a caller is."""
         person = self.kernel.rooms.authoriser.directory.person(caller.principal)
         kind = "person" if caller.address.platform == PAGE else "program"
-        language = self.languages.chosen().get(caller.principal, "en")
+        language = self.languages.code(caller.principal)
         roles = () if person is None else person.roles
         return IdentityOut(caller.principal, caller.name, kind, roles, language)
 

@@ -74,6 +74,7 @@ DESCRIBED_AFTER_S: Final = 3.0
 CALLER: Final = "rosic-caller"
 CLIENTS_AT_MOST: Final = 256
 """Connections at a time on the port of rosbridge."""
+LOCALE_MOST: Final = 64
 CHECKS: Final = "/check"
 """What only looks what an order would come to counts as a read."""
 FAILED: Final = said("Something went wrong here. It is not known what was done; please look.")
@@ -314,6 +315,9 @@ class ApiServer:
             host = "" if request.client is None else request.client.host
             self._count(request, asking_from(host))
             raise
+        if caller.by_cookie:
+            asked = headers.get("accept-language", "")[:LOCALE_MOST]
+            self.context.languages.suggest(caller.principal, asked.partition(",")[0].strip())
         request.scope["state"][CALLER] = caller
         if request.scope.get("method", "GET") in SAFE or request.url.path.endswith(CHECKS):
             self._count(request, caller.principal)

@@ -1,7 +1,7 @@
 // The conversation on the page: what could be typed in a chat, and buttons to tap.
 
 import { html, useEffect, useRef, useState } from "./lib.js";
-import { ask, useStore } from "./store.js";
+import { ask, relearn, useStore } from "./store.js";
 import { spoken, t } from "./texts.js";
 
 function time(ns) {
@@ -54,8 +54,11 @@ export function Chat() {
   }
 
   async function tap(message, button) {
-    const answer = await ask("POST", "/v1/chat", { message, button, wait_s: 0 });
-    tell(answer.why);
+    tell("");
+    const answer = await ask("POST", "/v1/chat", { message, button });
+    // That a button is used up stands in no message.
+    tell(answer.ok && answer.data.state === "not-done" ? answer.data.text : answer.why);
+    relearn(); // it may have been a language
   }
 
   return html`<div class="chat">

@@ -4,7 +4,8 @@ import { Chat } from "./chat.js";
 import { Jog } from "./jog.js";
 import { html, useEffect, useState } from "./lib.js";
 import { Orders } from "./orders.js";
-import { connection, doing, Pill } from "./robots.js";
+import { connection, doing, isOld, Pill } from "./robots.js";
+import { Resume } from "./resume.js";
 import { Skills } from "./skills.js";
 import { state, useStore } from "./store.js";
 import { t } from "./texts.js";
@@ -38,6 +39,7 @@ export function Drive({ robot: wanted, onRobot }) {
   const robot = robots.get(chosen);
   if (!robot) return html`<${Missing} chosen=${chosen} all=${all} onRobot=${onRobot} />`;
   const [kind, words] = connection(robot);
+  const old = isOld(robot);
   const streamed = skills.filter((skill) => skill.streams);
   return html`<div class="drive">
     <section class="panel choose" aria-label=${t("Robot")}>
@@ -53,9 +55,9 @@ export function Drive({ robot: wanted, onRobot }) {
           ${all.map((each) => html`<option value=${each.id}>${each.name}</option>`)}
         </select>
       </label>
-      <p class="row">
+      <p class=${`row ${old ? "old" : ""}`}>
         <${Pill} kind=${kind}>${words}<//>
-        ${robot.stopped && html`<${Pill} kind="bad">${t("stopped")}<//>`}
+        ${robot.stopped && html`<${Pill} kind=${old ? "unknown" : "bad"}>${t("stopped")}<//> <${Resume} robot=${robot} old=${old} />`}
         <span>${doing(robot)}</span>
         <span class="quiet">${t("Held by")}: ${robot.holder || t("nobody")}</span>
       </p>

@@ -1,7 +1,7 @@
 // Live: the panel of rates, connections, commands sent and commands received, as they happen.
 
 import { Camera, Telemetry } from "./charts.js";
-import { html, useState } from "./lib.js";
+import { html } from "./lib.js";
 import { PoseMap } from "./map.js";
 import { Orders } from "./orders.js";
 import { RobotCard } from "./robots.js";
@@ -49,9 +49,8 @@ function Rates() {
 }
 
 /** The page on the wall. */
-export function Live() {
+export function Live({ robot: wanted, onRobot }) {
   const { robots } = useStore();
-  const [wanted, choose] = useState("");
   const all = [...robots.values()];
   const robot = robots.get(wanted) || all.find((each) => each.presence.pose) || all[0];
   return html`<div class="live">
@@ -65,7 +64,7 @@ export function Live() {
                   key=${each.id}
                   robot=${each}
                   chosen=${each.id === robot?.id}
-                  onChoose=${() => choose(each.id)}
+                  onChoose=${() => onRobot(each.id)}
                 />`,
             )}
           </ul>`

@@ -27,6 +27,19 @@ function bounds(points) {
   return { x: (left + right - width) / 2, y: (low + high - height) / 2, width, height };
 }
 
+const apart = (one, other) => Math.hypot(one.x - other.x, one.y - other.y);
+
+/** Return where robots are drawn: those that would hide each other one below the other. */
+function besideEachOther(points, size) {
+  const drawn = [];
+  for (const point of points) {
+    const at = { ...point };
+    while (drawn.some((other) => apart(at, other) < 1.2 * size)) at.y -= 2.3 * size;
+    drawn.push(at);
+  }
+  return drawn;
+}
+
 function Grid({ box, step }) {
   const lines = [];
   for (let x = Math.ceil(box.x / step) * step; x <= box.x + box.width; x += step) {
@@ -50,7 +63,8 @@ export function PoseMap() {
     (tracks.get(robot.id) || []).filter((point) => point.frame === frame),
   );
   const now = there.map(({ presence: { pose } }) => ({ x: pose.x_m, y: pose.y_m }));
-  const box = bounds([...now, ...ways.flat()]);
+  const drawn = besideEachOther(now, bounds([...now, ...ways.flat()]).height / 22);
+  const box = bounds([...now, ...drawn, ...ways.flat()]);
   const size = box.height / 22;
   const step = box.height > 30 ? 5 : 1;
   const told = there.map((robot) => `${robot.name}: ${poseText(robot.presence.pose)}`).join("; ");
@@ -71,16 +85,18 @@ export function PoseMap() {
       <${Grid} box=${box} step=${step} />
       ${there.map((robot, index) => {
         const pose = robot.presence.pose;
+        const at = drawn[index];
         const way = ways[index].map((point) => `${point.x},${-point.y}`).join(" ");
         const degrees = (-(pose.yaw_rad || 0) * 180) / Math.PI;
         return html`<g class=${`c${index % COLOURS}`} key=${robot.id}>
           <polyline class="way" points=${way} stroke-width=${size / 6} />
-          <g transform=${`translate(${pose.x_m} ${-pose.y_m}) rotate(${degrees})`}>
+          <line class="way" x1=${pose.x_m} y1=${-pose.y_m} x2=${at.x} y2=${-at.y} stroke-width=${size / 12} />
+          <g transform=${`translate(${at.x} ${-at.y}) rotate(${degrees})`}>
             <circle r=${size * 0.62} />
             ${pose.yaw_rad !== null &&
             html`<path class="nose" d=${`M${size * 0.5} 0L${-size * 0.25} ${size * 0.32}L${-size * 0.08} 0L${-size * 0.25} ${-size * 0.32}Z`} />`}
           </g>
-          <text x=${pose.x_m} y=${-pose.y_m - size * 0.9} font-size=${size * 0.85} text-anchor="middle">
+          <text x=${at.x} y=${-at.y - size * 0.9} font-size=${size * 0.85} text-anchor="middle">
             ${robot.name}
           </text>
         </g>`;

@@ -7,10 +7,10 @@ import { Files } from "./files.js";
 import { Fleet } from "./fleet.js";
 import { Health } from "./health.js";
 import { History } from "./history.js";
-import { html, render, useEffect, useRef, useState } from "./lib.js";
+import { html, render, useEffect, useLayoutEffect, useRef, useState } from "./lib.js";
 import { Live } from "./live.js";
 import { People } from "./people.js";
-import { SignIn, takeLinkedCode } from "./signin.js";
+import { dropLinkedCode, SignIn, takeLinkedCode } from "./signin.js";
 import { StopBar } from "./stop.js";
 import { begin, changed, notice, signOut, state, useStore } from "./store.js";
 import { t } from "./texts.js";
@@ -37,7 +37,8 @@ function partOf() {
   } catch {
     robot = ""; // an address may be typed
   }
-  return { part: Object.hasOwn(TABS, part) ? part : FIRST, robot };
+  if (robot) state.chosen = robot; // on every tab, until another one is
+  return { part: Object.hasOwn(TABS, part) ? part : FIRST, robot: robot || state.chosen };
 }
 
 function useAddress() {
@@ -88,6 +89,10 @@ function Page() {
   useEffect(() => {
     document.title = phase === "signed-in" && link !== "up" ? `✕ ROSIC` : "ROSIC";
   }, [phase, link]);
+  useEffect(() => {
+    if (phase === "signed-in") dropLinkedCode();
+  }, [phase]);
+  useLayoutEffect(() => void scrollTo(0, 0), [part]);
   if (phase === "starting") {
     return html`<main class="sign-in" id="main"><p class="quiet" role="status">ROSIC …</p></main>`;
   }

@@ -1,8 +1,12 @@
 // How a robot is shown: its connection, what it does, who has it.
 
 import { html } from "./lib.js";
+import { Resume } from "./resume.js";
 import { state } from "./store.js";
 import { number, t } from "./texts.js";
+
+/** Whether what is known of a robot is not of now. */
+export const isOld = (robot) => state.link !== "up" || state.stale.has(robot.id);
 
 /** Return [kind, words] of the connection of a robot, as far as it is known now. */
 export function connection(robot) {
@@ -23,7 +27,7 @@ export function Pill({ kind, children }) {
 
 /** Return what a robot does, in words. */
 export function doing(robot) {
-  if (state.link !== "up" || state.stale.has(robot.id)) return "—";
+  if (isOld(robot)) return "—";
   const { doing: skill, at_rest: rest } = robot.presence;
   if (skill) return skill;
   if (rest === true) return t("at rest");
@@ -51,7 +55,8 @@ export function battery(robot) {
 export function RobotCard({ robot, chosen, onChoose }) {
   const [kind, words] = connection(robot);
   const charge = battery(robot);
-  return html`<li class=${`robot ${kind} ${chosen ? "chosen" : ""}`}>
+  const old = isOld(robot);
+  return html`<li class=${`robot ${kind} ${chosen ? "chosen" : ""} ${old ? "old" : ""}`}>
     <div class="robot-head">
       <button type="button" class="robot-name" aria-pressed=${chosen} onClick=${onChoose}>
         ${robot.name}
@@ -59,7 +64,7 @@ export function RobotCard({ robot, chosen, onChoose }) {
       <${Pill} kind=${kind}>${words}<//>
     </div>
     ${robot.stopped &&
-    html`<p class="robot-stopped"><${Pill} kind="bad">${t("stopped")}<//></p>`}
+    html`<p class="robot-stopped row"><${Pill} kind=${old ? "unknown" : "bad"}>${t("stopped")}<//> <${Resume} robot=${robot} old=${old} /></p>`}
     <dl class="facts">
       <div><dt>${t("Does")}</dt><dd>${doing(robot)}</dd></div>
       <div><dt>${t("Held by")}</dt><dd>${robot.holder || t("nobody")}</dd></div>

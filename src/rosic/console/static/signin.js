@@ -2,7 +2,7 @@
 
 import { html, useEffect, useState } from "./lib.js";
 import { possible, signInByPasskey } from "./passkeys.js";
-import { signIn, useStore } from "./store.js";
+import { changed, signIn, useStore } from "./store.js";
 import { t } from "./texts.js";
 
 let linked = "";
@@ -13,20 +13,25 @@ export function takeLinkedCode() {
   if (!found) return;
   linked = decodeURIComponent(found[1]);
   history.replaceState(null, "", location.pathname);
+  changed();
+}
+
+/** Whoever is signed in needs none. */
+export function dropLinkedCode() {
+  linked = "";
 }
 
 /** What stands there while nobody is signed in. */
 export function SignIn() {
   const { notice } = useStore();
-  const [code, write] = useState(linked);
+  const [code, write] = useState("");
   const [why, tell] = useState("");
   const [waits, wait] = useState(false);
 
-  async function enter(event) {
-    event?.preventDefault();
-    if (!code.trim()) return;
+  async function enter(given) {
+    if (!given.trim()) return;
     wait(true);
-    const refused = await signIn(code.trim());
+    const refused = await signIn(given.trim());
     if (refused) {
       tell(refused);
       wait(false);
@@ -40,17 +45,26 @@ export function SignIn() {
       wait(false);
     }
   }
+  // Also where the page stood here already: a link that is opened again changes its address only.
   useEffect(() => {
-    if (linked) enter();
+    if (!linked || waits) return;
+    const taken = linked;
     linked = "";
-  }, []);
+    write(taken);
+    enter(taken);
+  });
 
   return html`<main class="sign-in" id="main">
     <div class="panel">
       <h1>ROSIC</h1>
       ${notice && html`<p class="notice" role="status">${notice}</p>`}
       <p>${t("Write /signin to ROSIC in your own chat. It answers with a code.")}</p>
-      <form onSubmit=${enter}>
+      <form
+        onSubmit=${(event) => {
+          event.preventDefault();
+          enter(code);
+        }}
+      >
         <label for="code">${t("Code")}</label>
         <input
           id="code"

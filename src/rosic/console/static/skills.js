@@ -1,8 +1,9 @@
 // Forms that are made from what a robot's profile says of its skills.
 
-import { html, newId, useEffect, useState } from "./lib.js";
+import { html, newId, useEffect, useRef, useState } from "./lib.js";
 import { ask, useStore } from "./store.js";
-import { number, t } from "./texts.js";
+import { number, spoken, t } from "./texts.js";
+import { word } from "./words.js";
 
 function firstOf(schema) {
   const values = {};
@@ -19,10 +20,10 @@ function Field({ id, name, schema, unit, required, value, onInput }) {
   const label = title && !/^(In|From|One) /.test(title) ? title : name;
   const change = (event) => onInput(name, event.target.value);
   return html`<div class="param">
-    <label for=${id}>${label}${!required && html` <span class="quiet">${t("(optional)")}</span>`}</label>
+    <label for=${id}>${word(label)}${!required && html` <span class="quiet">${t("(optional)")}</span>`}</label>
     ${schema.enum
       ? html`<select id=${id} value=${value} onChange=${change}>
-          ${schema.enum.map((each) => html`<option value=${each}>${each}</option>`)}
+          ${schema.enum.map((each) => html`<option value=${each}>${word(each)}</option>`)}
         </select>`
       : html`<span class="with-unit">
           <input
@@ -57,11 +58,34 @@ function argumentsOf(schema, values) {
   return given;
 }
 
+const NOTHING = { kind: "", text: "" };
+
+/** An answer is of the robot as it was: resumed it makes every one old, let go or back a refusal. */
+function isOld({ kind }, { resumed, free, back }) {
+  return resumed || (kind === "bad" && (free || back));
+}
+
+function useChanged(robot, tell) {
+  const { stopped, holder, presence } = robot;
+  const now = { stopped, holder, online: presence.online };
+  const before = useRef(now);
+  useEffect(() => {
+    const was = before.current;
+    before.current = now;
+    tell({
+      resumed: was.stopped && !stopped,
+      free: was.holder !== "" && was.holder !== holder,
+      back: was.online === false && presence.online !== false,
+    });
+  }, [stopped, holder, presence.online]);
+}
+
 function SkillForm({ robot, skill }) {
   const [values, fill] = useState(() => firstOf(skill.arguments));
-  const [said, say] = useState({ kind: "", text: "" });
+  const [said, say] = useState(NOTHING);
   const [waits, wait] = useState(false);
   const required = skill.arguments.required || [];
+  useChanged(robot, (what) => say((before) => (isOld(before, what) ? NOTHING : before)));
   const path = `/v1/robots/${encodeURIComponent(robot.id)}/orders`;
 
   async function give(event, dry) {
@@ -130,7 +154,7 @@ export function Skills({ robot, onSkills }) {
     return () => {
       over = true;
     };
-  }, [robot.id, link === "up"]);
+  }, [robot.id, link === "up", spoken()]);
   if (why) return html`<p class="said bad" role="alert">${why}</p>`;
   if (!skills) return html`<p class="quiet">…</p>`;
   if (!skills.length) {

@@ -2,7 +2,7 @@
 
 import { html, newId, useEffect } from "./lib.js";
 import { ask, changed, listen, send, state, useStore } from "./store.js";
-import { t } from "./texts.js";
+import { clock, t } from "./texts.js";
 
 const PONG_MS = 500;
 const ANSWER_MS = 20_000;
@@ -11,6 +11,7 @@ const ANSWER_MS = 20_000;
 export function stopAll() {
   const id = newId();
   state.stop = { id, phase: "stopping", text: "" };
+  held = new Set();
   const handed = send({ op: "stop", robots: [], id });
   if (handed) {
     send({ op: "ping", id: `after ${id}` });
@@ -43,9 +44,30 @@ async function byRest(id) {
 
 function end(id, atRest, text) {
   if (state.stop?.id !== id || state.stop.phase !== "stopping") return;
-  state.stop = { id, phase: atRest === true ? "at-rest" : "not-confirmed", text };
+  const at = new Date().toISOString();
+  state.stop = { id, phase: atRest === true ? "at-rest" : "not-confirmed", text, at };
+  for (const robot of state.robots.values()) if (robot.stopped) held.add(robot.id);
   changed();
 }
+
+let held = new Set(); // robots that stand by the newest stop
+
+/** What was said of a stop is true until one of its robots goes on. */
+function moved({ robot }) {
+  const { stop } = state;
+  if (!stop) return;
+  const resumed = held.has(robot.id) && !robot.stopped;
+  if (resumed) held.delete(robot.id);
+  else if (robot.stopped) held.add(robot.id);
+  const rests = (id) => state.robots.get(id)?.presence.at_rest === true;
+  const over = {
+    "at-rest": resumed || robot.presence.at_rest === false,
+    "not-confirmed": resumed && [...held].every(rests),
+  };
+  if (over[stop.phase]) state.stop = null;
+}
+
+listen("robot", moved);
 
 listen("stop", ({ id, stop }) => end(id, stop.at_rest, stop.text));
 listen("problem", ({ id, problem }) => id && end(id, null, problem.detail));
@@ -88,7 +110,7 @@ export function StopBar() {
   };
   return html`<section class="stopbar" aria-label=${t("Stop")}>
     <p class=${`stop-said ${stop ? stop.phase : ""}`} role="status" aria-live="assertive">
-      ${stop && html`<strong>${said[stop.phase]}</strong> <span>${stop.text}</span>`}
+      ${stop && html`<strong>${said[stop.phase]}</strong> ${stop.at && html`<time>${clock(stop.at)}</time>${" "}`}<span>${stop.text}</span>`}
     </p>
     <button
       class="stop"
@@ -97,7 +119,7 @@ export function StopBar() {
       onPointerDown=${onPress}
       onClick=${onClick}
     >
-      <span class="stop-word">STOP</span> <span class="stop-how">${t("all robots · space bar")}</span>
+      <span class="stop-word">STOP</span> <span class="stop-how">${t("all robots")}<span class="by-key"> · ${t("space bar")}</span></span>
     </button>
   </section>`;
 }

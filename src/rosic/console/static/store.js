@@ -15,6 +15,7 @@ const MESSAGES_KEPT = 200;
 const TRACK_KEPT = 400;
 const HISTORY_KEPT = 2000;
 const UNHEARD_MS = 3000;
+const CHOOSES = /^\/?(language|sprache)\b/i;
 
 export const state = {
   phase: "starting", // starting, signed-out, signed-in
@@ -32,6 +33,7 @@ export const state = {
   gone: new Map(), // robot -> its name, once it is not there any more
   abilities: new Set(), // what this gateway's connection can do besides
   stop: null,
+  chosen: "", // robot
 };
 
 const watching = new Set();
@@ -137,8 +139,16 @@ export async function signOut() {
 /** Somebody has signed in here by a way of their own. */
 export const signedInAs = (me) => signedIn(me);
 
+/** Speak as whoever is signed in wants to be spoken to now. */
+export async function relearn() {
+  const me = await ask("GET", "/v1/me");
+  if (!me.ok || state.phase !== "signed-in") return;
+  state.me = me.data;
+  await speak(me.data.language);
+  changed();
+}
+
 async function signedIn(me) {
-  await speak(me.language);
   state.me = me;
   state.phase = "signed-in";
   state.notice = "";
@@ -155,6 +165,7 @@ function signedOut(why) {
   state.rates = null;
   state.notice = why;
   run = ""; // whoever signs in next has lost no connection
+  state.chosen = "";
   drop();
   changed();
 }
@@ -169,6 +180,7 @@ let looked = 0;
 let asked = [];
 let retry = 0;
 let unheard = 0;
+let choosing = false; // a language; the answer says when it counts
 
 function connect() {
   drop();
@@ -231,6 +243,7 @@ function subscribe(topics) {
 const heard = {
   hello({ me, run: now, abilities }) {
     state.me = me;
+    speak(me.language).then(changed);
     state.link = "up";
     tries = 0;
     if (run) {
@@ -265,6 +278,11 @@ const heard = {
   },
   message({ message }) {
     state.messages.set(message.id, message);
+    if (message.own && CHOOSES.test(message.text)) choosing = true;
+    else if (choosing && !message.own) {
+      choosing = false;
+      relearn();
+    }
     if (state.messages.size > MESSAGES_KEPT) {
       state.messages.delete(state.messages.keys().next().value);
     }

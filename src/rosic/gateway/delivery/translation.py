@@ -27,6 +27,10 @@ def _english(_code: str) -> None:
     return None
 
 
+def _plain_code(locale: str) -> str:
+    return locale.casefold().replace("_", "-").partition("-")[0]
+
+
 def _nobody(_address: Address) -> None:
     return None
 
@@ -87,7 +91,7 @@ class ChatLanguages:
 
     def spoken(self, locale: str) -> Catalogue | None:
         """Return the catalogue that goes with a platform's setting: ``de``, ``de-AT``."""
-        code = locale.casefold().replace("_", "-").partition("-")[0]
+        code = _plain_code(locale)
         if code not in self._known:
             return None
         if code not in self._catalogues:
@@ -123,6 +127,16 @@ class ChatLanguages:
         self._settle(principal)
         if len(self._heard) > HEARD_AT_MOST:
             self._settle(self._heard.popitem(last=False)[0])
+
+    def suggest(self, principal: PrincipalId, locale: str) -> None:
+        """Note what somebody's browser asks for: it counts where no messenger has said anything."""
+        if locale and principal not in self._heard:
+            self.hear(principal, locale)
+
+    def code(self, principal: PrincipalId) -> str:
+        """Return the code of the language that somebody reads."""
+        code = self._chosen.get(principal) or self._heard.get(principal, "")
+        return "en" if self.spoken(code) is None else _plain_code(code)
 
     def _settle(self, principal: PrincipalId) -> None:
         code = self._chosen.get(principal) or self._heard.get(principal, "")

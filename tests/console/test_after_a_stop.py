@@ -1,0 +1,108 @@
+"""What stands on the page is true of now: after a stop, after a resume, and in a tab left open."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from playwright.async_api import expect
+
+from tests.console.browser import DESK, PHONE, opened
+
+if TYPE_CHECKING:
+    from playwright.async_api import Browser
+
+    from tests.api.served import ServedGateway
+    from tests.console.browser import OpenPage
+
+pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.limit(300)]
+ON_A_PHONE = pytest.mark.parametrize("there", [PHONE], ids=["phone"], indirect=True)
+
+
+async def test_a_robot_goes_on_by_its_own_button_and_what_was_said_of_the_stop_goes(
+    there: OpenPage, place: ServedGateway
+) -> None:
+    page = there.page
+    await there.sign_in()
+    await there.go("drive/omni")
+    rest = page.locator(".stop-said strong")
+    status = page.get_by_label("Robot", exact=True).get_by_role("button", name="Resume omni")
+    await page.locator("button.stop").click()
+    await expect(rest).to_have_text("At rest")
+    await expect(page.locator(".stop-said time")).to_be_visible()
+    form = page.get_by_role("form", name="Move in a straight line")
+    await form.get_by_label("Distance").fill("0.3")
+    await form.get_by_role("button", name="Give the order").click()
+    await expect(form.get_by_role("status")).to_contain_text("omni is stopped")
+    await status.click()
+    await expect(page.locator(".messages")).to_contain_text("omni is ready again")
+    await expect(rest).to_have_count(0)
+    await expect(form.locator(".said")).to_have_text("")
+    await expect(status).to_have_count(0)
+    assert not place.gateway.rooms.stops["omni"].latched
+    used = page.locator(".messages").get_by_role("button", name="Resume omni").first
+    await used.click()
+    await expect(page.locator(".chat")).to_contain_text("Nothing is stopped there")
+    await there.go("live")
+    card = page.locator(".robot", has_text="KUKA iiwa")
+    await card.get_by_role("button", name="Resume KUKA iiwa").click()
+    await expect(card.get_by_role("button", name="Resume")).to_have_count(0)
+    assert not place.gateway.rooms.stops["kuka1"].latched
+    assert await there.violations() == []
+
+
+async def test_what_is_said_of_a_stop_goes_when_somebody_elsewhere_resumes(
+    there: OpenPage, place: ServedGateway
+) -> None:
+    await there.sign_in("Bo")
+    await there.page.locator("button.stop").click()
+    await expect(there.page.locator(".stop-said strong")).to_have_text("At rest")
+    ada = await place.person("Ada")
+    await ada.post("/v1/chat", json={"text": "resume omni"})
+    await expect(there.page.locator(".stop-said strong")).to_have_count(0)
+
+
+async def test_a_link_that_is_opened_where_signing_in_stands_already_signs_in(
+    there: OpenPage, place: ServedGateway
+) -> None:
+    await there.page.goto(place.url)
+    await expect(there.page.get_by_label("Code")).to_be_visible()
+    await there.go(f"code={place.code('Ada')}")
+    await there.connected()
+    assert "code" not in there.page.url
+
+
+@ON_A_PHONE
+async def test_on_a_phone_a_code_is_on_one_line_and_another_tab_begins_at_its_top(
+    there: OpenPage,
+) -> None:
+    page = there.page
+    await there.sign_in()
+    await there.go("people")
+    form = page.get_by_role("form", name="Invite somebody")
+    await form.get_by_role("button", name="Invite", exact=True).click()
+    code = page.locator(".new-invitation .code")
+    await expect(code).to_be_visible()
+    lines = await code.evaluate("e => e.getClientRects().length && e.offsetHeight / 24")
+    assert lines < 2 * 1.45
+    inside = await code.evaluate("e => e.scrollWidth <= e.parentElement.clientWidth")
+    assert inside
+    await page.evaluate("scrollTo(0, 2000)")
+    assert await page.evaluate("scrollY") > 0
+    await there.go("live")
+    await expect(page.locator(".robot").first).to_be_in_viewport()
+    assert await page.evaluate("scrollY") == 0
+
+
+async def test_a_german_browser_is_spoken_to_in_german_until_somebody_chooses(
+    browser: Browser, place: ServedGateway
+) -> None:
+    async with opened(browser, place, DESK, locale="de-DE") as there:
+        page = there.page
+        await page.goto(f"{place.url}/#code={place.code('Bo')}")
+        await expect(page.get_by_text("Gateway verbunden")).to_be_visible()
+        await there.go("drive/omni")
+        await expect(page.get_by_role("form", name="Ein Stück fahren")).to_contain_text("Richtung")
+        await page.get_by_label("Nachricht").fill("/language en")
+        await page.get_by_role("button", name="Senden").click()
+        await there.connected()
