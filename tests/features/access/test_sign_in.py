@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from rosic.core.message import ChatKind
 from rosic.core.time_units import MINUTE_NS
+from rosic.features.sign_in.commands import may_carry_code
 from tests.api.served import served
+
+LINK = re.compile(r"^Or open: http://127\.0\.0\.1:0/#code=\S+$", re.MULTILINE)
 
 
 @pytest.mark.parametrize(
@@ -26,3 +31,20 @@ async def test_a_code_is_given_to_whoever_asks_alone_and_now(
         await place.until(lambda: any(answer in one.outbound.text for one in place.chat.told))
         given = any("Your code for the page:" in one.outbound.text for one in place.chat.told)
         assert given is (answer == "Your code for the page:")
+        linked = [LINK.search(one.outbound.text) for one in place.chat.told]
+        assert any(linked) is given
+
+
+@pytest.mark.parametrize(
+    ("url", "there"),
+    [
+        ("https://robots.example.org", True),
+        ("http://127.0.0.1:8765", True),
+        ("http://[::1]:8765", True),
+        ("http://localhost:8765", True),
+        ("http://192.0.2.7:8765", False),
+        ("http://robots.example.org", False),
+    ],
+)
+def test_a_link_carries_a_code_where_nobody_reads_along(url: str, *, there: bool) -> None:
+    assert may_carry_code(url) is there

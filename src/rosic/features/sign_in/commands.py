@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ipaddress
 from typing import TYPE_CHECKING, Final
+from urllib.parse import urlsplit
 
-from rosic.core.i18n import filled, said
+from rosic.core.i18n import filled, joined, said
 from rosic.core.language.command import Command, HelpPage
 from rosic.core.message import ChatKind
 from rosic.errors import NotPermitted
@@ -41,6 +43,7 @@ CODE: Final = said(
     "Type it at {url}. It is good for 5 minutes, once. Whoever has it signs in as you, so show it "
     "to nobody; nobody here ever asks for it."
 )
+LINK: Final = said("Or open: {link}")
 SIGNED_OUT: Final = said("Every browser that was signed in as you is signed out ({count}).")
 NOBODY: Final = said("No browser is signed in as you.")
 
@@ -75,8 +78,11 @@ class SignInCommands:
             raise NotPermitted(IN_GROUP)
         if (url := self._page_url()) is None:
             return Reply(NO_PAGE)
-        code = self._access.page_sessions.offer(asked.caller.principal)
-        return Reply(filled(CODE, code=code.reveal(), url=url))
+        code = self._access.page_sessions.offer(asked.caller.principal).reveal()
+        told = [filled(CODE, code=code, url=url)]
+        if may_carry_code(url):
+            told.append(filled(LINK, link=f"{url}/#code={code}"))
+        return Reply(joined("\n", told))
 
     async def sign_out(self, asked: CommandContext) -> Reply:
         """End every session of somebody, at once."""
@@ -85,3 +91,14 @@ class SignInCommands:
             return Reply(NOBODY)
         await self._access.changes.take_away(ended)
         return Reply(filled(SIGNED_OUT, count=len(ended)))
+
+
+def may_carry_code(url: str) -> bool:
+    """Whether a link may carry a code: it is encrypted, or goes to this machine alone."""
+    parts = urlsplit(url)
+    if parts.scheme == "https":
+        return True
+    try:
+        return ipaddress.ip_address(parts.hostname or "").is_loopback
+    except ValueError:
+        return parts.hostname == "localhost"
