@@ -7,8 +7,11 @@ import json
 from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
+from msgspec.structs import replace
 
+from rosic.api.schemas import OrderOut
 from rosic.cli.main import main
+from rosic.cli.remote import is_news
 from tests.api.served import served
 
 if TYPE_CHECKING:
@@ -225,3 +228,13 @@ async def test_somebody_is_locked_out_and_let_in_again(run: Run, tmp_path: Path)
         assert not locks.locked(bo)
         nobody = await run("lock", "Nobody", *where)
         assert (nobody.status, nobody.out) == (1, "")
+
+
+def test_how_far_an_order_is_is_shown_once_a_second_and_another_stage_at_once() -> None:
+    runs = OrderOut("1", "omni", "move", "running", over=False, fraction=0.1)
+    further = replace(runs, fraction=0.2)
+    assert is_news(runs, None, 0.0)
+    assert not is_news(further, runs, 0.9)
+    assert is_news(further, runs, 1.0)
+    assert not is_news(runs, runs, 5.0)
+    assert is_news(replace(further, state="done", over=True), further, 0.0)

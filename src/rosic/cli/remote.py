@@ -9,6 +9,7 @@ import argparse
 import asyncio
 import os
 import sys
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 URL, KEY, CA = "ROSIC_URL", "ROSIC_KEY", "ROSIC_CA"
 GOOD_STATES: Final = frozenset({"done", "sent"})
+PROGRESS_S: Final = 1.0
+"""How far an order is, is shown at most so often."""
 LISTED: Final = 50
 NOT_YET: Final = frozenset({"asked", "not-done"})
 """States of an answer: nothing was done, or somebody has to agree first."""
@@ -218,11 +221,20 @@ async def _order(
     if not options.wait:
         print(order_line(placed))
         return 0
-    last = placed
-    async for state in client.follow(placed):
-        last = state
-        print(order_line(last), flush=True)
+    last, shown, shown_s = placed, None, 0.0
+    async for last in client.follow(placed):
+        now_s = time.monotonic()
+        if is_news(last, shown, now_s - shown_s):
+            shown, shown_s = last, now_s
+            print(order_line(last), flush=True)
     return 0 if last.state in GOOD_STATES else 1
+
+
+def is_news(order: OrderOut, shown: OrderOut | None, since_s: float) -> bool:
+    """Whether an order is shown again: at another stage, or once a second as it goes on."""
+    if shown is None or order.state != shown.state or order.over:
+        return True
+    return since_s >= PROGRESS_S and order_line(order) != order_line(shown)
 
 
 def _values(texts: Sequence[str]) -> dict[str, float | str]:
