@@ -201,6 +201,10 @@ async def test_the_stick_drives_while_it_is_held(there: OpenPage, place: ServedG
     await there.picture("jog")
     await page.keyboard.up("ArrowUp")
     await expect(page.locator(".jogging .said")).to_contain_text("drove live for")
+    talk = page.locator(".messages")
+    await expect(talk).to_contain_text("drive, live")
+    await expect(talk).not_to_contain_text("linear=")
+    await expect(talk.get_by_role("button", name="Again")).to_have_count(0)
     await place.until(lambda: presence("omni").at_rest is True)
     box = await stick.bounding_box()
     assert box is not None

@@ -119,7 +119,7 @@ class PageMessenger(ProgramMessenger):
         call = super().begin(inbound, robot)
         tapped = inbound.nonce is not None
         self._goes_back(inbound.message, self.line_of(inbound.under) if tapped else inbound.message)
-        if not tapped:
+        if not (tapped or inbound.live):
             account, text = inbound.sender.account, inbound.text
             self._put(account, PageMessage(inbound.message, inbound.sent_ns, text, own=True))
         return call

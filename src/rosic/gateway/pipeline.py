@@ -264,12 +264,15 @@ class Pipeline:
         if chat.kind is not PRIVATE:
             self._chat.spoke_to(message, line)
         message.asks(line.robots)
-        self.command_history.note(caller.principal, chat, line.group or line.robots[0], line.text)
+        about, live = line.group or line.robots[0], orders[0].live
+        if not live:  # nobody typed it, and it is nothing to ask for again
+            self.command_history.note(caller.principal, chat, about, line.text)
         if len(orders) > 1:
             orders = begin_together(orders, self._clock.monotonic_ns())
         catalogue = self._languages.of(caller.principal)
         words = ENGLISH if catalogue is None else wording_in(catalogue)
-        about = line.group or line.robots[0]
+        ends = self.ends
+        after = ends.of_task(about, "", catalogue) if live else ends[about, line.text, catalogue]
         order_message = OrderMessage(
             messenger,
             chat,
@@ -278,7 +281,7 @@ class Pipeline:
             words,
             about=about,
             buttons=stop_button(about),
-            after=self.ends[about, line.text, catalogue],
+            after=after,
             cause=message.inbound.message,
         )
         if message.confirmed and messenger.edits and len(message.asked) == len(orders):
