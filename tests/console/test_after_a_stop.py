@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from tests.console.browser import OpenPage
 
 pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.limit(300)]
+expect.set_options(timeout=15_000)
 ON_A_PHONE = pytest.mark.parametrize("there", [PHONE], ids=["phone"], indirect=True)
 
 
@@ -49,6 +50,23 @@ async def test_a_robot_goes_on_by_its_own_button_and_what_was_said_of_the_stop_g
     await expect(card.get_by_role("button", name="Resume")).to_have_count(0)
     assert not place.gateway.rooms.stops["kuka1"].latched
     assert await there.violations() == []
+
+
+async def test_the_map_waits_for_the_first_robot_that_says_where_it_is(there: OpenPage) -> None:
+    await there.page.add_init_script(WITHOUT_PLACES)
+    await there.sign_in()
+    await expect(there.page.locator(".robot")).to_have_count(6)
+    await expect(there.page.get_by_text("No robot says where it is.")).to_be_visible()
+
+
+WITHOUT_PLACES = """
+const parse = JSON.parse;
+JSON.parse = (text) => {
+  const found = parse(text);
+  if (found?.event === "robot") found.robot.presence.pose = null;
+  return found;
+};
+"""
 
 
 async def test_what_is_said_of_a_stop_goes_when_somebody_elsewhere_resumes(

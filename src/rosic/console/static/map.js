@@ -57,7 +57,7 @@ export function PoseMap() {
   const [wanted, choose] = useState("");
   const all = frames(robots.values());
   const frame = all.includes(wanted) ? wanted : all[0];
-  const there = [...robots.values()].filter((robot) => robot.presence.pose?.frame === frame);
+  const there = [...robots.values()].filter(({ presence: { pose } }) => pose && pose.frame === frame);
   if (!there.length) return html`<p class="quiet">${t("No robot says where it is.")}</p>`;
   const ways = there.map((robot) =>
     (tracks.get(robot.id) || []).filter((point) => point.frame === frame),
