@@ -117,7 +117,7 @@ async def test_a_body_that_is_too_large_is_refused_whether_it_says_so_or_not() -
         assert problem(unsaid)[:2] == (413, "too-large")
         reader, writer = await asyncio.open_connection("127.0.0.1", place.server.port)
         writer.write(
-            b"POST /v1/stop HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 104857600\r\n\r\n"
+            b"POST /v1/chat HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 104857600\r\n\r\n"
         )
         answer = await asyncio.wait_for(reader.readuntil(b"\r\n\r\n"), SOON_S * pace())
         assert answer.startswith(b"HTTP/1.1 413")

@@ -90,6 +90,8 @@ async def test_url_and_key_may_stand_in_the_environment(
         monkeypatch.setenv("ROSIC_KEY", await place.key("operator"))
         assert (await run("stop")).status == 0
         assert place.gateway.rooms.stops["kuka1"].latched
+        assert (await run("stop", "x" * 70)).status == 0
+        assert (await run("stop", "")).status == 0
         here = await run("status", "-c", "none.toml")
         assert here.status == 2
         assert "none.toml" in here.err

@@ -5,13 +5,13 @@ Plain ASGI, so that it holds for whatever is mounted behind it: REST, WebSockets
 
 from __future__ import annotations
 
-import asyncio
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import parse_qs, urlsplit
 
 import msgspec
 
+from rosic.api.body_limits import bounded
 from rosic.api.problems import PROBLEM, problem
 from rosic.api.read_rates import headers_of
 from rosic.api.rosbridge.endpoint import PATHS as ROSBRIDGE_PATHS
@@ -38,6 +38,8 @@ OPEN_BYTES: Final = 16_384
 FILE_BYTES: Final = 25_000_000
 FILES_PATH: Final = "/v1/files"
 OPEN_PATH: Final = "/v1/sessions"
+STOP_PATH: Final = "/v1/stop"
+"""What is announced of its body is no reason to refuse it; no more of it than of others is read."""
 KEYED_PATHS: Final = frozenset({"/foxglove"})
 """What shows and changes nothing, to programs that can show a key in an address alone."""
 SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS"})
@@ -110,8 +112,8 @@ class AccessChecks:
             return
         is_file = scope["path"].startswith(FILES_PATH)
         within_s = self._limits.file_s if is_file else self._limits.body_s
-        bounded = _bounded(receive, _bytes_at_most(scope["path"]), within_s)
-        await self._app(scope, bounded, self._dressed(scope, send))
+        limited = bounded(receive, _bytes_at_most(scope["path"]), within_s)
+        await self._app(scope, limited, self._dressed(scope, send))
 
     def _refusal(self, scope: Scope, headers: dict[bytes, bytes]) -> Problem | None:
         host = headers.get(b"host", b"").decode("latin-1")
@@ -122,7 +124,8 @@ class AccessChecks:
         if not safe and (why := self._foreign(headers, host)):
             return problem("wrong-origin", why, status=HTTPStatus.FORBIDDEN)
         length = headers.get(b"content-length", b"0")
-        if not length.isdigit() or int(length[:12]) > _bytes_at_most(scope["path"]):
+        announced = int(length[:12]) if length.isdigit() else FILE_BYTES + 1
+        if announced > _bytes_at_most(scope["path"]) and not _stops(scope):
             return problem("too-large", TOO_LARGE, status=HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
         return None
 
@@ -180,6 +183,11 @@ def _is_keyed(scope: Scope) -> bool:
     return len(query.get("key", ())) == 1 and query["key"] != [""]
 
 
+def _stops(scope: Scope) -> bool:
+    path: str = scope["path"].rstrip("/")
+    return path == STOP_PATH or (path.startswith("/v1/robots/") and path.endswith("/stop"))
+
+
 def _bytes_at_most(path: str) -> int:
     if path.startswith(FILES_PATH):
         return FILE_BYTES
@@ -192,39 +200,6 @@ def _site(origin: bytes) -> str:
         return urlsplit(origin.decode("latin-1")).netloc
     except ValueError:
         return ""
-
-
-def _bounded(receive: Receive, most: int, within_s: float) -> Receive:
-    """Return what receives no more than so many bytes, in no more than so many seconds.
-
-    A body need not say how long it is, and may come a byte at a time.
-    """
-    got, more, until_s = 0, True, asyncio.get_running_loop().time() + within_s
-
-    async def bounded() -> MutableMapping[str, Any]:
-        nonlocal got, more
-        if not more:  # what comes now is that the client has left, whenever that is
-            return await receive()
-        try:
-            async with asyncio.timeout_at(until_s):
-                message = await receive()
-        except TimeoutError:
-            raise BodyDeadlineExceeded from None
-        more = bool(message.get("more_body"))
-        got += len(message.get("body", b""))
-        if got > most:
-            raise BodyLimitExceeded
-        return message
-
-    return bounded
-
-
-class BodyLimitExceeded(Exception):
-    """A body is longer than is taken; it was not read to its end."""
-
-
-class BodyDeadlineExceeded(Exception):
-    """A body takes longer than is waited for it; it was not read to its end."""
 
 
 async def _refuse(scope: Scope, send: Send, why: Problem, headers: Headers) -> None:

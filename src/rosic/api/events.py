@@ -37,6 +37,7 @@ from rosic.api.problems import problem, problem_of
 from rosic.api.rate_feed import RateFeed, of_visible
 from rosic.api.robot_monitor import RobotMonitor
 from rosic.api.schemas import StopIn
+from rosic.api.stop_reading import speaks_of_stop
 from rosic.core.i18n import plain
 from rosic.core.identity import PAGE
 from rosic.errors import RosicError, Unrecognised
@@ -181,9 +182,10 @@ class EventStream:
     ) -> None:
         step = StepLimit()
         with contextlib.suppress(WebSocketDisconnect):
-            async for text in connection.iter_data("text"):
+            while True:
+                said = await _next_of(connection)
                 await step.rest()
-                heard = _said_in(text)
+                heard = _said_in(said)
                 if isinstance(heard, Jog):
                     jogs.take(heard)
                 else:
@@ -302,6 +304,15 @@ class _Left(Exception):
     """A connection ends: its code, and why."""
 
 
+async def _next_of(connection: WebSocket[Any, Any, Any]) -> str:
+    """Return the next message, whether it comes as text or as bytes."""
+    event = await connection.receive()
+    if event["type"] != "websocket.receive":
+        raise WebSocketDisconnect(detail="gone")
+    data = event.get("bytes")
+    return event.get("text") or "" if data is None else data.decode(errors="replace")
+
+
 def _said_in(text: str) -> Said | None:
     """Return what a client says; None where it cannot be read.
 
@@ -310,9 +321,9 @@ def _said_in(text: str) -> Said | None:
     try:
         if len(text) <= MESSAGE_BYTES:
             return _read(text)
-    except (msgspec.MsgspecError, UnicodeError):
+    except (msgspec.MsgspecError, UnicodeError, RecursionError):
         pass
-    return StopRequest() if '"stop"' in text[:MESSAGE_BYTES] else None
+    return StopRequest() if speaks_of_stop(text[:MESSAGE_BYTES]) else None
 
 
 def _written(event: Event) -> bytes | None:

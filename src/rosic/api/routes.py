@@ -33,6 +33,7 @@ from rosic.api.schemas import (
     StopIn,
     StopOut,
 )
+from rosic.api.stop_reading import StopRequestBody
 from rosic.core.identity import PAGE
 
 if TYPE_CHECKING:
@@ -135,9 +136,17 @@ async def cancel_order(speech: Speech, caller: Who, order: FromPath[str]) -> Ans
     return await speech.say(caller, ChatIn(text=f"cancel {speech.robot_of(caller, order)}"))
 
 
-@post("/stop", status_code=HTTP_200_OK, summary="Stop robots", tags=["stop"])
+@post(
+    "/stop",
+    status_code=HTTP_200_OK,
+    summary="Stop robots",
+    tags=["stop"],
+    request_class=StopRequestBody,
+)
 async def stop(speech: Speech, caller: Who, data: JSONBody[StopIn]) -> StopOut:
     """Stop robots at once; all that the caller may see, if none is named. They stay stopped.
+
+    A body that is missing, or cannot be read, stops all as well.
 
     It is an operational stop over a network and no safety function.
     """

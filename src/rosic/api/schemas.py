@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 import msgspec
 
 from rosic.core.time_units import SECOND_NS
 
-Name = Annotated[str, msgspec.Meta(min_length=1, max_length=64)]
+NAME_MOST: Final = 64
+ROBOTS_MOST: Final = 1_000
+WAIT_MOST_S: Final = 60
+Name = Annotated[str, msgspec.Meta(min_length=1, max_length=NAME_MOST)]
 Line = Annotated[str, msgspec.Meta(min_length=1, max_length=4_096)]
-Wait = Annotated[float, msgspec.Meta(ge=0, le=60)]
+Wait = Annotated[float, msgspec.Meta(ge=0, le=WAIT_MOST_S)]
 
 
 class IdentityOut(msgspec.Struct, frozen=True):
@@ -171,10 +174,10 @@ class CheckOut(msgspec.Struct, frozen=True):
     needs: tuple[str, ...] = ()
 
 
-class StopIn(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Which robots to stop; left out: all that one may see."""
+class StopIn(msgspec.Struct, frozen=True):
+    """Which robots to stop; left out, or not to be read: all that one may see."""
 
-    robots: Annotated[tuple[Name, ...], msgspec.Meta(max_length=1_000)] = ()
+    robots: Annotated[tuple[Name, ...], msgspec.Meta(max_length=ROBOTS_MOST)] = ()
     wait_s: Wait = 15.0
 
 

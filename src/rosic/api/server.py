@@ -24,9 +24,8 @@ from rosic.api.access_checks import (
     TOO_LARGE,
     TOO_SLOW,
     AccessChecks,
-    BodyDeadlineExceeded,
-    BodyLimitExceeded,
 )
+from rosic.api.body_limits import BodyDeadlineExceeded, BodyLimitExceeded
 from rosic.api.callers import ApiCaller, CallerDirectory
 from rosic.api.connections import IdleConnections, LimitedHttp, LimitedSocket
 from rosic.api.context import ApiContext
