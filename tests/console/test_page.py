@@ -71,6 +71,14 @@ async def test_a_link_signs_in_and_its_code_stays_nowhere(
     assert await there.page.evaluate("history.length") <= 2
 
 
+async def test_a_code_that_is_none_shows_where_to_sign_in(
+    there: OpenPage, place: ServedGateway
+) -> None:
+    await there.page.goto(f"{place.url}/#code=%")
+    await expect(there.page.get_by_label("Code")).to_have_value("%")
+    assert "code" not in there.page.url
+
+
 @SIZES
 async def test_stop_is_handed_over_at_once_and_true_when_it_says_at_rest(
     there: OpenPage, place: ServedGateway
@@ -217,6 +225,14 @@ async def test_the_stick_drives_while_it_is_held(there: OpenPage, place: ServedG
     await expect(page.locator(".stop-said strong")).to_have_text("At rest")
     await page.mouse.up()
     assert presence("omni").at_rest is True
+
+
+async def test_a_space_on_a_slider_is_a_stop(there: OpenPage, place: ServedGateway) -> None:
+    await there.sign_in()
+    await there.go("drive/omni")
+    await there.page.get_by_role("slider").focus()
+    await there.page.keyboard.press("Space")
+    await place.until(lambda: STOPPED_AT)
 
 
 async def test_a_window_that_is_left_lets_go(there: OpenPage, place: ServedGateway) -> None:

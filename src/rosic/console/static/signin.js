@@ -7,11 +7,19 @@ import { t } from "./texts.js";
 
 let linked = "";
 
+function plain(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text; // it is no code, and the gateway says so
+  }
+}
+
 /** Take a code out of the address: it is good once, and belongs into no history. */
 export function takeLinkedCode() {
   const found = location.hash.match(/^#code=([^&]{1,64})$/);
   if (!found) return;
-  linked = decodeURIComponent(found[1]);
+  linked = plain(found[1]);
   history.replaceState(null, "", location.pathname);
   changed();
 }

@@ -73,9 +73,13 @@ listen("stop", ({ id, stop }) => end(id, stop.at_rest, stop.text));
 listen("problem", ({ id, problem }) => id && end(id, null, problem.detail));
 
 const TYPING = "input, textarea, [contenteditable]";
+const NOT_TYPED = ["range", "checkbox", "radio", "button", "submit", "reset", "file", "image"];
+
+/** Whether a space is a letter there; where nothing is typed, as on a slider, it is a stop. */
+const types = (field) => Boolean(field) && !NOT_TYPED.includes(field.type);
 
 function onKey(event) {
-  if (event.code !== "Space" || event.target.closest?.(TYPING) || event.isComposing) return;
+  if (event.code !== "Space" || types(event.target.closest?.(TYPING)) || event.isComposing) return;
   event.preventDefault();
   if (event.type === "keydown" && !event.repeat && state.phase === "signed-in") stopAll();
 }
