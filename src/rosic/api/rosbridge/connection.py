@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, assert_never
 
 from rosic.api.callers import NO_KEY
 from rosic.api.connections import frame_of
@@ -23,6 +23,7 @@ from rosic.api.rosbridge.messages import (
     SubscribeTopic,
     Unadvertise,
     Unsubscribe,
+    about,
     read,
     written,
 )
@@ -31,12 +32,11 @@ from rosic.api.rosbridge.subscriptions import (
     SubscriptionSettings,
     TopicSubscriptions,
 )
-from rosic.api.rosbridge.topics import PublishingRight, absolute
+from rosic.api.rosbridge.topics import PublishingRight, absolute, no_topic
 from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.i18n import said
 from rosic.errors import (
     Fault,
-    NotFound,
     NotPermitted,
     NotUnderstood,
     RosicError,
@@ -50,10 +50,11 @@ if TYPE_CHECKING:
 
     from rosic.api.callers import ApiCaller
     from rosic.api.rosbridge.calls import ClientCalls
-    from rosic.api.rosbridge.messages import Heard, Id, Told
+    from rosic.api.rosbridge.messages import Heard, HeardOfKnown, Id, Told
     from rosic.api.rosbridge.shared import RosbridgeParts
     from rosic.api.rosbridge.subscriptions import ClientQueue
     from rosic.contracts.graph_topics import OpenedPublisher
+    from rosic.core.robot.profile import RobotId
 
 TOPICS_AT_MOST: Final = 128
 """Of one client."""
@@ -85,7 +86,6 @@ _SERVING: Final = frozenset(
         "action_result",
     }
 )
-_BEFORE: Final = (Authenticate, SetLevel)
 
 
 class _Publishing(NamedTuple):
@@ -93,6 +93,13 @@ class _Publishing(NamedTuple):
 
     right: PublishingRight
     publisher: OpenedPublisher
+
+
+class _Subscription(NamedTuple):
+    """A topic that this client is told of, as long as it may see that robot."""
+
+    robot: RobotId
+    queue: TopicSubscriptions
 
 
 class RosbridgeConnection:
@@ -114,7 +121,7 @@ class RosbridgeConnection:
         self.rejected = False
         self._level = LEVELS.index("error")
         self._tries = 0
-        self._queues: dict[str, TopicSubscriptions] = {}
+        self._subscriptions: dict[str, _Subscription] = {}
         self._publishing: dict[str, _Publishing | TopicDriver] = {}
         self._calls: ClientCalls | None = None
         self._refused_s: dict[tuple[str, ...], float] = {}
@@ -133,7 +140,7 @@ class RosbridgeConnection:
         for topic, used in self._publishing.items():
             if not isinstance(used, TopicDriver):
                 await self._parts.hub.release(topic)
-        for topic, queue in self._queues.items():
+        for topic, (_, queue) in self._subscriptions.items():
             queue.close()
             await self._parts.hub.leave(topic, queue)
 
@@ -148,12 +155,12 @@ class RosbridgeConnection:
             try:
                 await self._publish(used, heard)
             except RosicError as why:
-                self._refuse(why, heard.id, "publish", heard.topic)
+                self._refuse(why, heard.id, *about(heard))
             return
         try:
             await self._follow(heard)
         except RosicError as why:
-            self._refuse(why, heard.id, type(heard).__name__, str(getattr(heard, "topic", "")))
+            self._refuse(why, heard.id, *about(heard))
 
     async def _follow(self, heard: Heard | RefusedMessage) -> None:
         if isinstance(heard, RefusedMessage):
@@ -169,7 +176,7 @@ class RosbridgeConnection:
             raise Unrecognised(NO_KEY)
         await self._done(heard, self.caller)
 
-    async def _done(self, heard: Heard, caller: ApiCaller) -> None:
+    async def _done(self, heard: HeardOfKnown, caller: ApiCaller) -> None:
         if isinstance(heard, Publish):
             used = await self._opened(caller, heard.topic, "")
             await self._publish(used, heard)
@@ -178,11 +185,13 @@ class RosbridgeConnection:
         elif isinstance(heard, Unadvertise):
             await self._unadvertise(heard)
         elif isinstance(heard, SubscribeTopic):
-            self._begin(self._subscribe(caller, heard), heard.id)
+            self._begin(self._subscribe(caller, heard), heard)
         elif isinstance(heard, Unsubscribe):
-            self._begin(self._unsubscribe(heard), heard.id)
+            self._begin(self._unsubscribe(heard), heard)
         elif isinstance(heard, CallService | SendActionGoal | CancelActionGoal):
             self._call(heard, caller)
+        else:
+            assert_never(heard)
 
     def _authenticate(self, heard: Authenticate) -> None:
         self._tries += 1
@@ -266,35 +275,34 @@ class RosbridgeConnection:
             (heard.throttle_rate or 0) / 1_000, min(heard.queue_length or 0, QUEUE_MOST), form
         )
         async with self._subscribing:
-            queue = self._queues.get(access.topic)
-            if queue is None:
-                if len(self._queues) >= TOPICS_AT_MOST:
+            known = self._subscriptions.get(access.topic)
+            if known is None:
+                if len(self._subscriptions) >= TOPICS_AT_MOST:
                     raise TooManyRequests(TOO_MANY_TOPICS, retry_after_s=1.0)
-                queue = TopicSubscriptions(access.topic, self.queue)
-                queue.subscribe(heard.id, terms)
-                await self._parts.hub.listen(access, queue)
-                self._queues[access.topic] = queue
-            queue.subscribe(heard.id, terms)
+                known = _Subscription(access.robot, TopicSubscriptions(access.topic, self.queue))
+                known.queue.subscribe(heard.id, terms)
+                await self._parts.hub.listen(access, known.queue)
+                self._subscriptions[access.topic] = known
+            known.queue.subscribe(heard.id, terms)
 
     async def _unsubscribe(self, heard: Unsubscribe) -> None:
         name = absolute(heard.topic)
         async with self._subscribing:
-            queue = self._queues.get(name)
-            if queue is not None and queue.unsubscribe(heard.id):
-                del self._queues[name]
-                await self._parts.hub.leave(name, queue)
+            known = self._subscriptions.get(name)
+            if known is not None and known.queue.unsubscribe(heard.id):
+                del self._subscriptions[name]
+                await self._parts.hub.leave(name, known.queue)
 
     def check_sight(self) -> None:
         """End the subscriptions to robots that the client may not see any more, and say so."""
-        caller = self.caller
-        if caller is None:
+        if self.caller is None or not self._subscriptions:
             return
-        for topic in tuple(self._queues):
-            try:
-                self._parts.directory.find(caller, topic)
-            except NotFound as why:
-                self._refuse(why, None, "subscribe", topic)
-                self._begin(self._unsubscribe(Unsubscribe(topic)))
+        seen = self._parts.directory.robots(self.caller)
+        gone = [topic for topic, one in self._subscriptions.items() if one.robot not in seen]
+        for topic in gone[: TASKS_AT_MOST - len(self._tasks)]:  # the rest at the next look
+            over = Unsubscribe(topic)
+            self._refuse(no_topic(topic), None, *about(over))
+            self._begin(self._unsubscribe(over), over)
 
     # ---- services and actions ----
 
@@ -308,29 +316,29 @@ class RosbridgeConnection:
             given = isinstance(heard, CallService) and calls.gives_stop(heard)
             raise TooManyRequests(STOP_GIVEN if given else TOO_MUCH, retry_after_s=1.0)
         if isinstance(heard, CallService):
-            self._begin(self._noted(calls.call(heard), heard.service))
+            self._begin(self._noted(calls.call(heard), heard), heard)
         elif isinstance(heard, SendActionGoal):
-            self._begin(self._noted(calls.send_goal(heard), heard.action))
+            self._begin(self._noted(calls.send_goal(heard), heard), heard)
         else:
-            self._begin(calls.cancel_goal(heard), heard.id)
+            self._begin(calls.cancel_goal(heard), heard)
 
-    async def _noted(self, call: Coroutine[Any, Any, RosicError | None], name: str) -> None:
+    async def _noted(self, call: Coroutine[Any, Any, RosicError | None], heard: Heard) -> None:
         """Have a refusal written down that was answered already."""
         why = await call
         if why is not None:
-            self._note(why, "call", name)
+            self._note(why, *about(heard))
 
-    def _begin(self, work: Coroutine[Any, Any, None], known: Id = None) -> None:
+    def _begin(self, work: Coroutine[Any, Any, None], heard: Heard) -> None:
         if len(self._tasks) >= TASKS_AT_MOST:
             work.close()
             raise TooManyRequests(TOO_MUCH, retry_after_s=1.0)
-        self._tasks.begin(self._told(work, known))
+        self._tasks.begin(self._told(work, heard))
 
-    async def _told(self, work: Coroutine[Any, Any, None], known: Id) -> None:
+    async def _told(self, work: Coroutine[Any, Any, None], heard: Heard) -> None:
         try:
             await work
         except RosicError as why:
-            self._refuse(why, known, "task", why.code)
+            self._refuse(why, heard.id, *about(heard))
 
     # ---- what it is told ----
 
@@ -344,24 +352,24 @@ class RosbridgeConnection:
             text = self._parts.context.callers.read_by(sentence, self.caller)
             self.say(StatusMessage(level, text, known))
 
-    def _refuse(self, why: RosicError, known: Id, *about: str) -> None:
+    def _refuse(self, why: RosicError, known: Id, op: str, name: str) -> None:
         """Tell of a refusal, and have it counted; the same at most once a second.
 
         What has an id is told each time, unless it was published: that comes by the hundred.
         """
-        if self._note(why, *about) or (known is not None and about[0] != "publish"):
+        if self._note(why, op, name) or (known is not None and op != "publish"):
             self._status("error", why.sentence, known)
 
-    def _note(self, why: RosicError, *about: str) -> bool:
+    def _note(self, why: RosicError, op: str, name: str) -> bool:
         """Have a refusal written down. Return whether it is another than a moment ago."""
-        now_s, key = asyncio.get_running_loop().time(), (*about, str(why.sentence)[:80])
+        now_s, key = asyncio.get_running_loop().time(), (op, name, str(why.sentence)[:80])
         if now_s - self._refused_s.get(key, -AGAIN_S) < AGAIN_S:
             return False
         if len(self._refused_s) > TOPICS_AT_MOST:
             self._refused_s.clear()
         self._refused_s[key] = now_s
         if self.caller is not None and not isinstance(why, Fault):
-            self._parts.refusals.note(self.caller, why, " ".join(about))
+            self._parts.refusals.note(self.caller, why, f"{op} {name}".rstrip())
         return True
 
 

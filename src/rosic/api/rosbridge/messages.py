@@ -116,7 +116,7 @@ class Authenticate(msgspec.Struct, frozen=True, tag="auth", tag_field="op"):
     id: Id = None
 
 
-Heard: TypeAlias = (
+HeardOfKnown: TypeAlias = (
     Publish
     | Advertise
     | Unadvertise
@@ -125,9 +125,9 @@ Heard: TypeAlias = (
     | CallService
     | SendActionGoal
     | CancelActionGoal
-    | SetLevel
-    | Authenticate
 )
+"""What only who has shown a key may say."""
+Heard: TypeAlias = HeardOfKnown | SetLevel | Authenticate
 _OPS: Final = frozenset(each.__struct_config__.tag for each in Heard.__args__)
 _read: Callable[[str], Heard] = msgspec.json.Decoder(Heard).decode
 
@@ -143,8 +143,8 @@ class RefusedMessage(msgspec.Struct, frozen=True):
     """A message that was not followed.
 
     Attributes:
-        op: Of a message that is known, and not done here; empty otherwise.
-        why: What is wrong with it.
+        why: What is wrong with it; empty: its op is not done here.
+        op: As it says; empty: it cannot be read.
     """
 
     why: str
@@ -175,7 +175,22 @@ def _misread(text: str, why: str) -> RefusedMessage:
         return RefusedMessage(NOT_READ, id=known)
     if found.op not in _OPS:
         return RefusedMessage("", op=found.op[:40], id=known)
-    return RefusedMessage(f"{found.op}: {why[:200]}", id=known)
+    return RefusedMessage(f"{found.op}: {why[:200]}", op=found.op, id=known)
+
+
+def about(heard: Heard | RefusedMessage) -> tuple[str, str]:
+    """Return the op of a message, and the topic, service or action that it names."""
+    if isinstance(heard, RefusedMessage):
+        return heard.op or "message", ""
+    if isinstance(heard, Publish | Advertise | Unadvertise | SubscribeTopic | Unsubscribe):
+        name = heard.topic
+    elif isinstance(heard, CallService):
+        name = heard.service
+    elif isinstance(heard, SendActionGoal | CancelActionGoal):
+        name = heard.action
+    else:
+        name = ""
+    return str(heard.__struct_config__.tag), name
 
 
 # ---- what they are told ----

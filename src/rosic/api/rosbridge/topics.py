@@ -66,6 +66,11 @@ def plain_type(type_name: str) -> str:
     return type_name
 
 
+def no_topic(name: str) -> NotFound:
+    """Return why somebody uses no topic of this name."""
+    return NotFound(said("There is no topic {topic} here that you may use.", topic=name))
+
+
 class TopicAccess(NamedTuple):
     """What somebody may do with a topic.
 
@@ -153,10 +158,14 @@ class TopicDirectory:
         name = absolute(topic)
         found = next((each for each in self.all(caller) if each.topic == name), None)
         if found is None:
-            raise NotFound(said("There is no topic {topic} here that you may use.", topic=name))
+            raise no_topic(name)
         if type_name and plain_type(type_name) != plain_type(found.type):
             raise NotUnderstood(said("{topic} is of the type {type}.", topic=name, type=found.type))
         return found
+
+    def robots(self, caller: ApiCaller) -> frozenset[RobotId]:
+        """Return the robots whose topics somebody may use."""
+        return self._context.visible(caller) & self._context.kernel.rooms.profiles.keys()
 
     def all(self, caller: ApiCaller) -> Iterator[TopicAccess]:
         """Go through the topics that somebody may use; each once."""

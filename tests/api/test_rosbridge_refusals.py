@@ -1,0 +1,79 @@
+"""What clients of rosbridge are refused: how it is named, and when a robot is seen no more."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from typing import TYPE_CHECKING, Any
+
+from tests.api.bridge_client import bridge
+from tests.api.served import served
+from tests.api.test_rosbridge import StoppedGraph
+from tests.pace import pace
+
+if TYPE_CHECKING:
+    import pytest
+
+
+async def test_what_was_refused_is_named_in_the_words_of_the_protocol() -> None:
+    said: tuple[tuple[dict[str, Any], str], ...] = (
+        ({"op": "subscribe", "topic": "/nope1"}, "subscribe /nope1"),
+        ({"op": "advertise", "topic": "/nope2", "type": "a/B"}, "advertise /nope2"),
+        ({"op": "publish", "topic": "/nope3", "msg": {}}, "publish /nope3"),
+        ({"op": "cancel_action_goal", "action": "/nope4"}, "cancel_action_goal /nope4"),
+        ({"op": "fly", "id": "7"}, "fly"),
+        ({"op": "publish", "id": "8"}, "publish"),
+        ({}, "message"),
+    )
+    async with served() as place:
+        key = await place.key("operator")
+        async with bridge(place, key) as client:
+            for message, _ in said:
+                await client.socket.send(json.dumps(message))
+                await client.status()
+        hal, noted = place.client({"Authorization": f"Bearer {key}"}), set[str]()
+        async with asyncio.timeout(30 * pace()):
+            while len(noted) < len(said):
+                await asyncio.sleep(0.05)
+                noted = {one["asked"] for one in (await hal.get("/v1/history")).json()}
+        assert noted == {words for _, words in said}
+
+
+class OpenGraph:
+    """What stands for a graph with many topics, each of which is opened at once."""
+
+    stop_service, reported = StoppedGraph.stop_service, StoppedGraph.reported
+
+    def __init__(self) -> None:
+        self.looked = 0
+
+    def of(self, robot: str) -> OpenGraph | None:
+        self.looked += 1
+        return self if robot == "omni" else None
+
+    async def listen(self, *_: object) -> OpenGraph:
+        return self
+
+    async def close(self) -> None:
+        """Nothing is listened to."""
+
+
+async def test_who_sees_a_robot_no_more_is_told_nothing_of_it_and_looking_costs_little(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    graph = OpenGraph()
+    async with served() as place, bridge(place, await place.key("operator")) as client:
+        monkeypatch.setattr(place.gateway.rooms.linker, "graph_topics", graph.of)
+        for name in graph.reported:
+            await client.say("subscribe", topic=name)
+        await client.say("set_level", level="info")
+        await client.say("unsubscribe", topic="/none", id="all was heard")
+        await client.say("call_service", service="/rosapi/get_time", id="heard")
+        await client.op("service_response")
+        graph.looked = 0
+        monkeypatch.setattr(type(place.server.context), "visible", lambda *_: frozenset())
+        over = {await client.status() for _ in graph.reported}
+        assert over == {
+            f"There is no topic {name} here that you may use." for name in graph.reported
+        }
+        assert graph.looked == 0
