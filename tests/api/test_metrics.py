@@ -81,6 +81,7 @@ async def test_orders_stops_refusals_and_links_are_counted_as_they_are() -> None
         received = 'rosic_messenger_messages_total{messenger="memory",direction="received"}'
         assert after[received] == before[received] + 3
         assert after['rosic_robot_messages_total{robot="omni",direction="sent"}'] >= 1
+        assert 'rosic_robot_bytes_total{robot="omni",direction="sent"}' not in after
         assert after["rosic_orders_under_way"] == 0
         place.robot("omni").online = False
         assert (await values(client))['rosic_robot_up{robot="omni"}'] == 0

@@ -12,6 +12,7 @@ from rosic.bench.command import main
 from rosic.bench.idle import IdleWindow, report_of
 from rosic.bench.report import BenchCase, BenchReport
 from rosic.bench.telegram import TelegramLoad, measured
+from rosic.errors import ConfigurationError
 from tests.cli.running import rosic
 from tests.pace import patience
 
@@ -206,3 +207,11 @@ def test_the_bench_of_an_idle_gateway_takes_out_what_others_cost_and_fails_above
 def test_an_idle_gateway_with_a_page_open_needs_under_one_per_cent() -> None:
     ran = rosic("bench", "idle", "--json", within_s=400)
     assert (ran.status, ran.err) == (0, "")
+
+
+def test_a_checkout_beside_one_is_named_from_here(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ConfigurationError, match=str(tmp_path / "nowhere")):
+        main(["api", "--rosbridge", "nowhere"])

@@ -107,7 +107,7 @@ def main(
     if chosen.rosbridge is not None:
         if chosen.name != "api":
             parser.error("--rosbridge belongs to: rosic bench api")
-        run = partial(_api, rosbridge=chosen.rosbridge)
+        run = partial(_api, rosbridge=chosen.rosbridge.absolute())  # nodes run elsewhere
     report = run(chosen.quick)
     sys.stdout.write((as_json(report) if chosen.json else as_text(report)) + "\n")
     sys.stdout.flush()  # before what did not hold, wherever both go

@@ -212,6 +212,7 @@ class GatewayMetrics:
                 (
                     sample(name, {what: link, "direction": way}, count[2 * number + place])
                     for link, count in counts.items()
+                    if unit == "messages" or count.received_bytes or count.sent_bytes
                     for place, way in enumerate(("received", "sent"))
                 ),
             )
