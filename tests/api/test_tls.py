@@ -10,7 +10,10 @@ import pytest
 
 from rosic.api.settings import ApiSettings
 from rosic.app.config import read_config
+from rosic.app.setup.check import check_all
+from rosic.system import SystemClock
 from tests.api.served import ANYWHERE, served
+from tests.cli.running import CONFIG, write_config
 from tests.interpreters.test_tls import CERTIFICATE, KEY
 
 if TYPE_CHECKING:
@@ -90,3 +93,35 @@ def test_a_public_address_without_tls_is_refused(tmp_path: Path, table: str, ref
     errors = " ".join(str(error) for error in read_config(path, environ={}).errors)
     found = [sentence for sentence in SENTENCES if sentence in errors]
     assert found == ([refused] if refused else [])
+
+
+TOPIC = """
+[[api.topic]]
+name = "/omni/cmd_vel"
+type = "geometry_msgs/msg/Twist"
+robot = "omni"
+"""
+
+
+@pytest.mark.parametrize(
+    ("certificate", "key", "topic", "refused"),
+    [
+        (CERTIFICATE, KEY, "", ""),
+        ("", KEY, "", "cert.pem cannot be read (No such file or directory)."),
+        (CERTIFICATE, "", "", "key.pem cannot be read (No such file or directory)."),
+        (CERTIFICATE, CERTIFICATE, "", "are no certificate and its private key."),
+        (CERTIFICATE, KEY, TOPIC, "A skill publishes to this topic."),
+    ],
+)
+def test_what_would_end_a_start_is_found_by_check(
+    tmp_path: Path, certificate: str, key: str, topic: str, refused: str
+) -> None:
+    for name, text in (("cert.pem", certificate), ("key.pem", key)):
+        if text:
+            (tmp_path / name).write_text(text)
+    files = 'certificate = "cert.pem"\nprivate_key = "key.pem"\n'
+    path = write_config(tmp_path, f'{CONFIG}\n[api]\nlisten = "127.0.0.1:0"\n{files}{topic}')
+    errors = [str(error) for error in check_all(path, SystemClock()).errors]
+    about = [error for error in errors if "api." in error]
+    assert len(about) == bool(refused)
+    assert all(refused in error for error in about)

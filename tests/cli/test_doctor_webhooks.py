@@ -129,8 +129,8 @@ async def test_one_that_keeps_silent_costs_the_doctor_no_longer_than_it_says() -
 
 
 def test_the_doctor_looks_at_those_of_its_configuration(tmp_path: Path) -> None:
-    table = f'\n[[webhook]]\nurl = "http://127.0.0.1:9/hook"\nsecret = "{RANDOM.reveal()}"\n'
+    table = f'\n[[webhook]]\nurl = "http://localhost:9/hook"\nsecret = "{RANDOM.reveal()}"\n'
     ran = rosic("doctor", "-c", write_config(tmp_path, CONFIG + table))
     assert ran.status == 1
-    assert "webhook    look at this: 127.0.0.1:9 is in a private network" in ran.out
+    assert "webhook    look at this: localhost:9 is in a private network" in ran.out
     assert RANDOM.reveal() not in ran.out + ran.err

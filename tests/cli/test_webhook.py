@@ -78,6 +78,7 @@ def test_one_event_is_posted_with_a_secret_that_is_shown(
     assert main(["webhook", "test", receiver.url]) == 0
     said = capsys.readouterr().out
     assert "Taken (204)" in said
+    assert "private network: a [[webhook]] is posted there only if it says private = true." in said
     assert receiver.proves(next(word for word in said.split() if word.startswith("whsec_")))
     assert b'"type":"test"' in receiver.got[0][1]
 
@@ -95,10 +96,15 @@ def test_what_is_configured_is_signed_with_its_secret_which_is_not_shown(
 def test_a_private_address_that_is_not_said_to_be_one_is_not_asked(
     receiver: Receiver, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    table = f'\n[[webhook]]\nurl = "{receiver.url}"\nsecret = "{TEXT}"\n'
-    path = write_config(tmp_path, CONFIG + table)
-    assert main(["webhook", "test", receiver.url, "-c", str(path)]) == 1
-    assert "private = true is not said" in capsys.readouterr().err
+    named = receiver.url.replace("127.0.0.1", "localhost")
+    for url, status, why in (
+        (named, 1, "private = true is not said"),
+        (receiver.url, 2, "This address is in a private network, so nothing is posted there."),
+    ):
+        table = f'\n[[webhook]]\nurl = "{url}"\nsecret = "{TEXT}"\n'
+        path = write_config(tmp_path, CONFIG + table)
+        assert main(["webhook", "test", url, "-c", str(path)]) == status
+        assert why in capsys.readouterr().err
     assert not receiver.got
 
 

@@ -43,8 +43,8 @@ from rosic.api.problems import answer, problem, problem_of
 from rosic.api.read_rates import ReadRates, asking_from
 from rosic.api.resource_routes import ROUTES as RESOURCES
 from rosic.api.rosbridge.endpoint import RosbridgeEndpoint, RosbridgePort, RosbridgeRouter
-from rosic.api.rosbridge.topics import check_topics
 from rosic.api.routes import OPEN, ROUTES, events
+from rosic.api.settings_checks import check_served
 from rosic.api.tickets import TicketBook, new_ticket
 from rosic.api.work_routes import ROUTES as WORK
 from rosic.core.i18n import said
@@ -126,7 +126,7 @@ class ApiServer:
         self.stream = EventStream(self.context, self._speech)
         self._connections = FoxgloveConnections(self.context)
         self._figures = GatewayMetrics(kernel, tuple)
-        check_topics(settings.topics, kernel.rooms.profiles)
+        check_served(settings, kernel.rooms.profiles)
         self._tickets = TicketBook(callers, kernel.machine_clock, kernel.entropy.token)
         self._rosbridge = RosbridgeEndpoint(self.context, self._speech, self._tickets)
         self.port = settings.listen.port

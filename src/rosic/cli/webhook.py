@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rosic.api.schemas import moment
-from rosic.api.webhooks.settings import BEGINS, WebhookSettings, check_url, key_of
+from rosic.api.webhooks.addresses import addresses_of
+from rosic.api.webhooks.settings import BEGINS, WebhookSettings, check_url, is_private, key_of
 from rosic.app.config import load_config
 from rosic.cli.client import CONFIG
 from rosic.core.secret import Secret
@@ -40,14 +41,21 @@ def test(arguments: Sequence[str]) -> int:
         check_url(options.url)
     except ValueError as wrong:
         raise ConfigurationError(f"{wrong}.", hint="It begins with https://") from wrong
-    return asyncio.run(_test(_settings(options.url, options.config)))
+    known = _known(options.url, options.config)
+    settings = known or _made(options.url)
+    return asyncio.run(_test(settings, made=known is None))
 
 
-def _settings(url: str, config: str | None) -> WebhookSettings:
+def _known(url: str, config: str | None) -> WebhookSettings | None:
     found = config or (CONFIG if Path(CONFIG).exists() else None)
     for known in () if found is None else load_config(found).webhooks:
         if known.url == url:
             return known
+    return None
+
+
+def _made(url: str) -> WebhookSettings:
+    """Return what is tested where nothing is configured: wherever it is, and whoever asks sees."""
     made = SystemEntropy().token(SECRET_BYTES)
     secret = Secret(f"{BEGINS}{base64.b64encode(made).decode()}")
     print(
@@ -57,7 +65,7 @@ def _settings(url: str, config: str | None) -> WebhookSettings:
     return WebhookSettings(url=url, secret=secret, private=True)
 
 
-async def _test(settings: WebhookSettings) -> int:
+async def _test(settings: WebhookSettings, *, made: bool) -> int:
     try:
         from rosic.api.webhooks.delivery import (  # noqa: PLC0415 - an extra
             NotTaken,
@@ -80,4 +88,9 @@ async def _test(settings: WebhookSettings) -> int:
     finally:
         await delivery.close()
     print(f"Taken ({status}), in {time.monotonic() - begun:.2f} s.")
+    if made and is_private(await addresses_of(settings)):
+        print(
+            "This address is in a private network: a [[webhook]] is posted there only if it says "
+            "private = true."
+        )
     return 0

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.api.settings import OpenedTopicSettings, parse_listen, parse_origin
-from rosic.api.webhooks.settings import WebhookTopic, check_url
+from rosic.api.webhooks.settings import WebhookTopic, check_url, is_private_url
 from rosic.contracts.file_rules import ValidationFinding
 
 if TYPE_CHECKING:
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 WITHOUT_TLS: Final = "public address, no TLS"
 LISTEN_EXAMPLE: Final = 'For example listen = "127.0.0.1:8765".'
+PRIVATE: Final = "This address is in a private network, so nothing is posted there."
 METRICS_EXAMPLE: Final = 'For example listen = "127.0.0.1:9464".'
 ORIGIN_EXAMPLE: Final = 'As browsers say it, for example "https://panel.example.org".'
 
@@ -83,6 +84,11 @@ def posted(webhook: WebhookTable) -> Iterator[ValidationFinding]:
         check_url(webhook.url)
     except ValueError as wrong:
         yield ValidationFinding(("url",), f"{wrong}.", "It begins with https://")
+        return
+    if not webhook.private and is_private_url(webhook.url):
+        yield ValidationFinding(
+            ("url",), PRIVATE, "Say private = true if that is meant, or name another address."
+        )
 
 
 def measured(metrics: MetricsTable) -> Iterator[ValidationFinding]:

@@ -81,6 +81,15 @@ def check_url(url: str) -> None:
         raise ValueError(f"{url[:200]!r} is no address to which something can be posted")
 
 
+def is_private_url(url: str) -> bool:
+    """Whether it names an address, instead of a name, that is none of the public network."""
+    host = urlsplit(url).hostname or ""
+    try:
+        return is_private((host,))
+    except ValueError:
+        return False  # a name: where it leads is looked at before each post
+
+
 def is_private(addresses: Iterable[str]) -> bool:
     """Whether any of these is no address of one machine of the public network."""
     return any(not _is_public(ipaddress.ip_address(each.partition("%")[0])) for each in addresses)

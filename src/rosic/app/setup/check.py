@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from rosic.api.settings_checks import check_served
 from rosic.app.admin.control_socket import socket_path
 from rosic.app.builder import messenger_of, nobodies
 from rosic.app.config import Config, read_config
@@ -76,11 +77,21 @@ def _errors(config: Config, clock: Clock) -> list[ConfigurationError]:
         Vocabulary.build(config.robots, known_units(), NO_COMMANDS, known_phrases())
     except ValueError as wrong:
         errors.append(ConfigurationError(f"{wrong}.", where=str(config.path)))
+    errors += _wrong_with_api(config)
     try:
         socket_path(config.data)
     except ConfigurationError as wrong:
         errors.append(ConfigurationError(str(wrong), where=str(config.path)))
     return errors
+
+
+def _wrong_with_api(config: Config) -> Iterator[ConfigurationError]:
+    if config.api is None:
+        return
+    try:
+        check_served(config.api, {profile.id: profile for profile in config.robots})
+    except ConfigurationError as wrong:
+        yield wrong
 
 
 def _advice(config: Config) -> list[ConfigurationError]:
