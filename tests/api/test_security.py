@@ -10,10 +10,12 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from rosic.api.access_checks import SAFE
+from rosic.api.settings import ApiSettings, ServingLimits
 from rosic.core.identity import OPERATOR
+from rosic.core.rate_limit import RateLimit
 from rosic.core.records import Fact
 from rosic.stores.memory import MemoryStore
-from tests.api.served import ServedGateway, problem, served
+from tests.api.served import ANYWHERE, ServedGateway, problem, served
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -111,7 +113,8 @@ async def test_a_page_of_another_site_changes_nothing_with_the_session_of_its_vi
 
 
 async def test_whoever_shows_no_good_key_changes_nothing() -> None:
-    async with served() as place:
+    often = ServingLimits(reads=RateLimit(burst=10_000.0, per_s=20.0))
+    async with served(ApiSettings(listen=ANYWHERE, limits=often)) as place:
         over = await place.key("admin", name="Over")
         await revoke(place, over)
         shown: dict[str, dict[str, str]] = {
