@@ -14,7 +14,8 @@ from rosic.core.policy.roles import SkillPrecondition
 from rosic.core.time_units import SECOND_NS
 from rosic.messengers.program import standstill
 from rosic.messengers.program.standstill import AFTER_NS, STILL_NS, StandstillWatch
-from tests.api.served import problem, served
+from rosic.stores.memory import MemoryStore
+from tests.api.served import ServedGateway, problem, served
 from tests.gateway.test_rights import rules
 from tests.pace import pace
 
@@ -253,6 +254,73 @@ async def test_of_an_order_whose_author_is_answered_elsewhere_nothing_is_said_to
         over = (await bo.get(f"{path}?wait_s=30")).json()
         assert (over["state"], over["over"]) == ("unknown", True)
         assert "is not known here" in over["text"]
+
+
+async def agree(place: ServedGateway) -> None:
+    """Let the person who is asked last agree."""
+    await place.until(lambda: place.chat.told)
+    question = place.chat.told[-1]
+    button = question.outbound.buttons[0][0]
+    place.chat.tap(button, under=question.message, account=question.outbound.chat.id)
+
+
+@pytest.mark.parametrize("asks", [True, False])
+async def test_a_key_is_the_same_order_over_a_restart_and_is_answered_with_it(asks: bool) -> None:
+    care = (SkillPrecondition(scopes=("omni:*",), confirm=True),) if asks else ()
+    store, path, key = MemoryStore(), "/v1/robots/omni/orders", {"Idempotency-Key": "g1"}
+    async with served(rules=rules(*care), store=store) as place:
+        secret = await place.key("operator")
+        hal = place.client({"Authorization": f"Bearer {secret}"})
+        first = (await hal.post(path, json=move(), headers=key)).json()
+        if asks:
+            await agree(place)
+            await place.until(lambda: list(place.server.context.feed.newest()))
+        before = (await hal.get(f"/v1/orders/{first['id']}?wait_s=30")).json()
+        assert (before["state"], before["n"]) == ("done", 1)
+    async with served(rules=rules(*care), store=store) as place:
+        hal = place.client({"Authorization": f"Bearer {secret}"})
+        again = (await hal.post(path, json=move(), headers=key)).json()
+        assert (await hal.get(f"/v1/orders/{first['id']}")).json() == again
+        told = ("id", "robot", "skill", "state", "over", "who", "n", "ended")
+        assert [again[name] for name in told] == [before[name] for name in told]
+        assert again["sent"].endswith("move, 0.10 m left")
+        other = {"skill": "turn", "arguments": {"angle": 5}}
+        refused = await hal.post(path, json=other, headers=key)
+        assert problem(refused)[:2] == (409, "repeated")
+        assert not place.chat.told
+        assert not list(place.server.context.feed.newest())
+        eve = await place.program(name="Eve")
+        assert problem(await eve.get(f"/v1/orders/{first['id']}"))[:2] == (404, "not-found")
+
+
+async def test_what_is_agreed_to_anew_for_the_same_key_is_not_done_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Also where the record cannot be asked before."""
+
+    async def unknown(*_about: object) -> None:
+        return None
+
+    care = rules(SkillPrecondition(scopes=("omni:*",), confirm=True))
+    store, path, key = MemoryStore(), "/v1/robots/omni/orders", {"Idempotency-Key": "g1"}
+    monkeypatch.setattr(ordering, "recorded_order", unknown)
+    async with served(rules=care, store=store) as place:
+        secret = await place.key("operator")
+        hal = place.client({"Authorization": f"Bearer {secret}"})
+        asked = (await hal.post(path, json=move(), headers=key)).json()
+        await agree(place)
+        await place.until(lambda: list(place.server.context.feed.newest()))
+        await hal.get(f"/v1/orders/{asked['id']}?wait_s=30")
+    async with served(rules=care, store=store) as place:
+        hal = place.client({"Authorization": f"Bearer {secret}"})
+        assert (await hal.post(path, json=move(), headers=key)).json()["state"] == "asked"
+        await agree(place)
+        speech = place.server._speech
+        (placed,) = speech._placed.values()
+        await place.until(lambda: placed.refused)
+        assert placed.refused is not None
+        assert placed.refused.detail == "This was already settled."
+        assert not list(place.server.context.feed.newest())
 
 
 async def test_a_stop_is_given_whatever_it_names_and_stays() -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from rosic.robots.memory import MemoryRobot
 from tests.api.served import problem, served
 from tests.pace import pace
 
@@ -246,3 +247,14 @@ async def test_how_it_does_is_shown_to_whoever_looks_after_people(tmp_path: Path
         assert found["data"]["verdict"] == "good"
         assert "fsync" in found["disk"]["text"]
         assert {one["verdict"] for one in found.values()} <= {"good", "look", "not-measured"}
+
+
+async def test_a_value_that_was_heard_long_ago_says_so() -> None:
+    async with served(robots_of=lambda _kind: MemoryRobot) as place:
+        robot = place.gateway.rooms.linker._robots["omni"]
+        assert isinstance(robot, MemoryRobot)
+        robot.values, robot.age_s = {"battery": 80.0}, 300.0
+        hal = await place.program("viewer")
+        shown = (await hal.get("/v1/robots/omni")).json()["presence"]
+        assert shown["values"] == {"battery": 80.0}
+        assert shown["ages_s"] == {"battery": 300.0}

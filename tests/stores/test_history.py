@@ -65,6 +65,10 @@ async def test_the_newest_come_first_and_only_what_was_asked_about(
     assert len(await store.history(HistoryQuery(since_ns=2_000))) == 1
     assert [e.kind for e in await store.history(HistoryQuery(limit=2))] == ["resumed", "refused"]
 
+    [second] = await store.history(HistoryQuery(cid=an_id("two")))
+    assert (second.principal, second.robot, second.kind) == (BO, "kuka1", "claimed")
+    assert await store.history(HistoryQuery(cid=an_id("five"))) == ()
+
     await store.shred(ADA)
     erased = (await store.history(HistoryQuery(principal=ADA, robot="omni")))[-1]
     assert (erased.outcome, erased.letter, erased.words) == ("done", None, None)

@@ -16,13 +16,14 @@ from msgspec.structs import replace
 
 from rosic.api.order_feed import order_id
 from rosic.api.problems import problem
+from rosic.api.recorded_orders import recorded_order
 from rosic.api.schemas import AnswerOut, ChatIn, OrderOut, StopOut
 from rosic.api.stops import EVERYTHING, CallerStops
 from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.i18n import said
 from rosic.core.identity import PAGE
 from rosic.core.message import AnswerState
-from rosic.errors import NotUnderstood
+from rosic.errors import NotFound, NotUnderstood
 from rosic.gateway.requests import line_id
 
 if TYPE_CHECKING:
@@ -172,11 +173,15 @@ class CallerRequests:
         messenger = context.messenger(caller)
         inbound = messenger.inbound(caller.address, text, _message_of(key))
         first = order_id(line_id(inbound, 0))
+        if key and first not in self._placed:  # perhaps it was, in an earlier run
+            recorded = await recorded_order(context, caller, first)
+            if recorded is not None:
+                return self._same(recorded, caller, robot, wanted.skill)
         placed = self._placed.get(first)
         if placed is None:
             placed = self._begin(PlacedOrder(caller, inbound, robot, wanted.skill))
         elif placed.inbound.text != text:
-            raise RefusedOrder(problem("repeated", context.callers.read_by(OTHER_ORDER, caller)))
+            raise self._other_order(caller)
         try:
             async with asyncio.timeout(ACCEPTED_WITHIN_S):
                 await placed.settled.wait()
@@ -187,6 +192,15 @@ class CallerRequests:
         if wanted.wait_s:
             await self._over(placed, wanted.wait_s)
         return self._shown(placed)
+
+    def _same(self, recorded: OrderOut, caller: ApiCaller, robot: str, skill: str) -> OrderOut:
+        if (recorded.robot, recorded.skill) != (robot, skill):
+            raise self._other_order(caller)
+        return recorded
+
+    def _other_order(self, caller: ApiCaller) -> RefusedOrder:
+        sentence = self._context.callers.read_by(OTHER_ORDER, caller)
+        return RefusedOrder(problem("repeated", sentence))
 
     def _begin(self, placed: PlacedOrder) -> PlacedOrder:
         call = self._context.begin(placed.caller, placed.inbound, placed.robot)
@@ -205,7 +219,9 @@ class CallerRequests:
                 while context.feed[placed.id] is None:
                     message, outbound = await call.news()
                     if outbound.state is AnswerState.AGREED:
-                        tapped = messenger.begin_agreed(call, message, outbound)
+                        # The key is claimed with the agreed order, in one write (I1).
+                        asked = line_id(placed.inbound, 0)
+                        tapped = messenger.begin_agreed(call, message, outbound, asked)
                         context.feed.asked_as(line_id(tapped, 0), placed.id)
                     elif context.feed[placed.id] is not None:
                         break
@@ -272,7 +288,13 @@ class CallerRequests:
             self._context.profile(caller, placed.robot)
             await self._over(placed, wait_s)
             return self._shown(placed)
-        entry = self._context.entry(caller, order)
+        try:
+            entry = self._context.entry(caller, order)
+        except NotFound:
+            recorded = await recorded_order(self._context, caller, order)
+            if recorded is None:
+                raise
+            return recorded
         if wait_s:
             await self.wait(entry, wait_s)
         return self._context.shown(entry, caller)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import CommandId, PrincipalId
 from rosic.core.robot.profile import RobotId
 
 if TYPE_CHECKING:
@@ -20,12 +20,14 @@ class HistoryQuery(msgspec.Struct, frozen=True, kw_only=True):
     """Which commands are asked about; an empty word asks about all.
 
     Attributes:
+        cid: That command alone.
         since_ns: Wall clock; nothing older.
         limit: At most so many, the newest.
     """
 
     principal: PrincipalId = ""
     robot: RobotId = ""
+    cid: CommandId = b""
     since_ns: int = 0
     limit: int = 20
 
@@ -36,6 +38,7 @@ class HistoryEntry(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         kind: ``claimed``, ``refused``, ``resumed`` or ``stopped``.
         robot: Empty for a refusal: what was refused was no order to a robot yet.
+        n: The robot's order number; 0: it was no order.
         outcome: How it ended, or why it was refused, as a word for programs; empty while it runs.
         letter: The sealed words of the claim or the refusal, unsealed; None once they are erased.
         words: How the end was told.
@@ -46,6 +49,7 @@ class HistoryEntry(msgspec.Struct, frozen=True, kw_only=True):
     at_ns: int
     robot: RobotId = ""
     skill: str = ""
+    n: int = 0
     outcome: str = ""
     ended_ns: int | None = None
     letter: bytes | None = None

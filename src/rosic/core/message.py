@@ -9,7 +9,7 @@ from contextlib import aclosing
 import msgspec
 
 from rosic.core.i18n import said
-from rosic.core.identity import Address
+from rosic.core.identity import Address, CommandId
 
 # ---- in and out ----
 
@@ -119,6 +119,8 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         place: A place that was sent instead of words.
         live: What it orders is steered by samples from then on; only where ROSIC itself asks people
             or programs to steer, never by what somebody writes.
+        agreed: Of a tap that carries out what a person has agreed to for a program: which command
+            of the program's that is. Another tap for the same command is the same (I1).
         network_away: It was sent while the network between the platform and us was away, as the
             adapter has seen; where it cannot tell, it was not.
         account: Which of our own accounts there received it, where its number is that account's
@@ -147,6 +149,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     place: GeoPoint | None = None
     account: str = ""
     shared: str = ""
+    agreed: CommandId = b""
     network_away: bool = False
     written: str = ""
     links: tuple[str, ...] = ()

@@ -131,6 +131,10 @@ class DatabaseContainers(decoding.RecordDecoder):
         """Return commands of one step, newest first."""
         return history.page(self._connection, self._letter, query, before, limit)
 
+    def one(self, query: HistoryQuery) -> list[HistoryEntry]:
+        """Return the one command that is asked about by its id, or nothing."""
+        return history.one(self._connection, self._letter, query)
+
     def newest(self) -> int:
         """Return the number behind the newest command."""
         return history.newest(self._connection)
@@ -335,6 +339,8 @@ class DatabaseStore:
         Raises:
             StoreFault: They cannot be read now.
         """
+        if query.cid:
+            return tuple(await self._look(partial(DatabaseContainers.one, query=query)))
         commands = await self._stepwise(
             DatabaseContainers.newest, DatabaseContainers.history, query
         )

@@ -62,7 +62,19 @@ def page(
     return [_entry(row, letter) for row in rows]
 
 
+def one(connection: Connection, letter: Letter, query: HistoryQuery) -> list[HistoryEntry]:
+    """Return the one command that is asked about by its id, or nothing."""
+    rows = connection.execute(_joined(query).where(tables.commands.c.cid == query.cid)).all()
+    return [_entry(row, letter) for row in rows]
+
+
 def _selected(query: HistoryQuery, before: int) -> Select[tuple[object, ...]]:
+    commands = tables.commands.c
+    chosen = _joined(query).where(commands.seq < before, commands.seq >= before - AT_ONCE)
+    return chosen.order_by(commands.seq.desc())
+
+
+def _joined(query: HistoryQuery) -> Select[tuple[object, ...]]:
     commands, endings = tables.commands.c, tables.endings.c
     chosen = select(
         tables.commands,
@@ -70,15 +82,12 @@ def _selected(query: HistoryQuery, before: int) -> Select[tuple[object, ...]]:
         endings.at_ns.label("ended_ns"),
         endings.container.label("words_container"),
         endings.sealed.label("words_sealed"),
-    ).where(
-        commands.seq < before, commands.seq >= before - AT_ONCE, commands.at_ns >= query.since_ns
-    )
+    ).where(commands.at_ns >= query.since_ns)
     if query.principal:
         chosen = chosen.where(commands.principal == query.principal)
     if query.robot:
         chosen = chosen.where(commands.robot == query.robot)
-    joined = chosen.outerjoin_from(tables.commands, tables.endings, endings.seq == commands.seq)
-    return joined.order_by(commands.seq.desc())
+    return chosen.outerjoin_from(tables.commands, tables.endings, endings.seq == commands.seq)
 
 
 def _entry(row: Row[tuple[object, ...]], letter: Letter) -> HistoryEntry:
@@ -88,6 +97,7 @@ def _entry(row: Row[tuple[object, ...]], letter: Letter) -> HistoryEntry:
         at_ns=row.at_ns,
         robot=row.robot or "",
         skill=row.skill or "",
+        n=row.n or 0,
         outcome=row.ending or row.code or "",
         ended_ns=row.ended_ns,
         letter=letter(row.container, CLAIM, row.cid, row.sealed),

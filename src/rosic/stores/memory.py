@@ -75,8 +75,11 @@ class MemoryHistory:
                 break
             entry = self._entry(record)
             ours = query.principal in {"", entry.principal} and query.robot in {"", entry.robot}
+            ours = ours and query.cid in {b"", record.cid}
             if ours and entry.at_ns >= query.since_ns:
                 found.append(entry)
+        if query.cid:
+            return tuple(found)
         return with_stops(found, islice(self._stopped_by(query), query.limit), query.limit)
 
     def _stopped_by(self, query: HistoryQuery) -> Iterator[HistoryEntry]:
@@ -96,6 +99,7 @@ class MemoryHistory:
             at_ns=record.accepted_ns if isinstance(record, Claimed) else record.at_ns,
             robot="" if isinstance(record, Refused) else record.robot,
             skill=record.skill if isinstance(record, Claimed) else "",
+            n=record.n if isinstance(record, Claimed) else 0,
             outcome=record.code if isinstance(record, Refused) else ended,
             ended_ns=None if came is None else came.at_ns,
             letter=None if isinstance(record, Resumed) else _content(record.letter),

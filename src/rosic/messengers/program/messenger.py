@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Receive
     from rosic.contracts.programs import Programs
-    from rosic.core.identity import Address
+    from rosic.core.identity import Address, CommandId
 
 FETCH_BYTES: Final = 25_000_000
 MOST_MB: Final = FETCH_BYTES / 1e6
@@ -117,8 +117,16 @@ class ProgramMessenger:
             raise
         return call
 
-    def begin_agreed(self, call: ToolCall, message: str, outbound: Outbound) -> Inbound:
+    def begin_agreed(
+        self, call: ToolCall, message: str, outbound: Outbound, asked: CommandId = b""
+    ) -> Inbound:
         """Begin what a person has agreed to: that alone is ever tapped for a program.
+
+        Args:
+            call: Of what was asked for.
+            message: In which it was told that they agree.
+            outbound: The same.
+            asked: What was asked for, if that was one command: it is done once, for ever.
 
         Returns:
             The tap.
@@ -126,7 +134,7 @@ class ProgramMessenger:
         button = outbound.buttons[0][0]
         inbound = self.inbound(call.address, "")
         tapped = msgspec.structs.replace(
-            inbound, nonce=button.nonce, tap=inbound.message, under=message
+            inbound, nonce=button.nonce, tap=inbound.message, under=message, agreed=asked
         )
         self.calls.open(tapped.message, call)
         self.hand_over(tapped)
