@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pytest
 from aiohttp import web
 
+from rosic.api.schemas import moment
 from rosic.api.webhooks.delivery import (
     FIRST_PAUSE_S,
     TOLD_AFTER_S,
@@ -25,6 +26,7 @@ from rosic.api.webhooks.delivery import (
 from rosic.api.webhooks.settings import WebhookSettings, WebhookTopic, check_url, is_private, key_of
 from rosic.api.webhooks.watcher import WebhookWatcher
 from rosic.core.secret import Secret
+from rosic.robots.memory import MemoryRobot
 from rosic.system import SystemClock
 from tests.api.served import served
 from tests.pace import pace
@@ -165,6 +167,49 @@ async def test_orders_and_stops_of_a_gateway_are_told_signed_and_in_order() -> N
         assert (ended["order"], ended["robot"], ended["state"]) == (answer["id"], "omni", "done")
         assert taken[2].body["data"] == {"robot": "omni", "by": "Hal", "stopped": True}
         assert len({each.headers["webhook-id"] for each in receiver.taken}) == 4
+
+
+async def test_a_stop_is_told_at_once_of_its_moment_and_before_the_order_that_it_ended() -> None:
+    async with receiving() as (receiver, url), served() as place:
+        watcher = WebhookWatcher(place.gateway.kernel, (hook(url),))  # which never looks
+        hal = await place.program("operator", "admin")
+        order = {"skill": "move", "arguments": {"distance": 5}}
+        await hal.post("/v1/robots/omni/orders", json=order)
+        await place.until(lambda: place.gateway.rooms.linker.presence("omni").doing)
+        await hal.post("/v1/stop", json={"robots": ["omni"]})
+        stopped = place.gateway.rooms.stops["omni"]
+        since = moment(stopped.at_ns)
+        place.gateway.rooms.stops.resume("omni", stopped.generation - 1)
+        place.gateway.rooms.stops.resume("omni", stopped.generation)
+        await until(lambda: len(receiver.of_robots()) == 4)
+        for delivery in watcher.deliveries:
+            await delivery.close()
+        taken = [each.body for each in receiver.of_robots()]
+        assert [each["type"] for each in taken] == [
+            "order.accepted",
+            "robot.stopped",
+            "order.ended",
+            "robot.resumed",
+        ]
+        assert taken[1]["timestamp"] == since
+
+
+async def test_after_a_standstill_robots_are_looked_at_once_more_before_one_is_gone() -> None:
+    async with receiving() as (receiver, url), served(robots_of=lambda _kind: MemoryRobot) as place:
+        watcher = WebhookWatcher(place.gateway.kernel, (hook(url),))
+        await watcher._look(stood_still=False)
+        robot = place.gateway.rooms.linker._robots["omni"]
+        assert isinstance(robot, MemoryRobot)
+        robot.online = False
+        await watcher._look(stood_still=True)
+        robot.online = True
+        await watcher._look(stood_still=False)
+        robot.online = False
+        await watcher._look(stood_still=False)
+        await until(receiver.of_robots)
+        for delivery in watcher.deliveries:
+            await delivery.close()
+        assert [each.body["type"] for each in receiver.of_robots()] == ["robot.offline"]
 
 
 async def test_alarms_are_told_and_whoever_looks_after_people_hears_what_is_not_taken() -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.i18n import said
-from rosic.core.signal import Deferred
+from rosic.core.signal import Deferred, Signal
 from rosic.errors import RobotStopped
 
 if TYPE_CHECKING:
@@ -78,6 +78,7 @@ class StopRegistry(dict["RobotId", StoppedRobot]):
     Attributes:
         barred: Returns why a robot must stay stopped, whoever asks; None if it need not. Asked
             before anybody is told to resume it. Whoever knows is made later (`not_known_yet`).
+        changed: A robot was stopped, or may go on. Whoever is told holds a stop up: it only notes.
         cancels: How often somebody has ended what they had under way: of one robot, or with no
             robot ("") of all. Empty as long as nobody has.
     """
@@ -89,6 +90,7 @@ class StopRegistry(dict["RobotId", StoppedRobot]):
         barred: Deferred[[RobotId], Refusal | None],
     ) -> None:
         self.barred = barred
+        self.changed: Signal[[RobotId]] = Signal()
         self.cancels: dict[tuple[PrincipalId, RobotId], int] = {}
         for robot in robots:
             self.add_robot(robot, found.get(robot, (0, False)))
@@ -100,7 +102,9 @@ class StopRegistry(dict["RobotId", StoppedRobot]):
 
     def stop(self, robot: RobotId, by: PrincipalId, at_ns: int) -> int:
         """Latch and return the new generation."""
-        return self[robot].stop(by, at_ns)
+        generation = self[robot].stop(by, at_ns)
+        self.changed.emit(robot)
+        return generation
 
     def cancel(self, principal: PrincipalId, robots: Iterable[RobotId]) -> None:
         """Let nothing of somebody begin any more that was admitted before; none means all."""
@@ -114,7 +118,11 @@ class StopRegistry(dict["RobotId", StoppedRobot]):
 
     def resume(self, robot: RobotId, generation: int) -> None:
         """Unlatch, if no later stop has come meanwhile."""
-        self[robot].resume(generation)
+        entry = self[robot]
+        before = entry.latched
+        entry.resume(generation)
+        if before and not entry.latched:
+            self.changed.emit(robot)
 
     def not_later(self, now_ns: int) -> None:
         """Let no stop lie ahead: the clock was set back, and that is the right time.

@@ -4,27 +4,42 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections import deque
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from rosic.api.order_feed import order_id
 from rosic.api.schemas import moment
 from rosic.api.webhooks.delivery import WebhookDelivery, WebhookEvent
 from rosic.api.webhooks.settings import WebhookTopic
 from rosic.core.i18n import said
+from rosic.core.time_units import SECOND_NS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rosic.api.webhooks.settings import WebhookSettings
+    from rosic.core.identity import PrincipalId
     from rosic.core.order import Order, Outcome, StageReport
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.feature import Kernel
 
 LOOK_S: Final = 0.5
+LATE_S: Final = 1.0
+"""After a standstill of so long nobody was heard: robots are looked at once more first."""
 CHUNK: Final = 200
+STOPS_AT_MOST: Final = 20_000
 
 log = logging.getLogger("rosic.webhooks")
+
+
+class WebhookStop(NamedTuple):
+    """A robot that was stopped, or may go on, and is to be told of."""
+
+    robot: RobotId
+    by: PrincipalId
+    at_ns: int
+    stopped: bool
 
 
 class WebhookWatcher:
@@ -43,45 +58,65 @@ class WebhookWatcher:
             WebhookDelivery(hook, self._clock, f"{run}_{number}")
             for number, hook in enumerate(hooks)
         )
-        self._stops = {robot: entry.generation for robot, entry in self._rooms.stops.items()}
+        self._stops: deque[WebhookStop] = deque(maxlen=STOPS_AT_MOST)
+        self._telling: asyncio.Handle | None = None
         self._online: dict[RobotId, bool | None] = dict.fromkeys(self._rooms.profiles)
         for delivery in self.deliveries:
             delivery.news.connect(partial(self._say, delivery.shown))
             delivery.put("", WebhookEvent("gateway.started", moment(self._clock.wall_ns()), {}))
         kernel.pipeline.executor.watching.observe(self)
         kernel.shared.alarm_news.connect(self._see_alarm)
+        self._rooms.stops.changed.connect(self._note_stop)
 
     async def run(self) -> None:
         """Look at robots until cancelled. What fails is logged, and looked at again."""
+        looked_ns = self._clock.monotonic_ns()
         try:
             while True:
+                now_ns = self._clock.monotonic_ns()
+                stood_still = now_ns - looked_ns > (LOOK_S + LATE_S) * SECOND_NS
                 try:
-                    await self._look()
+                    await self._look(stood_still=stood_still)
                 except Exception:
                     log.exception("webhooks could not be told how robots are")
+                looked_ns = self._clock.monotonic_ns()
                 await asyncio.sleep(LOOK_S)
         finally:
             for delivery in self.deliveries:
                 await delivery.close()
 
-    async def _look(self) -> None:
+    async def _look(self, *, stood_still: bool) -> None:
         for number, robot in enumerate(tuple(self._rooms.profiles)):
             if number % CHUNK == CHUNK - 1:
                 await asyncio.sleep(0)
-            self._see_stop(robot)
-            self._see_presence(robot)
+            self._see_presence(robot, stood_still=stood_still)
 
-    def _see_stop(self, robot: RobotId) -> None:
+    def _note_stop(self, robot: RobotId) -> None:
+        """Note that a robot was stopped, or may go on: it is told once all of them are."""
         entry = self._rooms.stops[robot]
-        if self._stops.setdefault(robot, entry.generation) != entry.generation:
-            self._stops[robot] = entry.generation
-            by = self._rooms.authoriser.directory.name(entry.by) if entry.by else ""
-            self._tell(
-                WebhookTopic.STOPS, robot, "robot.stopped", {"by": by, "stopped": entry.latched}
-            )
+        at_ns = entry.at_ns if entry.latched else self._clock.wall_ns()
+        self._stops.append(WebhookStop(robot, entry.by, at_ns, stopped=entry.latched))
+        if self._telling is None:
+            self._telling = asyncio.get_running_loop().call_soon(self._tell_stops)
 
-    def _see_presence(self, robot: RobotId) -> None:
+    def _tell_stops(self) -> None:
+        self._telling = None
+        directory = self._rooms.authoriser.directory
+        for _ in range(min(CHUNK, len(self._stops))):
+            one = self._stops.popleft()
+            data: dict[str, Any] = {}
+            if one.stopped:
+                by = directory.name(one.by) if one.by else ""
+                data = {"by": by, "stopped": self._rooms.stops[one.robot].latched}
+            what = "robot.stopped" if one.stopped else "robot.resumed"
+            self._tell(WebhookTopic.STOPS, one.robot, what, data, one.at_ns)
+        if self._stops:
+            self._telling = asyncio.get_running_loop().call_soon(self._tell_stops)
+
+    def _see_presence(self, robot: RobotId, *, stood_still: bool) -> None:
         online = self._rooms.linker.presence(robot).online
+        if online is False and self._online.get(robot) is not False and stood_still:
+            return  # what it said meanwhile is not read yet
         if robot not in self._online:
             self._tell(WebhookTopic.ROBOTS, robot, "robot.added", {})
         elif online is False and self._online[robot] is not False:
@@ -132,8 +167,16 @@ class WebhookWatcher:
             "arguments": order.arguments,
         }
 
-    def _tell(self, topic: WebhookTopic, robot: RobotId, what: str, data: dict[str, Any]) -> None:
-        event = WebhookEvent(what, moment(self._clock.wall_ns()), {"robot": robot, **data})
+    def _tell(
+        self,
+        topic: WebhookTopic,
+        robot: RobotId,
+        what: str,
+        data: dict[str, Any],
+        at_ns: int | None = None,
+    ) -> None:
+        at = moment(self._clock.wall_ns() if at_ns is None else at_ns)
+        event = WebhookEvent(what, at, {"robot": robot, **data})
         for delivery in self.deliveries:
             if topic in delivery.settings.topics:
                 delivery.put(robot, event)
