@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -191,9 +192,16 @@ async def test_silence_ends_it_and_only_zeros_let_it_drive_again() -> None:
             driving = asyncio.create_task(drive(client, 60 * pace()))
             await place.until(lambda: x_m(place) > 0.02)
             driving.cancel()
-            await client.until(lambda m: "the controls fell silent" in m.get("msg", ""))
+            ended = await client.until(lambda m: "the controls fell silent" in m.get("msg", ""))
+            assert ended["level"] == "error"
             await drive(client, 0.3)
             assert "Publish zeros" in await client.status()
+            place.chat.say("stop", account="ada")
+            await place.until(lambda: place.gateway.rooms.stops["omni"].latched)
+            await drive(client, 0.1)
+            await client.until(lambda m: "is stopped. Nothing was sent" in m.get("msg", ""))
+            place.chat.say("resume omni", account="ada")
+            await place.until(lambda: not place.gateway.rooms.stops["omni"].latched)
         async with bridge(place, key) as client:
             await client.say("set_level", level="info")
             await drive(client, 0.3)
@@ -233,7 +241,8 @@ async def test_after_a_stop_and_a_resume_it_does_not_drive_on_by_itself() -> Non
             await place.until(lambda: not place.gateway.rooms.stops["omni"].latched)
             await publishing
             assert x_m(place) == pytest.approx(resting_m, abs=1e-3)
-            assert "Publish zeros" in await client.status()
+            await client.until(lambda m: "Publish zeros" in m.get("msg", ""))
+            assert not any("id" in each for each in client.told)
 
 
 async def test_whoever_only_looks_drives_nothing_and_is_told_and_it_is_recorded() -> None:
@@ -380,7 +389,7 @@ async def test_zeros_of_another_connection_let_nobody_drive_on_after_a_stop() ->
             await drive(stick, 0.5, REST)
             await publishing
             assert x_m(place) == pytest.approx(resting_m, abs=1e-3)
-            assert "Publish zeros" in await controller.status()
+            await controller.until(lambda m: "Publish zeros" in m.get("msg", ""))
             await controller.say("set_level", level="info")
             await drive(controller, 0.1, REST)
             await drive(controller, 0.5)
@@ -437,7 +446,7 @@ async def test_a_message_that_has_waited_for_a_slow_disk_moves_nothing() -> None
         await client.say("publish", topic=CMD_VEL, msg=AHEAD)
         assert "is driven by" in await client.status("info")
         store.slow_s = 0.0
-        assert "never said anything" in await client.status("warning")
+        assert "never said anything" in await client.status("error")
         assert x_m(place) == 0
 
 
@@ -445,6 +454,7 @@ class StoppedGraph:
     """What stands for a graph whose topics are opened for ever, and that has a stop service."""
 
     stop_service = "/omni/stop"
+    releases_by = MappingProxyType({"data": False})
     reported = dict.fromkeys((f"/omni/t{n}" for n in range(TASKS_AT_MOST)), "std_msgs/msg/String")
 
     async def listen(self, *_: object) -> None:
@@ -467,6 +477,21 @@ async def test_a_stop_service_is_called_however_much_is_under_way(
             "The stop was given. Too much of yours is under way to answer it."
         )
         await place.until(lambda: place.gateway.rooms.stops["omni"].latched)
+
+
+async def test_whoever_would_let_a_robot_go_on_by_its_stop_service_is_told_that_it_only_stops(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with served() as place, bridge(place, await place.key("operator")) as client:
+        graph = {"omni": StoppedGraph()}
+        monkeypatch.setattr(place.gateway.rooms.linker, "graph_topics", graph.get)
+        for data, good in ((True, True), (False, False)):
+            await client.say("call_service", service="/omni/stop", args={"data": data})
+            answer = (await client.op("service_response"))["values"]
+            assert answer["success"] is good
+            assert place.gateway.rooms.stops["omni"].latched
+        only = "is stopped: this service only stops. Whoever may lets it go on by: resume omni"
+        assert answer["message"].endswith(only)
 
 
 async def test_a_ticket_is_void_after_a_minute_and_when_its_caller_is_known_no_more(

@@ -95,6 +95,11 @@ class GraphTopics(Protocol):
         """Return the absolute name of the service that stops the robot; empty: it has none."""
         ...
 
+    @property
+    def releases_by(self) -> Mapping[str, object]:
+        """Return the fields by which that service lets the robot go on; empty: it never does."""
+        ...
+
     async def listen(self, topic: str, type_name: str, on_message: OnMessage) -> OpenedTopic:
         """Listen to a topic; every message is told, in order, as long as the loop keeps up.
 

@@ -123,6 +123,8 @@ class ClientCalls:
         stops = self._bindings.stops(self._caller, heard.service)
         if stops is not None:
             stopped = await self._speech.stop(self._caller, StopIn(robots=(stops,)))
+            if self._bindings.releases(stops, request):
+                return {"success": False, "message": self._only_stops(stops)}, True
             return {"success": stopped.at_rest is True, "message": stopped.text}, True
         bound, arguments = self._bindings.find(self._caller, SERVICE, heard.service, "", heard.args)
         entry, text = await self._placed(bound.robot, bound.skill.id, arguments)
@@ -130,6 +132,15 @@ class ClientCalls:
             return text, False
         await self._over(entry)
         return self._values(entry), True
+
+    def _only_stops(self, robot: RobotId) -> str:
+        sentence = said(
+            "{shown} is stopped: this service only stops. Whoever may lets it go on by: "
+            "resume {robot}",
+            shown=self._context.kernel.rooms.profiles[robot].shown,
+            robot=robot,
+        )
+        return self._context.callers.read_by(sentence, self._caller)
 
     # ---- actions ----
 

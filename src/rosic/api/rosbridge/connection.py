@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from functools import partial
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, assert_never
 
 from rosic.api.callers import NO_KEY
@@ -231,8 +230,7 @@ class RosbridgeConnection:
             if len(self._publishing) >= TOPICS_AT_MOST:
                 raise TooManyRequests(TOO_MANY_TOPICS, retry_after_s=1.0)
             if access.live is not None:
-                tell = partial(self._tell_of, name)
-                used = TopicDriver(parts.driven, caller, access.live, tell)
+                used = TopicDriver(parts.driven, caller, access.live, self._status)
             elif not access.right:
                 raise NotPermitted(parts.directory.why_closed(access))
             else:
@@ -254,9 +252,6 @@ class RosbridgeConnection:
             used.close()
         else:
             await self._parts.hub.release(name)
-
-    def _tell_of(self, topic: str, level: str, sentence: str) -> None:
-        self._status(level, sentence, topic)
 
     # ---- subscribing ----
 

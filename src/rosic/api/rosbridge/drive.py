@@ -175,15 +175,24 @@ class TopicDriver:
 
     def _begin(self) -> None:
         if self._driven.held(*self._key) > self._rested:
-            self._complain(
-                "error",
-                said(
-                    "Publish zeros to {topic} once; then it may be driven again. Nothing was sent.",
-                    topic=self._live.topic,
-                ),
-            )
+            self._complain("error", self._why_held())
             return
         self._driving = asyncio.create_task(self._drive())
+
+    def _why_held(self) -> str:
+        robot, topic = self._live.robot, self._live.topic
+        if self._context.kernel.rooms.stops[robot].latched:
+            return said(
+                "{shown} is stopped. Nothing was sent. Whoever may lets it go on by: "
+                "resume {robot}. Then publish zeros to {topic} once.",
+                shown=self._shown,
+                robot=robot,
+                topic=topic,
+            )
+        return said(
+            "Publish zeros to {topic} once; then it may be driven again. Nothing was sent.",
+            topic=topic,
+        )
 
     async def _drive(self) -> None:
         """Begin a live order, and follow it to its end."""
@@ -200,7 +209,7 @@ class TopicDriver:
             await self._first_sample(steered)
             outcome = await steered.ended()
             good = not outcome.code and outcome.ending.value in {"done", "sent"}
-            level = "info" if good else "warning"
+            level = "info" if good else "error"  # which clients see unless they want less
             why = outcome.note or outcome.ending.value
             self._tell(
                 level, said("{robot} is driven no further: {why}.", robot=self._shown, why=why)

@@ -66,6 +66,13 @@ class OrderBindings:
                 return robot
         return None
 
+    def releases(self, robot: RobotId, request: Mapping[str, Any]) -> bool:
+        """Whether a call of the service that stops a robot says that it may go on."""
+        topics = self._context.kernel.rooms.linker.graph_topics(robot)
+        wanted = {} if topics is None else topics.releases_by
+        given = dict(flat(request))
+        return bool(wanted) and all(given.get(field) == how for field, how in wanted.items())
+
     def find(
         self, caller: ApiCaller, kind: str, name: str, type_name: str, request: object
     ) -> tuple[BoundSkill, dict[str, float | str]]:

@@ -14,7 +14,7 @@ from rosic.robots.ros2.messages.fields import fields_of, unpacked
 from rosic.robots.ros2.messages.names import check_graph_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from rosic.contracts.graph_topics import Fields, OnMessage
     from rosic.core.traffic import TrafficCounter
@@ -226,6 +226,12 @@ class OpenTopics:
         """Return the absolute name of the service that stops the robot."""
         stop = self._told.stop
         return check_graph_name(stop.service) if stop is not None and stop.service else ""
+
+    @property
+    def releases_by(self) -> Mapping[str, object]:
+        """Return the fields by which that service lets the robot go on; empty: it never does."""
+        stop = self._told.stop
+        return {} if stop is None else stop.release
 
     async def listen(self, topic: str, type_name: str, on_message: OnMessage) -> HeardTopic:
         """Listen to a topic, as its publishers offer it.
