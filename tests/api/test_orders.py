@@ -281,8 +281,9 @@ async def test_a_key_is_the_same_order_over_a_restart_and_is_answered_with_it(as
         hal = place.client({"Authorization": f"Bearer {secret}"})
         again = (await hal.post(path, json=move(), headers=key)).json()
         assert (await hal.get(f"/v1/orders/{first['id']}")).json() == again
-        told = ("id", "robot", "skill", "state", "over", "who", "n", "ended")
+        told = ("id", "robot", "skill", "state", "over", "who", "n")
         assert [again[name] for name in told] == [before[name] for name in told]
+        assert again["ended"]
         assert again["sent"].endswith("move, 0.10 m left")
         other = {"skill": "turn", "arguments": {"angle": 5}}
         refused = await hal.post(path, json=other, headers=key)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import csv
+import re
 from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from rosic.robots.memory import MemoryRobot
-from tests.api.served import problem, served
+from tests.api.served import ServedGateway, problem, served
 from tests.pace import pace
 
 if TYPE_CHECKING:
@@ -247,6 +248,19 @@ async def test_how_it_does_is_shown_to_whoever_looks_after_people(tmp_path: Path
         assert found["data"]["verdict"] == "good"
         assert "fsync" in found["disk"]["text"]
         assert {one["verdict"] for one in found.values()} <= {"good", "look", "not-measured"}
+
+
+async def test_a_program_is_told_the_roles_that_its_key_was_given() -> None:
+    async with served() as place:
+        place.chat.say("/key create Sal operator on omni for 30 days", account="ada")
+        await place.until(lambda: _secrets(place))
+        sal = place.client({"Authorization": f"Bearer {_secrets(place)[0]}"})
+        assert (await sal.get("/v1/me")).json()["roles"] == ["operator"]
+
+
+def _secrets(place: ServedGateway) -> list[str]:
+    texts = " ".join(each.outbound.text for each in place.chat.told)
+    return re.findall(r"rosic_\w+_[\w-]+", texts)
 
 
 async def test_a_value_that_was_heard_long_ago_says_so() -> None:

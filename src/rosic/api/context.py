@@ -91,7 +91,12 @@ class ApiContext(NamedTuple):
         person = self.kernel.rooms.authoriser.directory.person(caller.principal)
         kind = "person" if caller.address.platform == PAGE else "program"
         language = self.languages.code(caller.principal)
-        roles = () if person is None else person.roles
+        named = [] if person is None else list(person.roles)
+        organiser = self.kernel.rooms.organiser
+        for grant in organiser.rights.grants(caller.principal):  # a key's roles are given to it
+            if grant.role and (grant.expires_ns is None or organiser.wall_ns() < grant.expires_ns):
+                named.append(grant.role)
+        roles = tuple(dict.fromkeys(named))
         return IdentityOut(caller.principal, caller.name, kind, roles, language)
 
     async def write(self, facts: tuple[Fact, ...]) -> None:

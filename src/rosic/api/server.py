@@ -169,6 +169,8 @@ class ApiServer:
         self._uvicorns = tuple(servers)
         try:
             log.info("the API listens on %s", self._settings.listen)
+            if self._settings.rosbridge is not None:
+                log.info("clients of rosbridge come in on %s", self._settings.rosbridge)
             await asyncio.gather(
                 self._describe_soon(),
                 *(server.serve(sockets=[listener]) for server, listener in servers.items()),
