@@ -413,7 +413,7 @@ async def test_what_is_out_of_a_base_s_plane_is_left_out_told_and_counts_as_no_z
             await drive(client, 0.3, up)
             await drive(client, 0.3, rising)
             assert x_m(place) == pytest.approx(resting_m, abs=1e-3)
-            assert "Publish zeros" in await client.status()
+            await client.until(lambda m: "Publish zeros" in m.get("msg", ""))
 
 
 async def test_a_connection_is_of_one_key() -> None:

@@ -42,7 +42,7 @@ async def listening(
         except OSError:
             heard.append(b"")
         finally:
-            writer.close()
+            writer.transport.abort()
 
     server = await asyncio.start_server(hear, "127.0.0.1", 0, ssl=context)
     async with server:
@@ -120,7 +120,13 @@ async def test_what_is_not_there_is_said(url: str, why: str) -> None:
 
 
 async def test_one_that_keeps_silent_costs_the_doctor_no_longer_than_it_says() -> None:
-    server = await asyncio.start_server(lambda *_: asyncio.sleep(3_600), "127.0.0.1", 0)
+    async def keep_silent(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        try:
+            await reader.read()
+        finally:
+            writer.transport.abort()
+
+    server = await asyncio.start_server(keep_silent, "127.0.0.1", 0)
     async with server:
         url = f"https://127.0.0.1:{server.sockets[0].getsockname()[1]}/hook"
         settings = WebhookSettings(url=url, secret=RANDOM, private=True)

@@ -184,6 +184,7 @@ class FleetUsage:
         # Since when each has been at work, or has not, or since what was added up; and what was.
         self._since_ns: dict[RobotId, int] = {}
         self._worked_ns: Counter[RobotId] = Counter()
+        self._untold_ns: Counter[RobotId] = Counter()
 
     # ---- what is heard ----
 
@@ -210,18 +211,24 @@ class FleetUsage:
         robot = order.robot
         if robot in self._ordered:
             self._ordered.discard(robot)
-            self._add(robot, self._now_ns())
+            now_ns = self._now_ns()  # as in `_add`: each order passes here
+            past_ns, self._since_ns[robot] = now_ns - self._since_ns[robot], now_ns
+            self._worked_ns[robot] += past_ns
+            self._untold_ns[robot] += past_ns
 
     def settle(self) -> None:
-        """Add up what goes on, too."""
+        """Add up what goes on, too, and tell how long each has been at work since the last time."""
         now_ns = self._now_ns()
         for robot in self._held | self._ordered:
             self._add(robot, now_ns)
+        for robot, worked_ns in self._untold_ns.items():
+            self._worked(robot, worked_ns)
+        self._untold_ns.clear()
 
     def _add(self, robot: RobotId, now_ns: int) -> None:
         past_ns, self._since_ns[robot] = now_ns - self._since_ns[robot], now_ns
         self._worked_ns[robot] += past_ns
-        self._worked(robot, past_ns)
+        self._untold_ns[robot] += past_ns
 
     # ---- what is asked ----
 
