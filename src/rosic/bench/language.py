@@ -59,9 +59,9 @@ COMMON = """
     and und links vor para zu a little bit half faster meter degrees 8
 """
 SLOWEST = (
-    "a zu a drone drones terceira tschüss fortyfour dreieck para podría all apenitas back anda 8",
-    "drone para a bájate base left minuto 8 degrees ninetytwo",
-    "dankschön drone suba para para attraper links nun transport vierzehn left degré transmets",
+    "fünfundneunzig minute fünfte degré zwoa drone decaler row para quadcopters para 8 formacao",
+    "links para degrees 8 fünfte funften row drone aujourd'hui para degré formacao minute",
+    "drones meter 1st hauteur drones landen fünfundvierzig para",
     "drones " * MOST_PHRASE_WORDS,
     "omin forwrad 1 m\nomin forwrad 1 m",
     "\n".join(["omin forwrad 1 m and then land on it"] * MOST_LINES),

@@ -365,8 +365,8 @@ def test_what_is_not_understood_is_looked_for_among_a_bounded_number() -> None:
     assert counts[1] <= 1.1 * counts[0]
 
 
-MOST_STEPS = 44_000
-"""Some 2 ms on the machine for which figures are promised (`rosic bench language`)."""
+MOST_STEPS = 40_000
+"""Some 2 ms: of one and the same text they differ by a third from hour to hour."""
 
 
 def test_the_slowest_text_that_can_be_written_costs_what_is_promised() -> None:

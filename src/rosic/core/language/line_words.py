@@ -11,7 +11,7 @@ from rosic.core.language.sanitise import clean, fold_word, normalised
 
 FOLDED_AT_MOST: Final = 1024
 
-MOST_MENDED: Final = 10
+MOST_MENDED: Final = 8
 """A line of more words is not looked at for typing errors: what is asked in one is shorter."""
 
 NEGATING: Final = frozenset({"minus", "nicht", "not"})

@@ -66,15 +66,15 @@ if TYPE_CHECKING:
     from rosic.core.language.vocabulary import Vocabulary
 
 LONGEST_PHRASE: Final = 240
-MOST_PHRASE_WORDS: Final = 16
-"""Of a message: what reading costs grows with them. Of 1,622 phrases one has more."""
+MOST_PHRASE_WORDS: Final = 14
+"""Of a message: what reading costs grows with them. Of 1,622 phrases three have more."""
 LANGUAGES_PROPOSED: Final = 2
 """Of so many languages a line is taken for, for what it proposes: those with most of its words."""
 MOST_UNKNOWN: Final = 3
 """With more words that nobody knows, a line is not looked at for typing errors; nor a long one."""
 NAMES_LOOKED_AT: Final = 128
 LINES_TRIED: Final = 16
-WORDS_TRIED: Final = 32
+WORDS_TRIED: Final = 28
 """A long line is tried with fewer robots than a short one: each takes time for each word."""
 
 GO_TO: Final = "goto"
