@@ -44,7 +44,6 @@ KEYED_PATHS: Final = frozenset({"/foxglove"})
 """What shows and changes nothing, to programs that can show a key in an address alone."""
 SAFE: Final = frozenset({"GET", "HEAD", "OPTIONS"})
 SITES: Final = frozenset({"same-origin", "none"})
-LOCAL_NAMES: Final = ("localhost", "127.0.0.1", "::1")
 POLICY_VIOLATION: Final = 1008
 ALLOWANCE: Final = "rosic-allowance"
 """Under which a request's state holds what its caller may still read."""
@@ -86,13 +85,8 @@ class AccessChecks:
         self._app, self._cookie = app, cookie.encode()
         self._read_policy, self._limits = read_policy, settings.limits
         named = urlsplit(settings.url).hostname
-        own = (
-            (*LOCAL_NAMES, settings.listen.host)
-            if settings.listen.is_loopback
-            else (settings.listen.host,)
-        )
         self._origins = frozenset(each.encode() for each in settings.origins)
-        self._hosts = frozenset({*own, *settings.hosts, *((named,) if named else ())})
+        self._hosts = settings.listen.names | {*settings.hosts, *((named,) if named else ())}
         self._headers = (*HEADERS, TLS_HEADER) if settings.is_tls else HEADERS
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:

@@ -37,7 +37,7 @@ from rosic.api.problems import problem, problem_of
 from rosic.api.rate_feed import RateFeed, of_visible
 from rosic.api.robot_monitor import RobotMonitor
 from rosic.api.schemas import StopIn
-from rosic.api.stop_reading import speaks_of_stop
+from rosic.api.stop_reading import mentions_stop
 from rosic.core.i18n import plain
 from rosic.core.identity import PAGE
 from rosic.errors import RosicError, Unrecognised
@@ -323,7 +323,7 @@ def _said_in(text: str) -> Said | None:
             return _read(text)
     except (msgspec.MsgspecError, UnicodeError, RecursionError):
         pass
-    return StopRequest() if speaks_of_stop(text[:MESSAGE_BYTES]) else None
+    return StopRequest() if mentions_stop(text[:MESSAGE_BYTES]) else None
 
 
 def _written(event: Event) -> bytes | None:

@@ -11,7 +11,6 @@ from rosic.api.metrics.exposition import MetricSeries, read_families
 from rosic.api.metrics.gateway_metrics import GatewayMetrics
 from rosic.api.routes import Api, Who
 from rosic.core.i18n import said
-from rosic.errors import NotPermitted
 
 FIGURES_ONLY = said("What is measured here is shown to whoever looks after people.")
 Figures = NamedDependency[SkipValidation[GatewayMetrics]]
@@ -47,9 +46,7 @@ class MetricOut(msgspec.Struct, frozen=True):
 @get("/metrics", summary="What is measured", tags=["health"])
 async def metrics(api: Api, caller: Who, figures: Figures) -> list[MetricOut]:
     """Return what `/metrics` tells a monitoring, for whoever looks after people."""
-    organiser = api.kernel.rooms.organiser
-    if caller.principal not in api.kernel.admins() or caller.principal in organiser.locked:
-        raise NotPermitted(FIGURES_ONLY)
+    api.check_admin(caller, FIGURES_ONLY)
     return [_metric(found) for found in read_families(figures.lines())]
 
 

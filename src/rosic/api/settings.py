@@ -9,10 +9,12 @@ from urllib.parse import urlsplit
 
 import msgspec
 
+from rosic.core.hosts import is_this_machine
 from rosic.core.rate_limit import RateLimit
 
 LISTEN: Final = "127.0.0.1:8765"
 PORT_MOST: Final = 65_535
+LOCAL_NAMES: Final = ("localhost", "127.0.0.1", "::1")
 
 
 class HostPort(msgspec.Struct, frozen=True):
@@ -27,7 +29,12 @@ class HostPort(msgspec.Struct, frozen=True):
     @property
     def is_loopback(self) -> bool:
         """Whether only this machine reaches it."""
-        return ipaddress.ip_address(self.host).is_loopback
+        return is_this_machine(self.host)
+
+    @property
+    def names(self) -> frozenset[str]:
+        """The names by which a client may say that it reaches it."""
+        return frozenset({self.host, *(LOCAL_NAMES if self.is_loopback else ())})
 
 
 def parse_listen(text: str) -> HostPort:

@@ -49,7 +49,7 @@ def _named(robots: object) -> tuple[str, ...]:
     return named if len(named) == len(robots) else ()
 
 
-def speaks_of_stop(text: str) -> bool:
+def mentions_stop(text: str) -> bool:
     """Whether a message that cannot be read speaks of a stop, in whatever case and quotes."""
     return _STOP.search(text) is not None
 

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import os
 import re
-import socket
-import subprocess
-import sys
-import time
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from rosic.bench.gateway_process import (
+    LOCAL,
+    STARTED_WITHIN_S,
+    busy_s,
+    free_port,
+    is_listening,
+    key_headers,
+)
 from rosic.bench.topic_process import FROM_ROS, TO_ROS, TYPE
 from rosic.errors import ConfigurationError
 from rosic.robots.ros2.interfaces.build import InterfacePackage
@@ -22,11 +26,6 @@ if TYPE_CHECKING:
 
     from rosic.testing.ros2.graph import RosGraph, RosProcess
 
-STARTED_WITHIN_S: Final = 120.0
-LOOK_S: Final = 0.05
-LOCAL: Final = "127.0.0.1"
-CPU_CLOCK: Final = 2
-"""Of a process, as Linux numbers clocks: what it used of processors, all of its threads."""
 CONFIG: Final = """\
 [gateway]
 name = "bench"
@@ -73,7 +72,7 @@ class BridgeServer(NamedTuple):
 
     def busy_s(self) -> float:
         """Return how much of a processor it has used so far."""
-        return time.clock_gettime((~self.process.process.pid << 3) | CPU_CLOCK)
+        return busy_s(self.process.process.pid)
 
     def memory_mb(self) -> float:
         """Return how much memory it holds."""
@@ -85,26 +84,14 @@ class BridgeServer(NamedTuple):
 @contextmanager
 def gateway(graph: RosGraph, folder: Path) -> Iterator[BridgeServer]:
     """Run a whole gateway: a key, scopes, the record on disk."""
-    port = _free_port()
+    port = free_port()
     listen = f"{LOCAL}:{port}"
     config = folder / "rosic.toml"
     text = CONFIG.format(listen=listen, to_ros=TO_ROS, from_ros=FROM_ROS, type=TYPE)
     config.write_text(text, encoding="utf-8")
     process = graph.start("-m", "rosic", "run", "-c", config, ready=None)
     _await_port(process, port)
-    made = subprocess.run(  # noqa: S603 - our own command
-        (
-            *(sys.executable, "-m", "rosic", "key", "create", "bench"),
-            *("--role", "bench", "-c", str(config)),
-        ),
-        capture_output=True,
-        text=True,
-        timeout=STARTED_WITHIN_S,
-        check=True,
-    )
-    key = re.search(r"rosic_\S+", made.stdout)
-    assert key is not None, made.stdout  # noqa: S101 - of our own command
-    headers = {"Authorization": f"Bearer {key[0]}"}
+    headers = key_headers(config)
     try:
         yield BridgeServer("ROSIC", f"ws://{listen}/rosbridge", headers, process)
     finally:
@@ -138,7 +125,7 @@ def rosbridge_server(graph: RosGraph, checkout: Path) -> Iterator[BridgeServer]:
     messages = InterfacePackage("rosbridge_msgs", checkout / "rosbridge_msgs")
     built = ensure_built(messages, Path(os.environ["ROS_LOG_DIR"]) / "interfaces")
     sources = [checkout / name / "src" for name in ("rosbridge_library", "rosbridge_server")]
-    port = _free_port()
+    port = free_port()
     process = graph.start(
         *(script, "--port", str(port), "--address", LOCAL),
         python_path=[*sources, built],
@@ -163,24 +150,14 @@ def echo(graph: RosGraph) -> Iterator[BridgeServer]:
         process.stop()
 
 
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind((LOCAL, 0))
-        return int(probe.getsockname()[1])
-
-
 def _await_port(process: RosProcess, port: int) -> None:
     """Wait until something listens there.
 
     Raises:
         ConfigurationError: It ended; says its last words.
     """
-    end_s = time.monotonic() + STARTED_WITHIN_S
-    while time.monotonic() < end_s and process.process.poll() is None:
-        with socket.socket() as probe:
-            if probe.connect_ex((LOCAL, port)) == 0:
-                return
-        time.sleep(LOOK_S)
+    if is_listening(port, lambda: process.process.poll() is None):
+        return
     raise ConfigurationError(
         f"A server of the bench did not start: {' '.join(list(process.lines)[-3:])[-400:]}",
         hint="rosbridge_server needs tornado, pymongo and pillow: pip install them.",

@@ -7,8 +7,6 @@ beside each window: what it took longer than the quickest of them is taken out.
 
 from __future__ import annotations
 
-import re
-import socket
 import subprocess
 import sys
 import time
@@ -22,6 +20,14 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
+from rosic.bench.gateway_process import (
+    LOCAL,
+    STARTED_WITHIN_S,
+    busy_s,
+    free_port,
+    is_listening,
+    key_headers,
+)
 from rosic.bench.report import BenchCase, BenchReport, machine
 from rosic.errors import ConfigurationError
 
@@ -30,7 +36,6 @@ if TYPE_CHECKING:
 
     from websockets.sync.client import ClientConnection
 
-LOCAL: Final = "127.0.0.1"
 ROBOTS: Final = ("omni", "kuka1", "yumi", "cf1", "cf2", "cf3")
 CONFIG: Final = """\
 [gateway]
@@ -58,10 +63,6 @@ WINDOWS, QUICK_WINDOWS = 12, 2
 LASTS_S, QUICK_LASTS_S = 5.0, 1.0
 SETTLES_S: Final = 5.0
 WORK: Final = 200_000
-STARTED_WITHIN_S: Final = 120.0
-LOOK_S: Final = 0.05
-CPU_CLOCK: Final = 2
-"""Of a process, as Linux numbers clocks: what it used of processors, all of its threads."""
 MOST: Final = 0.01
 
 METHOD: Final = (
@@ -162,16 +163,12 @@ def _case(name: str, shares: list[float]) -> BenchCase:
 
 
 def _window(pid: int, lasts_s: float) -> IdleWindow:
-    before_s, begun_s = _busy_s(pid), time.monotonic()
+    before_s, begun_s = busy_s(pid), time.monotonic()
     works = [work_s()]
     time.sleep(lasts_s)
     works.append(work_s())
-    share = (_busy_s(pid) - before_s) / (time.monotonic() - begun_s)
+    share = (busy_s(pid) - before_s) / (time.monotonic() - begun_s)
     return IdleWindow(share, median(works))
-
-
-def _busy_s(pid: int) -> float:
-    return time.clock_gettime((~pid << 3) | CPU_CLOCK)
 
 
 def _listen(page: ClientConnection) -> None:
@@ -194,33 +191,21 @@ def _listen(page: ClientConnection) -> None:
 @contextmanager
 def _gateway(folder: Path) -> Iterator[tuple[subprocess.Popen[bytes], str, dict[str, str]]]:
     """Run one; yield its process, the address of its events and the headers of a key."""
-    with socket.socket() as probe:
-        probe.bind((LOCAL, 0))
-        port = int(probe.getsockname()[1])
+    port = free_port()
     config = folder / "rosic.toml"
     text = CONFIG.format(listen=f"{LOCAL}:{port}")
     text += "".join(ROBOT.format(name=name) for name in ROBOTS)
     config.write_text(text, encoding="utf-8")
-    rosic = (sys.executable, "-m", "rosic")
     with (folder / "said").open("wb") as said:
         process = subprocess.Popen(  # noqa: S603 - our own command
-            (*rosic, "run", "-c", str(config)),
+            (sys.executable, "-m", "rosic", "run", "-c", str(config)),
             stdin=subprocess.DEVNULL,
             stdout=said,
             stderr=subprocess.STDOUT,
         )
     try:
         _await_port(process, port, folder / "said")
-        made = subprocess.run(  # noqa: S603 - our own command
-            (*rosic, "key", "create", "bench", "--role", "bench", "-c", str(config)),
-            capture_output=True,
-            text=True,
-            timeout=STARTED_WITHIN_S,
-            check=True,
-        )
-        key = re.search(r"rosic_\S+", made.stdout)
-        assert key is not None, made.stdout  # noqa: S101 - of our own command
-        yield process, f"ws://{LOCAL}:{port}/v1/events", {"Authorization": f"Bearer {key[0]}"}
+        yield process, f"ws://{LOCAL}:{port}/v1/events", key_headers(config)
     finally:
         process.terminate()
         process.wait(STARTED_WITHIN_S)
@@ -232,11 +217,7 @@ def _await_port(process: subprocess.Popen[bytes], port: int, said: Path) -> None
     Raises:
         ConfigurationError: It ended; says its last words.
     """
-    end_s = time.monotonic() + STARTED_WITHIN_S
-    while time.monotonic() < end_s and process.poll() is None:
-        with socket.socket() as probe:
-            if probe.connect_ex((LOCAL, port)) == 0:
-                return
-        time.sleep(LOOK_S)
+    if is_listening(port, lambda: process.poll() is None):
+        return
     last = said.read_text(encoding="utf-8", errors="replace")[-400:]
     raise ConfigurationError(f"The gateway of the bench did not start: {last}")

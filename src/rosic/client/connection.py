@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ipaddress
 import ssl
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
 from urllib.parse import urlsplit
@@ -21,6 +20,7 @@ from rosic.client.errors import (
     NotTrusted,
     raised_for,
 )
+from rosic.core.hosts import is_this_machine
 from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
 
@@ -37,7 +37,6 @@ JSON: Final = "application/json"
 BYTES: Final = "application/octet-stream"
 NO_CONTENT: Final = 204
 ANOTHER: Final = "What answers at {url} speaks another version of this protocol, or is no ROSIC."
-LOCAL: Final = "localhost"
 DEFAULT_PORTS: Final = {"http": "ws", "https": "wss"}
 IN_CLEAR: Final = (
     "{url} is not encrypted, and the key would be read on the way. Use https, or say that it may "
@@ -67,7 +66,7 @@ class GatewayAddress:
         self.url = _checked_url(url)
         parts = urlsplit(self.url)
         self.is_tls = parts.scheme == "https"
-        if not (self.is_tls or unencrypted or _is_this_machine(parts.hostname or "")):
+        if not (self.is_tls or unencrypted or is_this_machine(parts.hostname or "")):
             raise ConfigurationError(IN_CLEAR.format(url=self.url))
         shown = key.reveal() if isinstance(key, Secret) else key.strip()
         if not _is_key(shown):
@@ -108,13 +107,6 @@ def _checked_url(url: str) -> str:
     if not good:
         raise ConfigurationError(NO_URL.format(url=url[:200]))
     return whole
-
-
-def _is_this_machine(host: str) -> bool:
-    try:
-        return host == LOCAL or ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
 
 
 def _is_key(text: str) -> bool:

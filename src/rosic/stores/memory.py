@@ -73,9 +73,10 @@ class MemoryHistory:
         for record in reversed(self._asked):
             if len(found) >= query.limit:
                 break
+            if query.cid not in {b"", record.cid}:
+                continue
             entry = self._entry(record)
             ours = query.principal in {"", entry.principal} and query.robot in {"", entry.robot}
-            ours = ours and query.cid in {b"", record.cid}
             if ours and entry.at_ns >= query.since_ns:
                 found.append(entry)
         if query.cid:

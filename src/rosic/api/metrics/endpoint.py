@@ -28,7 +28,6 @@ HEAD_BYTES: Final = 8_192
 WITHIN_S: Final = 5.0
 CONNECTIONS: Final = 32
 PLAIN: Final = "text/plain; charset=utf-8"
-LOCAL_NAMES: Final = frozenset({"localhost", "127.0.0.1", "::1"})
 
 log = logging.getLogger("rosic.metrics")
 
@@ -66,8 +65,7 @@ class MetricsEndpoint:
         self._metrics = GatewayMetrics(kernel, not_ready)
         self._open = 0
         self.port = 0
-        own = LOCAL_NAMES if settings.listen.is_loopback else frozenset[str]()
-        self._hosts = frozenset({settings.listen.host, *settings.hosts}) | own
+        self._hosts = settings.listen.names.union(settings.hosts)
 
     async def run(self) -> None:
         """Listen until cancelled.

@@ -171,7 +171,7 @@ class FleetUsage:
 
     Args:
         monotonic_ns: Returns the moment, on the monotonic clock.
-        worked: Told of each stretch of work that is over: of which robot, and how long it was, ns.
+        worked: Told of work since it was told last: of which robot, and how long it was, ns.
     """
 
     def __init__(
@@ -217,13 +217,16 @@ class FleetUsage:
             self._untold_ns[robot] += past_ns
 
     def settle(self) -> None:
-        """Add up what goes on, too, and tell how long each has been at work since the last time."""
-        now_ns = self._now_ns()
-        for robot in self._held | self._ordered:
-            self._add(robot, now_ns)
-        for robot, worked_ns in self._untold_ns.items():
+        """Tell how long each robot has been at work since the last time, up to now."""
+        for robot in self._held | self._ordered | self._untold_ns.keys():
+            self.tell(robot)
+
+    def tell(self, robot: RobotId) -> None:
+        """Tell how long one robot has been at work since the last time, up to now."""
+        if self.works(robot):
+            self._add(robot, self._now_ns())
+        if worked_ns := self._untold_ns.pop(robot, 0):
             self._worked(robot, worked_ns)
-        self._untold_ns.clear()
 
     def _add(self, robot: RobotId, now_ns: int) -> None:
         past_ns, self._since_ns[robot] = now_ns - self._since_ns[robot], now_ns
@@ -273,7 +276,7 @@ class FleetWorkList:
 
     def work_of(self, robot: RobotId, since_ns: int, now_ns: int) -> TimeAtWork:
         """Return for how long a robot was at work since then."""
-        self._usage.settle()
+        self._usage.tell(robot)
         return TimeAtWork(
             self._usage.works(robot),
             self._hours.worked_s(robot, since_ns, now_ns),

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import ipaddress
 from typing import TYPE_CHECKING, Final
 from urllib.parse import urlsplit
 
+from rosic.core.hosts import is_this_machine
 from rosic.core.i18n import filled, joined, said
 from rosic.core.language.command import Command, HelpPage
 from rosic.core.message import ChatKind
@@ -96,9 +96,4 @@ class SignInCommands:
 def may_carry_code(url: str) -> bool:
     """Whether a link may carry a code: it is encrypted, or goes to this machine alone."""
     parts = urlsplit(url)
-    if parts.scheme == "https":
-        return True
-    try:
-        return ipaddress.ip_address(parts.hostname or "").is_loopback
-    except ValueError:
-        return parts.hostname == "localhost"
+    return parts.scheme == "https" or is_this_machine(parts.hostname or "")

@@ -56,7 +56,7 @@ class GoalEnd(NamedTuple):
 
 
 class ActionLink(ClientLink):
-    """A client of one action.
+    """A client of one action. Goals under way stay with the robot when it is closed: cancel them.
 
     Attributes:
         rejected: How many goals the server did not accept.
@@ -136,10 +136,6 @@ class ActionLink(ClientLink):
             self.rejected += 1
             return None
         return Goal(self._runtime, self.name, handle, self._ended)
-
-    async def close(self) -> None:
-        """Leave the action. Goals under way stay with the robot: cancel them first."""
-        await super().close()
 
     def _sees(self, handle: RosObject) -> bool:
         return bool(handle.server_is_ready())
