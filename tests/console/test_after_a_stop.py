@@ -69,6 +69,21 @@ JSON.parse = (text) => {
 """
 
 
+@pytest.mark.parametrize("x_m", ["1e17", "found.robot.id.length * 1e9"])
+async def test_robots_that_say_a_place_beyond_all_maps_leave_the_page_alive(
+    there: OpenPage, x_m: str
+) -> None:
+    """Where the next place beside another is the same number, there is none; nor are lines drawn
+    for each metre between robots that are a million kilometres apart."""
+    pose = "found.robot.presence.pose"
+    far = f"{pose} && {{ ...{pose}, x_m: {x_m}, y_m: -1e17 }}"
+    await there.page.add_init_script(WITHOUT_PLACES.replace("null", far))
+    await there.sign_in()
+    await expect(there.page.locator("figure.map")).to_be_visible()
+    await there.go("fleet")
+    await expect(there.page.locator("#h-busy")).to_be_visible()
+
+
 async def test_what_is_said_of_a_stop_goes_when_somebody_elsewhere_resumes(
     there: OpenPage, place: ServedGateway
 ) -> None:

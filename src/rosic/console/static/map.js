@@ -29,23 +29,42 @@ function bounds(points) {
 
 const apart = (one, other) => Math.hypot(one.x - other.x, one.y - other.y);
 
+const APART_AT_MOST = 40; // robots: of more, each is drawn where it is
+
 /** Return where robots are drawn: those that would hide each other one below the other. */
 function besideEachOther(points, size) {
+  if (points.length > APART_AT_MOST) return points;
   const drawn = [];
   for (const point of points) {
     const at = { ...point };
-    while (drawn.some((other) => apart(at, other) < 1.2 * size)) at.y -= 2.3 * size;
+    const hides = (other) => apart(at, other) < 1.2 * size;
+    // Each time below another one at least: but not where a robot says that it is beyond all numbers.
+    for (let left = 2 * drawn.length; left > 0 && drawn.some(hides); left--) at.y -= 2.3 * size;
     drawn.push(at);
   }
   return drawn;
 }
 
+/** Return how wide a square is: a robot may say that it is anywhere, and lines cost time. */
+function squareOf({ width, height }) {
+  const wide = Math.max(width / 1.6, height);
+  if (wide <= 300) return height > 30 ? 5 : 1;
+  return 10 ** Math.ceil(Math.log10(wide / 60));
+}
+
+/** Return the multiples of a step within a length; by count, as far out adding a step adds nothing. */
+function multiples(from, length, step) {
+  const first = Math.ceil(from / step);
+  const count = Math.floor((from + length) / step) - first + 1;
+  return Array.from({ length: Math.max(0, Math.min(count, 500)) }, (_, at) => (first + at) * step);
+}
+
 function Grid({ box, step }) {
   const lines = [];
-  for (let x = Math.ceil(box.x / step) * step; x <= box.x + box.width; x += step) {
+  for (const x of multiples(box.x, box.width, step)) {
     lines.push(html`<line x1=${x} x2=${x} y1=${-box.y} y2=${-box.y - box.height} />`);
   }
-  for (let y = Math.ceil(box.y / step) * step; y <= box.y + box.height; y += step) {
+  for (const y of multiples(box.y, box.height, step)) {
     lines.push(html`<line x1=${box.x} x2=${box.x + box.width} y1=${-y} y2=${-y} />`);
   }
   return html`<g class="grid">${lines}</g>`;
@@ -66,7 +85,7 @@ export function PoseMap() {
   const drawn = besideEachOther(now, bounds([...now, ...ways.flat()]).height / 22);
   const box = bounds([...now, ...drawn, ...ways.flat()]);
   const size = box.height / 22;
-  const step = box.height > 30 ? 5 : 1;
+  const step = squareOf(box);
   const told = there.map((robot) => `${robot.name}: ${poseText(robot.presence.pose)}`).join("; ");
   return html`<figure class="map">
     ${all.length > 1 &&
