@@ -90,6 +90,8 @@ async def test_what_is_said_of_a_stop_goes_when_somebody_elsewhere_resumes(
     await there.sign_in("Bo")
     await there.page.locator("button.stop").click()
     await expect(there.page.locator(".stop-said strong")).to_have_text("At rest")
+    omni = there.page.locator(".robot", has_text="omni")
+    await expect(omni.locator(".robot-stopped")).to_be_visible()  # seen, before it goes on
     ada = await place.person("Ada")
     await ada.post("/v1/chat", json={"text": "resume omni"})
     await expect(there.page.locator(".stop-said strong")).to_have_count(0)
