@@ -114,6 +114,26 @@ async def test_what_cannot_be_read_is_answered_and_the_connection_stays(
             assert not any(stop.latched for stop in place.gateway.rooms.stops.values())
 
 
+async def test_a_topic_that_there_is_not_is_named_with_those_that_there_are() -> None:
+    async with served() as place:
+        hal, bo = await place.program("operator"), await place.person("Bo")
+        async with place.listening(hal) as connection:
+            await says(connection, op="subscribe", topics=["orders"])
+            await says(connection, op="subscribe", topics=["robots", "stops"])
+            problem = (await told(connection, "problem"))["problem"]
+            assert (problem["code"], problem["status"]) == ("not-found", 404)
+            assert problem["detail"] == (
+                "There is no topic 'stops'. There are robots, orders, chat, rates. "
+                "You are told what you were told before."
+            )
+            assert not any(stop.latched for stop in place.gateway.rooms.stops.values())
+            body = {"skill": "move", "arguments": {"distance": 0.1}}
+            await bo.post("/v1/robots/omni/orders", json=body)
+            await told(connection, "order")  # the first subscription counts still
+            (listener,) = place.server.stream.listeners
+            assert listener.topics == {"orders"}
+
+
 async def test_nobody_listens_without_a_key() -> None:
     async with served() as place:
         with pytest.raises(InvalidStatus) as refused:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Final, Literal, TypeAlias
+from typing import Annotated, Final, TypeAlias
 
 import msgspec
 
 from rosic.api.schemas import IdentityOut, Name, OrderOut, PageMessage, Problem, RobotOut, StopOut
 
+TOPICS: Final = ("robots", "orders", "chat", "rates")
 ABILITIES: Final = ("jog",)
 """For a page that may be older or newer than this gateway."""
 ENDED: Final = 4401
 """The code with which a connection is closed whose key or session is not good any more."""
+
+Topic = Annotated[str, msgspec.Meta(max_length=64)]
 
 # ---- what a client says ----
 
@@ -19,9 +22,13 @@ ENDED: Final = 4401
 class Subscribe(
     msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag="subscribe", tag_field="op"
 ):
-    """Tell me of these from now on, and how it is now; of nothing else."""
+    """Tell me of these from now on, and how it is now; of nothing else.
 
-    topics: tuple[Literal["robots", "orders", "chat", "rates"], ...]
+    Attributes:
+        topics: Of `TOPICS`; with any other it is refused, and everything stays as it was.
+    """
+
+    topics: tuple[Topic, ...]
 
 
 class StopRequest(msgspec.Struct, frozen=True, tag="stop", tag_field="op"):

@@ -19,6 +19,7 @@ from rosic.api import event_schemas
 from rosic.api.connections import StepLimit
 from rosic.api.event_schemas import (
     ENDED,
+    TOPICS,
     Hello,
     MessageEvent,
     OrderEvent,
@@ -38,7 +39,7 @@ from rosic.api.rate_feed import RateFeed, of_visible
 from rosic.api.robot_monitor import RobotMonitor
 from rosic.api.schemas import StopIn
 from rosic.api.stop_reading import mentions_stop
-from rosic.core.i18n import plain
+from rosic.core.i18n import plain, said
 from rosic.core.identity import PAGE
 from rosic.errors import RosicError, Unrecognised
 from rosic.gateway.send_queue import SLOW, SendQueue, SlowConsumer
@@ -65,9 +66,9 @@ LISTENERS_AT_MOST: Final = 200
 EACH_AT_MOST: Final = 16
 """Connections of one caller."""
 MESSAGE_BYTES: Final = 65_536
-MANY: Final = "Too many connections listen already. Close one first."
-NOT_READ: Final = "That is no message of this protocol."
-TOO_MANY_STOPS: Final = "It was given; so many were that this one has no answer of its own."
+MANY: Final = said("Too many connections listen already. Close one first.")
+NOT_READ: Final = said("That is no message of this protocol.")
+TOO_MANY_STOPS: Final = said("It was given; so many were that this one has no answer of its own.")
 
 Said: TypeAlias = Subscribe | StopRequest | Ping | Jog
 _read: Callable[[str], Said] = msgspec.json.Decoder(Said).decode
@@ -147,7 +148,7 @@ class EventStream:
         own = sum(other.caller.principal == caller.principal for other in self.listeners)
         await connection.accept()
         if len(self.listeners) >= LISTENERS_AT_MOST or own >= EACH_AT_MOST:
-            await connection.close(SLOW, MANY)
+            await connection.close(SLOW, self._context.callers.read_by(MANY, caller))
             return
         listener = Listener(caller)
         listener.put("hello", Hello(self._context.me(caller), self._run))
@@ -183,9 +184,9 @@ class EventStream:
         step = StepLimit()
         with contextlib.suppress(WebSocketDisconnect):
             while True:
-                said = await _next_of(connection)
+                text = await _next_of(connection)
                 await step.rest()
-                heard = _said_in(said)
+                heard = _said_in(text)
                 if isinstance(heard, Jog):
                     jogs.take(heard)
                 else:
@@ -196,13 +197,17 @@ class EventStream:
             group.create_task(self._stop(listener, heard))
         elif isinstance(heard, StopRequest):
             self._speech.give_stop(listener.caller, heard.robots)
-            listener.put("stop", ProblemEvent(problem("busy", TOO_MANY_STOPS)))
+            self._refuse(listener, "stop", "busy", TOO_MANY_STOPS)
         elif isinstance(heard, Subscribe):
             self._subscribe(listener, frozenset(heard.topics))
         elif isinstance(heard, Ping):
             listener.put(f"pong {heard.id}", Pong(heard.id))
         else:
-            listener.put("problem", ProblemEvent(problem("not-understood", NOT_READ)))
+            self._refuse(listener, "problem", "not-understood", NOT_READ)
+
+    def _refuse(self, listener: Listener, key: str, code: str, sentence: str) -> None:
+        detail = self._context.callers.read_by(sentence, listener.caller)
+        listener.put(key, ProblemEvent(problem(code, detail)))
 
     async def _stop(self, listener: Listener, heard: StopRequest) -> None:
         try:
@@ -237,6 +242,9 @@ class EventStream:
     # ---- what happens ----
 
     def _subscribe(self, listener: Listener, topics: frozenset[str]) -> None:
+        if unknown := sorted(topics.difference(TOPICS)):
+            self._refuse(listener, "problem", "not-found", no_topic(unknown[0]))
+            return
         listener.wants(topics)
         context, caller = self._context, listener.caller
         if "orders" in topics:
@@ -298,6 +306,15 @@ class EventStream:
             for robot in [r for r in each.seen if r not in visible[id(each)]]:
                 del each.seen[robot]
                 each.put(f"robot {robot}", RobotGone(robot))
+
+
+def no_topic(topic: str) -> str:
+    """Return what is said to whoever subscribes to what there is not."""
+    return said(
+        "There is no topic {topic!r}. There are {topics}. You are told what you were told before.",
+        topic=topic,
+        topics=", ".join(TOPICS),
+    )
 
 
 class _Left(Exception):

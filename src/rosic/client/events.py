@@ -84,7 +84,7 @@ class EventConnection:
                 ping_timeout=PING_WITHIN_S,
                 max_size=MESSAGE_BYTES,
             ) as connection:
-                await connection.send(_encode(Subscribe(topics)).decode())  # type: ignore[arg-type]
+                await connection.send(_encode(Subscribe(topics)).decode())
                 async for text in connection:
                     event = _event(text)
                     if event is not None:
