@@ -23,6 +23,7 @@ from rosic.config.plugins import robot_factory
 from rosic.config.profiles import known_units
 from rosic.core.identity import OPERATOR, Address
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
+from rosic.core.rate_limit import RateLimit
 from rosic.foxglove.recorder import recorder
 from rosic.messengers.memory import MemoryMessenger
 from rosic.rendering.renderer import renderer
@@ -130,6 +131,7 @@ async def served(  # noqa: PLR0913, PLR0915 - a test says only what matters
     robots_of: Callable[[str], RobotFactory] = robot_factory,
     missions: tuple[Mission, ...] = (),
     data: Path | None = None,
+    limit: RateLimit = RateLimit(),  # noqa: B008 - it is frozen
 ) -> AsyncIterator[ServedGateway]:
     """Yield a gateway whose API listens, until the test is over."""
     clock = SystemClock()
@@ -154,7 +156,10 @@ async def served(  # noqa: PLR0913, PLR0915 - a test says only what matters
     book = rules or RoleRules(roles=DEFAULT_ROLES)
     robots = profiles or tuple(fleet())
     gateway = Gateway(
-        GatewaySettings(profiles=robots, people=people, rulebook=book, missions=missions), parts
+        GatewaySettings(
+            profiles=robots, people=people, rulebook=book, missions=missions, limit=limit
+        ),
+        parts,
     )
     await gateway.open()
     gateway.kernel.shared.health.provide(GatewayHealth(gateway, data, clock))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
-from typing import TYPE_CHECKING, Any, Final
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from rosic.api.ordering import RefusedOrder
 from rosic.api.rosbridge.messages import (
@@ -13,12 +13,13 @@ from rosic.api.rosbridge.messages import (
     given_id,
 )
 from rosic.api.rosbridge.orders import ACTION, SERVICE, OrderBindings
+from rosic.api.rosbridge.topics import absolute
 from rosic.api.schemas import ChatIn, OrderIn, StopIn
 from rosic.core.i18n import said
 from rosic.errors import NotFound, RosicError, TooManyRequests
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from rosic.api.callers import ApiCaller
     from rosic.api.context import ApiContext
@@ -30,9 +31,9 @@ if TYPE_CHECKING:
 
     Say = Callable[[Told], None]
 
-FOLLOWED_S: Final = 3_600.0
 LOOK_S: Final = 60.0
 GOALS_AT_MOST: Final = 64
+"""Goals and calls of one client that are not over."""
 UNKNOWN, SUCCEEDED, CANCELLED, ABORTED = 0, 4, 5, 6
 _STATUS: Final = {
     "done": SUCCEEDED,
@@ -43,6 +44,21 @@ _STATUS: Final = {
 }
 NO_GOAL: Final = said("You have no such goal under way.")
 TOO_MANY: Final = said("Too many goals and calls at once. Wait for an answer first.")
+LOST: Final = said("How this ends is not known here: too many orders came after it. It may go on.")
+
+
+class _Goal(NamedTuple):
+    """A goal under way: its id, its action, and the robot that has it."""
+
+    id: Id
+    action: str
+    robot: RobotId
+
+    def is_meant(self, heard: CancelActionGoal) -> bool:
+        """Whether it is to be cancelled; without an id, every one of that action that has none."""
+        if heard.id is not None or self.id is not None:
+            return self.id == heard.id
+        return absolute(self.action) == absolute(heard.action)
 
 
 class FollowedGoals:
@@ -90,7 +106,7 @@ class ClientCalls:
         self._context, self._speech, self._introspection = context, speech, introspection
         self._followed, self._caller, self._say = followed, caller, say
         self._bindings = OrderBindings(context)
-        self._goals: dict[Id, RobotId] = {}
+        self._goals: list[_Goal] = []
         self._under_way = 0
 
     # ---- services ----
@@ -127,11 +143,12 @@ class ClientCalls:
                 return {"success": False, "message": self._only_stops(stops)}, True
             return {"success": stopped.at_rest is True, "message": stopped.text}, True
         bound, arguments = self._bindings.find(self._caller, SERVICE, heard.service, "", heard.args)
-        entry, text = await self._placed(bound.robot, bound.skill.id, arguments)
-        if entry is None:
-            return text, False
-        await self._over(entry)
-        return self._values(entry), True
+        with self._counted():
+            entry, text = await self._placed(bound.robot, bound.skill.id, arguments)
+            if entry is None:
+                return text, False
+            await self._over(entry)
+        return self._ended(entry)
 
     def _only_stops(self, robot: RobotId) -> str:
         sentence = said(
@@ -146,27 +163,24 @@ class ClientCalls:
 
     async def send_goal(self, heard: SendActionGoal) -> RosicError | None:
         """Send a goal, and tell how it ends. Return why it was refused; that is told, too."""
-        known, refused = heard.id, None
-        entry: OrderEntry | None = None
-        values: Any = ""
+        refused: RosicError | None = None
+        values: Any
+        status, good = UNKNOWN, False
         try:
             bound, arguments = self._bindings.find(
                 self._caller, ACTION, heard.action, heard.action_type, heard.args
             )
-            entry, values = await self._placed(bound.robot, bound.skill.id, arguments)
-            if entry is not None:
-                self._goals[known] = bound.robot
-                await self._follow(heard, entry)
-                values = self._values(entry)
+            with self._counted():
+                entry, values = await self._placed(bound.robot, bound.skill.id, arguments)
+                if entry is not None:
+                    await self._follow(heard, entry)
+                    values, good = self._ended(entry)
+                    status = _STATUS.get(entry.ending, UNKNOWN)
         except RefusedOrder as why:
             values = why.problem.detail
         except RosicError as why:
             values, refused = self._read(why), why
-        finally:
-            self._goals.pop(known, None)
-        good = entry is not None
-        status = UNKNOWN if entry is None else _STATUS.get(entry.ending, UNKNOWN)
-        self._say(ActionResult(heard.action, values, status, good, given_id(known)))
+        self._say(ActionResult(heard.action, values, status, good, given_id(heard.id)))
         return refused
 
     async def _follow(self, heard: SendActionGoal, entry: OrderEntry) -> None:
@@ -178,9 +192,12 @@ class ClientCalls:
                     self._say(ActionFeedback(heard.action, values, given_id(heard.id)))
 
             self._followed.follow(entry.id, tell)
+        goal = _Goal(heard.id, heard.action, entry.robot)
+        self._goals.append(goal)
         try:
             await self._over(entry)
         finally:
+            self._goals.remove(goal)
             self._followed.leave(entry.id)
 
     async def cancel_goal(self, heard: CancelActionGoal) -> None:
@@ -189,38 +206,49 @@ class ClientCalls:
         Raises:
             NotFound: It has none.
         """
-        robot = self._goals.get(heard.id)
-        if robot is None:
+        robots = {goal.robot for goal in self._goals if goal.is_meant(heard)}
+        if not robots:
             raise NotFound(NO_GOAL)
-        await self._speech.say(self._caller, ChatIn(text=f"cancel {robot}"))
+        for robot in sorted(robots):
+            await self._speech.say(self._caller, ChatIn(text=f"cancel {robot}"))
 
     # ---- orders ----
+
+    @contextmanager
+    def _counted(self) -> Iterator[None]:
+        """Count one more order, until it is over.
+
+        Raises:
+            TooManyRequests: There are too many.
+        """
+        if self._under_way >= GOALS_AT_MOST:
+            raise TooManyRequests(TOO_MANY, retry_after_s=1.0)
+        self._under_way += 1
+        try:
+            yield
+        finally:
+            self._under_way -= 1
 
     async def _placed(
         self, robot: RobotId, skill: str, arguments: dict[str, float | str]
     ) -> tuple[OrderEntry | None, str]:
         """Place an order. Return it, or what is said instead."""
-        if self._under_way >= GOALS_AT_MOST:
-            raise TooManyRequests(TOO_MANY, retry_after_s=1.0)
-        self._under_way += 1
-        try:
-            wanted = OrderIn(skill=skill, arguments=arguments, wait_s=0)
-            placed = await self._speech.place(self._caller, robot, wanted, "")
-        finally:
-            self._under_way -= 1
+        wanted = OrderIn(skill=skill, arguments=arguments, wait_s=0)
+        placed = await self._speech.place(self._caller, robot, wanted, "")
         return self._context.feed[placed.id], placed.text
 
     async def _over(self, entry: OrderEntry) -> None:
-        """Wait until an order is over."""
-        async with asyncio.timeout(FOLLOWED_S):
-            while not entry.is_over:
-                await self._speech.wait(entry, LOOK_S)
+        """Wait until an order is over, or nobody hears of it any more."""
+        while not entry.is_over and self._context.feed[entry.id] is entry:
+            await self._speech.wait(entry, LOOK_S)
 
-    def _values(self, entry: OrderEntry) -> dict[str, Any]:
-        """Return how an order ended, as most robots' answers have it."""
+    def _ended(self, entry: OrderEntry) -> tuple[Any, bool]:
+        """Return how an order ended, as most robots' answers have it, and whether that is known."""
+        if not entry.is_over:
+            return self._context.callers.read_by(LOST, self._caller), False
         note = self._context.callers.read_by(entry.note, self._caller)
         good = _STATUS.get(entry.ending) == SUCCEEDED
-        return {"success": good, "message": note or entry.ending, "ending": entry.ending}
+        return {"success": good, "message": note or entry.ending, "ending": entry.ending}, True
 
     def _read(self, why: RosicError) -> str:
         return self._context.callers.read_by(why.sentence, self._caller)
