@@ -80,6 +80,35 @@ async def test_a_time_is_booked_seen_and_given_back_like_in_the_chat() -> None:
         assert problem(gone)[:2] == (404, "not-found")
 
 
+async def test_a_booking_is_moved_or_stays_where_it_is() -> None:
+    async with served() as place:
+        ada, bo, vi = [await place.person(name) for name in ("Ada", "Bo", "Vi")]
+        hour = {"robot": "kuka1", "minutes": 60}
+        slot = (await bo.post("/v1/bookings", json=hour | {"start": at(2)})).json()
+        await ada.post("/v1/bookings", json=hour | {"start": at(4)})
+        path, span = f"/v1/bookings/{slot['id']}", {"from": at(0), "to": at(24)}
+
+        def own(found: list[dict[str, Any]]) -> list[dict[str, Any]]:
+            return [one for one in found if one["who"] == "Bo"]
+
+        clashing = await bo.patch(path, json={"start": at(3.5), "minutes": 60})
+        assert problem(clashing)[0] == 409
+        assert "is taken by Ada" in problem(clashing)[2]
+        assert own((await vi.get("/v1/bookings", params=span)).json()) == [slot | {"own": False}]
+        moved = await bo.patch(path, json={"start": at(2.5), "minutes": 90})
+        assert moved.status_code == 200, moved.text
+        assert moved.json() == slot | {"start": moved.json()["start"], "end": moved.json()["end"]}
+        assert moved.json()["start"][:16] == at(2.5)[:16]
+        assert moved.json()["end"][:16] == at(4)[:16]
+        assert len(own((await vi.get("/v1/bookings", params=span)).json())) == 1
+        not_own = await vi.patch(path, json={"start": at(8), "minutes": 60})
+        assert problem(not_own)[:2] == (403, "not-permitted")
+        by_admin = await ada.patch(path, json={"start": at(8), "minutes": 60})
+        assert (by_admin.json()["who"], by_admin.json()["own"]) == ("Bo", False)
+        nothing = await bo.patch("/v1/bookings/0123456789", json={"start": at(8), "minutes": 60})
+        assert problem(nothing)[:2] == (404, "not-found")
+
+
 @pytest.mark.parametrize(
     ("body", "expected"),
     [

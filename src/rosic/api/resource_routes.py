@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Annotated, Final
 from urllib.parse import quote
 
-from litestar import Response, delete, get, post
+from litestar import Response, delete, get, patch, post
 from litestar.params import FromPath, JSONBody, QueryParameter
 from litestar.response import Stream as StreamedResponse
 from litestar.status_codes import HTTP_200_OK, HTTP_201_CREATED
@@ -18,6 +18,7 @@ from litestar.status_codes import HTTP_200_OK, HTTP_201_CREATED
 from rosic.api.resource_schemas import (
     AlertOut,
     BookingIn,
+    BookingMoveIn,
     BookingOut,
     FileOut,
     HealthFindingOut,
@@ -31,7 +32,7 @@ from rosic.container.files import pieces_of
 from rosic.core.i18n import in_language, said
 from rosic.core.time_units import DAY_NS, MINUTE_NS, SECOND_NS
 from rosic.errors import NotFound, NotUnderstood
-from rosic.organiser.calendar_messages import bookable
+from rosic.organiser.calendar_messages import bookable, moment_typed
 
 if TYPE_CHECKING:
     from rosic.api.callers import ApiCaller
@@ -105,9 +106,7 @@ async def bookings(
 async def book(api: Api, speech: Speech, caller: Who, data: JSONBody[BookingIn]) -> BookingOut:
     """Have a robot for a time, as `/book` does."""
     robot = api.profile(caller, data.robot).id
-    start_ns = _read(data.start)
-    if start_ns % MINUTE_NS:
-        raise NotUnderstood(NO_MINUTE)
+    start_ns = _minute(data.start)
     calendar = api.kernel.rooms.organiser.calendar
     line = bookable(robot, start_ns, data.minutes * 60, calendar.zone(caller.principal))
     answer = await speech.command(caller, f"/{line}")
@@ -125,13 +124,36 @@ async def book(api: Api, speech: Speech, caller: Who, data: JSONBody[BookingIn])
 )
 async def give_back(api: Api, speech: Speech, caller: Who, booking: FromPath[str]) -> AnswerOut:
     """Give a time back, as `/cancel booking` does; one that has begun ends now."""
+    return await speech.command(caller, f"/cancel booking only {_known(api, caller, booking).id}")
+
+
+@patch("/bookings/{booking:str}", summary="Move a booking", tags=["bookings"])
+async def move(
+    api: Api, speech: Speech, caller: Who, booking: FromPath[str], data: JSONBody[BookingMoveIn]
+) -> BookingOut:
+    """Move a booking to another time, as `/rebook` does; where that is refused, it stays."""
+    slot, start_ns = _known(api, caller, booking), _minute(data.start)
+    calendar = api.kernel.rooms.organiser.calendar
+    when = moment_typed(start_ns, data.minutes * 60, calendar.zone(caller.principal))
+    answer = await speech.command(caller, f"/rebook {slot.id} {when}")
+    moved = calendar.slot(slot.id)
+    if moved is None or moved.start_ns != start_ns:
+        raise NotUnderstood(answer.text)
+    return _booking(api, caller, moved)
+
+
+def _known(api: ApiContext, caller: ApiCaller, booking: str) -> BookedSlot:
+    """Return a booking that somebody may know of.
+
+    Raises:
+        NotFound: There is none, as far as they may see.
+    """
     slot = api.kernel.rooms.organiser.calendar.slot(booking)
-    known = slot is not None and (
-        slot.principal == caller.principal or slot.robot in api.visible(caller)
-    )
-    if slot is None or not known:
+    if slot is None or (
+        slot.principal != caller.principal and slot.robot not in api.visible(caller)
+    ):
         raise NotFound(UNKNOWN_BOOKING)
-    return await speech.command(caller, f"/cancel booking only {slot.id}")
+    return slot
 
 
 def _booking(api: ApiContext, caller: ApiCaller, slot: BookedSlot) -> BookingOut:
@@ -144,6 +166,18 @@ def _booking(api: ApiContext, caller: ApiCaller, slot: BookedSlot) -> BookingOut
         end=moment(slot.end_ns),
         series=slot.series,
     )
+
+
+def _minute(text: str) -> int:
+    """Read when a booking begins, in nanoseconds of the wall clock.
+
+    Raises:
+        NotUnderstood: It is no time, or no full minute.
+    """
+    start_ns = _read(text)
+    if start_ns % MINUTE_NS:
+        raise NotUnderstood(NO_MINUTE)
+    return start_ns
 
 
 def _read(text: str) -> int:
@@ -280,6 +314,7 @@ ROUTES: Final = (
     bookings,
     book,
     give_back,
+    move,
     people,
     health,
     alerts,

@@ -62,6 +62,18 @@ class BookingIn(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     minutes: Annotated[int, msgspec.Meta(ge=1, le=10_080)]
 
 
+class BookingMoveIn(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Another time for a booking.
+
+    Attributes:
+        start: RFC 3339, a full minute; of one that has begun, its own.
+        minutes: How long from there on.
+    """
+
+    start: Annotated[str, msgspec.Meta(min_length=16, max_length=40)]
+    minutes: Annotated[int, msgspec.Meta(ge=1, le=10_080)]
+
+
 class PersonOut(msgspec.Struct, frozen=True):
     """Somebody who is known here.
 

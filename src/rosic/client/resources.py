@@ -21,6 +21,7 @@ from rosic.api.people_schemas import (
 from rosic.api.resource_schemas import (
     AlertOut,
     BookingIn,
+    BookingMoveIn,
     BookingOut,
     HealthFindingOut,
     HistoryEntryOut,
@@ -71,6 +72,11 @@ class ResourceCalls:
     async def book(self, robot: str, start: str, minutes: int) -> BookingOut:
         """Have a robot for a time, from a full minute (RFC 3339) on."""
         return await self._once("bookings", BookingOut, BookingIn(robot, start, minutes))
+
+    async def move_booking(self, booking: str, start: str, minutes: int) -> BookingOut:
+        """Move a booking of mine to another time; where that is refused, it stays what it was."""
+        moved = BookingMoveIn(start, minutes)
+        return await self._once(f"bookings/{part(booking)}", BookingOut, moved, method="PATCH")
 
     async def give_back(self, booking: str) -> AnswerOut:
         """Give a time back."""

@@ -202,7 +202,6 @@ TEXTS: Final = (
     said("My passkeys"),
     said("Sign in with a passkey"),
     said("{robot} is yours: {time}."),
-    said("It was given back and could not be booked anew: {why}"),
     said("Move a booking"),
     said("Book a time"),
     said(

@@ -199,6 +199,47 @@ class Calendar(CalendarIndex):
         if len(self._slots) + more > limits.most_in_all:
             raise TooManyRequests(words.calendar_full(), retry_after_s=float(DAY_S))
 
+    # ---- moving ----
+
+    def move(
+        self,
+        slot_id: SlotId,
+        start_ns: int,
+        length_s: int,
+        by: PrincipalId,
+        *,
+        anybodys: bool = False,
+    ) -> tuple[Fact, ...]:
+        """Decide on another time for one slot, which stays the same slot: of one series, by one id.
+
+        Of one that has begun, the end alone can be moved.
+
+        Args:
+            slot_id: Of one occurrence, if it is of a series.
+            start_ns: Wall clock, UTC.
+            length_s: As of `book`.
+            by: Who asks.
+            anybodys: Whether this person may move other people's.
+
+        Raises:
+            NotUnderstood: There is none.
+            NotPermitted: It is somebody else's.
+            Expired: It is over.
+            OutOfBounds: As `book`; also its start is to be another, and it has begun.
+            SlotTaken: By whom, until when, and when it is free.
+        """
+        now_ns, slot = self._clock.wall_ns(), self._givable(slot_id, by, anybodys=anybodys)
+        self._check_length(length_s)
+        end_ns = start_ns + length_s * SECOND_NS
+        if slot.start_ns > now_ns:
+            self._check_start(start_ns, now_ns, by)
+        elif start_ns != slot.start_ns or end_ns <= now_ns:
+            raise OutOfBounds(words.begun())
+        for other in self._line(slot.robot).between(start_ns, end_ns):
+            if other is not slot:
+                raise self._taken(other, by, end_ns - start_ns, now_ns)
+        return (msgspec.structs.replace(slot, start_ns=start_ns, end_ns=end_ns).fact(),)
+
     # ---- cancelling ----
 
     def cancel(
@@ -216,14 +257,18 @@ class Calendar(CalendarIndex):
             NotPermitted: It is somebody else's.
             Expired: It is over.
         """
+        slot = self._givable(slot_id, by, anybodys=anybodys)
+        return (_given_back(slot, self._clock.wall_ns()),)
+
+    def _givable(self, slot_id: SlotId, by: PrincipalId, *, anybodys: bool) -> BookedSlot:
+        """Return a slot that is not over, and that this person may give back or move."""
         slot = self._slots.get(slot_id)
         if slot is None:
             raise NotUnderstood(words.no_such_time())
         self._check_owner(slot.principal, slot.robot, by, anybodys=anybodys)
-        now_ns = self._clock.wall_ns()
-        if slot.end_ns <= now_ns:
+        if slot.end_ns <= self._clock.wall_ns():
             raise Expired(words.already_over())
-        return (_given_back(slot, now_ns),)
+        return slot
 
     def cancel_series(
         self, series_id: SeriesId, by: PrincipalId, *, anybodys: bool = False

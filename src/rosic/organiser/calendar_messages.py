@@ -55,12 +55,21 @@ def length(seconds: int) -> str:
 
 def bookable(robot: str, at_ns: int, seconds: int, zone: Zone) -> str:
     """Return the line that books this, on the next full minute."""
-    return bookable_at(robot, zone.local(-(-at_ns // MINUTE_NS) * MINUTE_NS), seconds)
+    return f"book {robot} {moment_typed(at_ns, seconds, zone)}"
+
+
+def moment_typed(at_ns: int, seconds: int, zone: Zone) -> str:
+    """Return how the next full minute is typed, and how long from there."""
+    return _typed(zone.local(-(-at_ns // MINUTE_NS) * MINUTE_NS), seconds)
 
 
 def bookable_at(robot: str, local: LocalTime, seconds: int) -> str:
     """Return the line that books this."""
-    return f"book {robot} {local.date_text()} {local.time_text()} {length(seconds)}"
+    return f"book {robot} {_typed(local, seconds)}"
+
+
+def _typed(local: LocalTime, seconds: int) -> str:
+    return f"{local.date_text()} {local.time_text()} {length(seconds)}"
 
 
 # ---- somebody has it ----
@@ -175,6 +184,14 @@ def too_short(shortest_s: int) -> str:
 def too_long(longest_s: int) -> str:
     """Longer than the limit."""
     return said("One time may be at most {length}. Nothing was booked.", length=length(longest_s))
+
+
+def begun() -> str:
+    """Its start cannot be another one any more."""
+    return said(
+        "That time has begun: its end can be moved to a later moment than now, its start cannot. "
+        "Nothing has changed."
+    )
 
 
 def over(began: str, now: str) -> str:

@@ -28,24 +28,11 @@ const booked = (name, time) =>
   ({ ok: true, kind: "good", text: t("{robot} is yours: {time}.", { robot: name, time: timeWords(time) }) });
 const refused = (answer) => ({ ok: false, kind: "bad", text: answer.why });
 
-/** Move a booking: the new time first, so that nobody else has either meanwhile, where they allow that. */
-async function move(robot, name, booking, time) {
-  const first = await book(robot, time);
-  if (first.ok) {
-    const given = await giveBack(booking);
-    return given.ok ? booked(name, time) : given;
-  }
-  const [begins, ends] = [momentOf(time.day, time.from), momentOf(time.day, time.to)];
-  const overlaps = begins < new Date(booking.end) && ends > new Date(booking.start);
-  if (!overlaps || new Date(booking.start) <= new Date()) return refused(first);
-  const given = await giveBack(booking);
-  if (!given.ok) return given;
-  const then = await book(robot, time);
-  if (then.ok) return booked(name, time);
-  const minutes = Math.round((new Date(booking.end) - new Date(booking.start)) / 60_000);
-  const again = await ask("POST", "/v1/bookings", { robot, start: booking.start, minutes });
-  if (again.ok) return refused(then);
-  return refused({ why: t("It was given back and could not be booked anew: {why}", { why: then.why }) });
+/** Move a booking: one act, which leaves it where it was if it is refused. */
+async function move(name, booking, time) {
+  const start = momentOf(time.day, time.from).toISOString();
+  const answer = await ask("PATCH", path(booking), { start, minutes: lengthOf(time) });
+  return answer.ok ? booked(name, time) : refused(answer);
 }
 
 function TimeForm({ robot, name, chosen, onChoose, moving, onLeave, onBook, deed }) {
@@ -220,7 +207,7 @@ export function Times({ robot: wanted, onRobot }) {
   const bookIt = () =>
     deed
       .act(async () => {
-        if (moving) return move(robot.id, robot.name, moving, chosen);
+        if (moving) return move(robot.name, moving, chosen);
         const answer = await book(robot.id, chosen);
         return answer.ok ? booked(robot.name, chosen) : refused(answer);
       })

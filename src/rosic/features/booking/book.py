@@ -1,4 +1,7 @@
-"""``/book kuka1 tomorrow 14:00 1h``, ``/book kuka1 every tue 14:00 1h until 2027-02-01``."""
+"""``/book kuka1 tomorrow 14:00 1h``, ``/book kuka1 every tue 14:00 1h until 2027-02-01``.
+
+Also ``/rebook kuka1 tomorrow 15:00``, and ``/cancel booking``.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from rosic.core.language.ast import Misunderstood
 from rosic.core.language.compiled import fold
 from rosic.core.language.sanitise import echo
 from rosic.core.language.syntax_errors import LONGEST_OFFER
-from rosic.core.language.time_parser import RequestedTime, read_when
+from rosic.core.language.time_parser import EXAMPLES, RequestedTime, read_when
 from rosic.core.message import Button
 from rosic.core.robot.profile import Slots
 from rosic.core.slot import SLOT, BookedSlot, Pattern, read_fact
@@ -25,7 +28,7 @@ from rosic.features.booking.messages import CANCEL
 from rosic.gateway.commands import Reply
 from rosic.gateway.robot_argument import RobotArgument
 from rosic.organiser.calendar_conflicts import SlotTaken
-from rosic.organiser.calendar_messages import moment, no_such_time
+from rosic.organiser.calendar_messages import length, moment, no_such_time
 from rosic.organiser.recurrence import occasion, occasions
 
 if TYPE_CHECKING:
@@ -99,7 +102,7 @@ class CancelBookingCommand:
             if not robots or slot.robot in robots:
                 entries.setdefault(slot.series or slot.id, []).append(slot)
         if not entries:
-            return Reply(self._none_of(robots))
+            return Reply(none_of(times, robots))
         page = list(entries.values())[begin : begin + MOST_LISTED]
         lines, buttons = [words.which_to_cancel(zone)], []
         for slots in page:
@@ -115,14 +118,9 @@ class CancelBookingCommand:
             buttons.append((Button(said("More"), more),))
         return Reply(joined("\n", lines), tuple(buttons))
 
-    def _none_of(self, robots: tuple[RobotId, ...]) -> str:
-        if not robots:
-            return words.NO_TIMES
-        return words.no_times_with(tuple(map(self._times.shown, robots)))
-
     async def _ask_or_cancel(self, asked: CommandContext, slot_id: str) -> Reply:
         times, principal = self._times, asked.caller.principal
-        slot = self._seen(principal, times.calendar.slot(slot_id))
+        slot = seen(times, principal, times.calendar.slot(slot_id))
         if not slot.series:
             return await self._one(asked, slot_id)
         left = self._left_of(slot)
@@ -140,7 +138,7 @@ class CancelBookingCommand:
     async def _one(self, asked: CommandContext, slot_id: str) -> Reply:
         times, by = self._times, asked.caller.principal
         async with times.changes.turn() as turn:
-            slot = self._seen(by, times.calendar.slot(slot_id))
+            slot = seen(times, by, times.calendar.slot(slot_id))
             anybodys = times.sides.may_cancel_any(by, slot.robot)
             facts = times.calendar.cancel(slot_id, by, anybodys=anybodys)
             now_ns = times.clock.wall_ns()
@@ -155,7 +153,7 @@ class CancelBookingCommand:
         times, by = self._times, asked.caller.principal
         async with times.changes.turn() as turn:
             series = times.calendar.series(series_id)
-            if series is None or not self._may_know(by, series.principal, series.robot):
+            if series is None or not may_know(times, by, series.principal, series.robot):
                 raise NotUnderstood(no_such_time(), offers=("cancel booking",))
             anybodys = times.sides.may_cancel_any(by, series.robot)
             facts = times.calendar.cancel_series(series_id, by, anybodys=anybodys)
@@ -168,15 +166,6 @@ class CancelBookingCommand:
         return Reply(words.cancelled_series(times.shown(series.robot), slots, zone))
 
     # ---- whose ----
-
-    def _may_know(self, by: PrincipalId, owner: PrincipalId, robot: str) -> bool:
-        return owner == by or robot in self._times.sides.visible(by)
-
-    def _seen(self, by: PrincipalId, slot: BookedSlot | None) -> BookedSlot:
-        """Return a slot that this person may know of; of others they hear nothing."""
-        if slot is None or not self._may_know(by, slot.principal, slot.robot):
-            raise NotUnderstood(no_such_time(), offers=("cancel booking",))
-        return slot
 
     def _left_of(self, slot: BookedSlot) -> list[BookedSlot]:
         return [s for s in self._times.upcoming(slot.principal) if s.series == slot.series]
@@ -255,34 +244,13 @@ class BookCommand:
             shown = self._times.shown(robot)
             raise OutOfBounds(words.not_booked(shown), offers=(f"wait {robot}",))
 
-    def _check_right(
-        self, principal: PrincipalId, robot: RobotId, start_ns: int, length_s: int
-    ) -> str:
-        """See that a time begins while there still is a right to it.
-
-        Returns:
-            That the right ends before the time does, if so.
-
-        Raises:
-            OutOfBounds: The right ends sooner than it begins.
-        """
-        times = self._times
-        ends_ns = times.sides.right_ends_ns(principal, robot)
-        if ends_ns is None or start_ns + length_s * SECOND_NS <= ends_ns + TO_THE_MINUTE_NS:
-            return ""
-        zone, shown = times.sides.zone_of(principal), times.shown(robot)
-        at = moment(ends_ns, times.clock.wall_ns(), zone)
-        if start_ns >= ends_ns:
-            raise OutOfBounds(words.right_ends_before(shown, at), offers=(f"ask {robot}",))
-        return words.right_ends_within(shown, at)
-
     async def _once(
         self, turn: UnitOfWork, principal: PrincipalId, robot: RobotId, when: RequestedTime
     ) -> Reply:
         times = self._times
         zone = times.sides.zone_of(principal)
         found = occasion(robot, when, zone)
-        late = self._check_right(principal, robot, found.start_ns, found.length_s)
+        late = check_right(times, principal, robot, (found.start_ns, found.length_s))
         facts = times.calendar.book(principal, robot, found.start_ns, found.length_s, principal)
         (slot,) = await self._write(turn, principal, facts)
         button = Button(said("Cancel it"), f"{words.CANCEL} {slot.id}")
@@ -303,7 +271,7 @@ class BookCommand:
         calendar, now_ns = times.calendar, times.clock.wall_ns()
         facts = calendar.book_series(principal, robot, pattern, principal, skip_taken=skip_taken)
         last_ns = max(slot.start_ns for slot in map(_slot_of, facts) if slot is not None)
-        late = self._check_right(principal, robot, last_ns, pattern.length_s)
+        late = check_right(times, principal, robot, (last_ns, pattern.length_s))
         slots = await self._write(turn, principal, facts)
         every = len(occasions(pattern, now_ns, calendar.limits))
         notes = words.left_out(every - len(slots)), _moved(slots, when, zone), late
@@ -334,6 +302,156 @@ class BookCommand:
             self._times.calendar.book_series(principal, robot, pattern, principal, skip_taken=True)
             return (offer, *day)
         return day
+
+
+# ---- move ----
+
+TO = frozenset({"to", "auf", "nach"})
+
+
+class MoveBookingCommand:
+    """The handler who moves times: the new one and the old one in one change, or neither."""
+
+    def __init__(self, times: BookingContext) -> None:
+        self._times = times
+        self._naming = RobotArgument(times)
+
+    async def rebook(self, asked: CommandContext) -> Reply:
+        """List what can be moved, ask to when, or move.
+
+        Raises:
+            Refusal: Why not; the time is what it was.
+        """
+        typed = asked.rest.strip()
+        known, _, rest = typed.partition(" ")
+        if not _ID.match(known):
+            robots, _, rest = self._naming.at_head(asked, typed)
+            if typed and not robots:
+                raise NotUnderstood(words.nothing_so_called(echo(typed)), offers=("rebook",))
+            own = self._times.upcoming(asked.caller.principal)
+            slots = [slot for slot in own if not robots or slot.robot in robots]
+            if not slots:
+                return Reply(none_of(self._times, robots))
+            if len(slots) > 1 or not rest:
+                return self._list(asked, slots, rest)
+            known = slots[0].id
+        first, _, after = rest.strip().partition(" ")
+        return await self._move(asked, known, after if fold(first) in TO else rest)
+
+    def _list(self, asked: CommandContext, slots: Sequence[BookedSlot], rest: str) -> Reply:
+        times = self._times
+        zone, now_ns = times.sides.zone_of(asked.caller.principal), times.clock.wall_ns()
+        lines, buttons = [words.which_to_move(zone)], []
+        for slot in slots[:MOST_LISTED]:
+            lines.append(words.mine(times.shown(slot.robot), slot, now_ns, zone))
+            buttons.append((Button(lines[-1], f"{words.MOVE} {slot.id} {rest}".strip()),))
+        if len(slots) > MOST_LISTED:
+            lines.append(words.and_more(len(slots) - MOST_LISTED))
+        return Reply(joined("\n", lines), tuple(buttons))
+
+    async def _move(self, asked: CommandContext, slot_id: str, rest: str) -> Reply:
+        times, by = self._times, asked.caller.principal
+        zone, named = times.sides.zone_of(by), f"{words.MOVE[1:]} {slot_id}"
+        when = self._read(seen(times, by, times.calendar.slot(slot_id)), rest, zone)
+        if isinstance(when, Misunderstood):
+            offers = (offer for offer in when.offers if not offer.startswith("every"))
+            raise NotUnderstood(when.sentence, offers=tuple(f"{named} {each}" for each in offers))
+        async with times.changes.turn() as turn:
+            slot = seen(times, by, times.calendar.slot(slot_id))
+            if (barred := times.sides.may_book(slot.principal, slot.robot)) is not None:
+                raise barred
+            try:
+                found = occasion(slot.robot, when, zone)
+                anybodys = times.sides.may_cancel_any(by, slot.robot)
+                facts = times.calendar.move(
+                    slot_id, found.start_ns, found.length_s, by, anybodys=anybodys
+                )
+            except Refusal as refusal:
+                refusal.offering(_moving(refusal.offers, f"book {slot.robot} ", named))
+                raise
+            late = check_right(times, slot.principal, slot.robot, (found.start_ns, found.length_s))
+            await turn.write(decided("move", by, times.clock.wall_ns(), facts))
+        return self._moved(by, seen(times, by, times.calendar.slot(slot_id)), (found.note, late))
+
+    def _read(self, slot: BookedSlot, rest: str, zone: Zone) -> RequestedTime | Misunderstood:
+        """Read to when; where nothing says how long, it is as long as it was."""
+        now_ns, seconds = self._times.clock.wall_ns(), (slot.end_ns - slot.start_ns) // SECOND_NS
+        when = read_when(rest, now_ns, zone.local)
+        if isinstance(when, Misunderstood):
+            as_long = read_when(f"{rest} {length(seconds)}", now_ns, zone.local)
+            when = as_long if isinstance(as_long, RequestedTime) else when
+        if isinstance(when, RequestedTime) and when.rrule:
+            return Misunderstood(words.ONE_TIME, EXAMPLES)
+        return when
+
+    def _moved(self, by: PrincipalId, slot: BookedSlot, notes: tuple[str, ...]) -> Reply:
+        times, shown = self._times, self._times.shown(slot.robot)
+        zone, owner = times.sides.zone_of(by), slot.principal
+        button = Button(said("Cancel it"), f"{CANCEL} {ONLY} {slot.id}")
+        if owner == by:
+            return Reply(words.moved_to(shown, slot, zone, *notes), ((button,),))
+        told = words.moved_by(shown, times.calendar.name_of(by), slot, times.sides.zone_of(owner))
+        times.reach.tell((owner,), told)
+        name = times.calendar.name_of(owner)
+        return Reply(words.moved_for(shown, name, slot, zone, *notes), ((button,),))
+
+
+def _moving(offers: tuple[str, ...], booking: str, named: str) -> tuple[str, ...]:
+    """Return what is offered to whoever books as what moves a time instead."""
+    return tuple(
+        f"{named} {one.removeprefix(booking)}" if one.startswith(booking) else one for one in offers
+    )
+
+
+# ---- what all of them ask ----
+
+
+def none_of(times: BookingContext, robots: tuple[RobotId, ...]) -> str:
+    """Return that somebody has no times, or none with some robots."""
+    return words.no_times_with(tuple(map(times.shown, robots))) if robots else words.NO_TIMES
+
+
+def may_know(times: BookingContext, by: PrincipalId, owner: PrincipalId, robot: RobotId) -> bool:
+    """Whether somebody may know of a time: their own, or of a robot that they see."""
+    return owner == by or robot in times.sides.visible(by)
+
+
+def seen(times: BookingContext, by: PrincipalId, slot: BookedSlot | None) -> BookedSlot:
+    """Return a slot that this person may know of; of others they hear nothing.
+
+    Raises:
+        NotUnderstood: There is none, as far as they hear.
+    """
+    if slot is None or not may_know(times, by, slot.principal, slot.robot):
+        raise NotUnderstood(no_such_time(), offers=(CANCEL[1:],))
+    return slot
+
+
+def check_right(
+    times: BookingContext, principal: PrincipalId, robot: RobotId, span: tuple[int, int]
+) -> str:
+    """See that a time begins while there still is a right to it.
+
+    Args:
+        times: Everything around it.
+        principal: Whose right.
+        robot: To what.
+        span: When it begins, wall clock in nanoseconds, and how many seconds it is.
+
+    Returns:
+        That the right ends before the time does, if so.
+
+    Raises:
+        OutOfBounds: The right ends sooner than it begins.
+    """
+    ends_ns, (start_ns, length_s) = times.sides.right_ends_ns(principal, robot), span
+    if ends_ns is None or start_ns + length_s * SECOND_NS <= ends_ns + TO_THE_MINUTE_NS:
+        return ""
+    zone, shown = times.sides.zone_of(principal), times.shown(robot)
+    at = moment(ends_ns, times.clock.wall_ns(), zone)
+    if start_ns >= ends_ns:
+        raise OutOfBounds(words.right_ends_before(shown, at), offers=(f"ask {robot}",))
+    return words.right_ends_within(shown, at)
 
 
 def _slot_of(fact: Fact) -> BookedSlot | None:

@@ -13,7 +13,7 @@ from rosic.core.language.command import (
     MenuAudience,
     MenuEntry,
 )
-from rosic.features.booking.book import BookCommand, CancelBookingCommand
+from rosic.features.booking.book import BookCommand, CancelBookingCommand, MoveBookingCommand
 from rosic.features.booking.plan import PlanCommand, WishCommand
 from rosic.features.booking.queue import QueueCommands
 from rosic.features.booking.slots import SlotListing
@@ -34,6 +34,16 @@ COMMANDS: Final = (
         help=HelpEntry(HelpPage.SHARE, 20, HelpNeed.BOOKING),
         menu=MenuEntry(110),
         phrase=lambda what: said("Book {what}", what=what),
+        timed=True,
+    ),
+    Command(
+        name="rebook",
+        aliases=("umbuchen",),
+        typed=said("/rebook"),
+        summary=said("Move a booking to another time"),
+        help=HelpEntry(HelpPage.SHARE, 25, HelpNeed.BOOKING),
+        phrase=lambda what: said("Move a booking of {what}", what=what),
+        alone=said("Move a booking"),
         timed=True,
     ),
     Command(
@@ -87,8 +97,9 @@ COMMANDS: Final = (
 def register_commands(
     commands: CommandRegistry, times: BookingContext, scheduler: BookingScheduler
 ) -> None:
-    """Let ``book``, ``slots``, ``cancel booking``, ``wait``, ``wish`` and ``plan`` be done."""
+    """Let times be booked, moved, given back, waited for, wished and planned."""
     commands.register("book", BookCommand(times).book)
+    commands.register("rebook", MoveBookingCommand(times).rebook)
     commands.register("slots", SlotListing(times).show)
     commands.register(BOOKING, CancelBookingCommand(times).cancel)
     commands.register("wait", QueueCommands(times, scheduler).wait)

@@ -26,6 +26,7 @@ CALENDAR_FILE = said(
     "Your times, for the calendar on your phone: open the file. A change in there changes nothing "
     "here."
 )
+ONE_TIME = said("One booking is moved to one time. To have it again and again, book it so.")
 NOT_WAITING = said("You are not waiting for any robot.")
 
 
@@ -297,6 +298,54 @@ def cancelled_by(shown: str, name: str, slots: tuple[BookedSlot, ...], zone: Zon
         slots=len(slots),
         shown=shown,
         span=span(slots[0], zone),
+        name2=zone.name,
+    )
+
+
+# ---- moving ----
+
+MOVE = "/rebook"
+
+
+def which_to_move(zone: Zone) -> str:
+    """Above one's own times that can be moved."""
+    return said("Which one is to be moved ({name})?", name=zone.name)
+
+
+def moved_to(shown: str, slot: BookedSlot, zone: Zone, *notes: str) -> str:
+    """A time is another one now."""
+    return _sentences(
+        said(
+            "Moved: {shown} is yours {span} ({name}).",
+            shown=shown,
+            span=span(slot, zone),
+            name=zone.name,
+        ),
+        *notes,
+    )
+
+
+def moved_for(shown: str, owner: str, slot: BookedSlot, zone: Zone, *notes: str) -> str:
+    """The same, told to somebody else who moved it."""
+    return _sentences(
+        said(
+            "Moved: {shown} is {owner}'s {span} ({name}).",
+            shown=shown,
+            owner=owner,
+            span=span(slot, zone),
+            name=zone.name,
+        ),
+        *notes,
+    )
+
+
+def moved_by(shown: str, name: str, slot: BookedSlot, zone: Zone) -> str:
+    """Told to the owner when somebody else moves it."""
+    return said(
+        "{name} moved your time with {shown}: it is {span} now ({name2}).",
+        name=name,
+        shown=shown,
+        span=span(slot, zone),
         name2=zone.name,
     )
 
