@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
 from base64 import b64decode
+from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.client import NotKnown, RosicClient
 from rosic.core.fleet.mission import Mission, MissionPart
 from tests.api.served import ServedGateway, problem, served
+from tests.gateway.test_hung import HangingStore
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -42,6 +47,30 @@ async def test_an_invitation_is_made_shown_without_its_code_and_taken_back(
     assert (await ada.delete(path)).status_code == 200
     assert (await ada.get("/v1/invitations")).json() == []
     assert problem(await ada.delete(path))[:2] == (404, "not-found")
+
+
+async def test_what_the_record_does_not_answer_in_time_is_said_to_be_open_and_may_be_done() -> None:
+    store = HangingStore()
+    async with served(store=store) as place:
+        ada, key = await place.person("Ada"), await place.key("operator")
+        start = (datetime.now(UTC) + timedelta(days=1)).strftime("%Y-%m-%dT%H:%M:00Z")
+        wanted = {
+            "/v1/bookings": {"robot": "kuka1", "start": start, "minutes": 60},
+            "/v1/invitations": {"rights": "viewer for 2 hours"},
+        }
+        store.goes_on.clear()
+        async with RosicClient(place.url, key) as hal, asyncio.TaskGroup() as group:
+            asked = [group.create_task(ada.post(path, json=wanted[path])) for path in wanted]
+            with pytest.raises(NotKnown, match="It may be done all the same"):
+                await hal.book("omni", start, 30)
+        late = [problem(answer.result()) for answer in asked]
+        assert [found[:2] for found in late] == [(504, "late")] * 2
+        assert all("It may be done all the same" in found[2] for found in late)
+        store.goes_on.set()
+        for path in wanted:
+            async with asyncio.timeout(60 * pace()):
+                while not (await ada.get(path)).json():  # noqa: ASYNC110 - nobody is told
+                    await asyncio.sleep(0.05)
 
 
 async def test_a_part_of_a_line_begins_no_other_line(place: ServedGateway) -> None:

@@ -51,6 +51,10 @@ ANSWERED_ELSEWHERE: Final = said(
     "known here."
 )
 NO_ANSWER: Final = said("It was said, and nothing was answered yet.")
+LATE_ANSWER: Final = said(
+    "It was said, and its answer is late. It may be done all the same: look before you say it "
+    "again."
+)
 LATE: Final = said("Nothing is known of this order yet. Ask for it by its id; it may go on.")
 STOP_GIVEN: Final = said(
     "The stop was given. Whether everything is at rest is not known here; please look."
@@ -64,7 +68,7 @@ _GOES_ON: Final = frozenset({AnswerState.GOES_ON, AnswerState.AGREED})
 
 
 class RefusedOrder(Exception):
-    """The rooms have refused it; the problem says why. No robot has moved by it."""
+    """The rooms have refused it, or are late; the problem says which. No robot has moved by it."""
 
     def __init__(self, why: Problem) -> None:
         super().__init__(why.detail)
@@ -395,6 +399,12 @@ class CallerRequests:
             MessageGone: There is no such button. Nothing was done.
             MessengerFault: Nobody listens. Nothing was done.
         """
+        return await self._answer(caller, wanted, frozenset())
+
+    async def _answer(
+        self, caller: ApiCaller, wanted: ChatIn, besides_these: frozenset[AnswerState]
+    ) -> AnswerOut:
+        """Say something, and return the first answer whose state is none of these."""
         call = self._said(caller, wanted)
         messenger = self._context.messenger(caller)
         try:
@@ -403,6 +413,8 @@ class CallerRequests:
                     message, outbound = await call.news()
                     if outbound.state is AnswerState.AGREED:
                         messenger.begin_agreed(call, message, outbound)
+                        continue
+                    if outbound.state in besides_these:
                         continue
                     besides = messenger.unsolicited.take(caller.address.account)
                     return AnswerOut(outbound.text, outbound.state.value, outbound.code, besides)
@@ -419,9 +431,21 @@ class CallerRequests:
             RefusedOrder: It was refused; the problem says why. Nothing was changed by it.
             MessengerFault: Nobody listens. Nothing was done.
         """
-        answer = await self.say(caller, ChatIn(text=line))
-        if answer.state == AnswerState.NOT_DONE.value:
-            raise RefusedOrder(problem(answer.code or "order-void", answer.text))
+        return _taken(await self.say(caller, ChatIn(text=line)))
+
+    async def settled(self, caller: ApiCaller, line: str) -> AnswerOut:
+        """Say one line, and return the answer after which nothing more is said of it.
+
+        Raises:
+            RefusedOrder: As of `command`; or that answer did not come in time (``late``), and it
+                may be done all the same.
+            MessengerFault: Nobody listens. Nothing was done.
+        """
+        answer = _taken(
+            await self._answer(caller, ChatIn(text=line), frozenset({AnswerState.GOES_ON}))
+        )
+        if answer.state == AnswerState.GOES_ON.value:
+            raise RefusedOrder(problem("late", self._context.callers.read_by(LATE_ANSWER, caller)))
         return answer
 
     def _said(self, caller: ApiCaller, wanted: ChatIn) -> ToolCall:
@@ -432,6 +456,17 @@ class CallerRequests:
             raise NotUnderstood(said("Nothing was said."))
         messenger = context.messenger(caller)
         return context.begin(caller, messenger.inbound(caller.address, wanted.text))
+
+
+def _taken(answer: AnswerOut) -> AnswerOut:
+    """Return an answer that is no refusal.
+
+    Raises:
+        RefusedOrder: It is one.
+    """
+    if answer.state == AnswerState.NOT_DONE.value:
+        raise RefusedOrder(problem(answer.code or "order-void", answer.text))
+    return answer
 
 
 def _message_of(key: str) -> str:

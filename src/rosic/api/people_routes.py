@@ -68,7 +68,7 @@ async def invite(
 ) -> NewInvitationOut:
     """Make an invitation, as `/invite` does. Its code is told this once."""
     named = f" as {one_line(data.name)}" if data.name.strip() else ""
-    answer = await speech.command(caller, f"/invite {one_line(data.rights)}{named}")
+    answer = await speech.settled(caller, f"/invite {one_line(data.rights)}{named}")
     made = api.kernel.access.enrolment.invitations
     for code in api.kernel.access.codes_in(answer.text):
         found = made.find(code)

@@ -39,6 +39,7 @@ _STATUS: Final[Mapping[str, HTTPStatus]] = {
     "time-in-doubt": HTTPStatus.SERVICE_UNAVAILABLE,
     "record-unavailable": HTTPStatus.SERVICE_UNAVAILABLE,
     "messenger-fault": HTTPStatus.SERVICE_UNAVAILABLE,
+    "late": HTTPStatus.GATEWAY_TIMEOUT,
 }
 """What is not named is what cannot be processed as it stands: 409."""
 

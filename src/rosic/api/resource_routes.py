@@ -109,7 +109,7 @@ async def book(api: Api, speech: Speech, caller: Who, data: JSONBody[BookingIn])
     start_ns = _minute(data.start)
     calendar = api.kernel.rooms.organiser.calendar
     line = bookable(robot, start_ns, data.minutes * 60, calendar.zone(caller.principal))
-    answer = await speech.command(caller, f"/{line}")
+    answer = await speech.settled(caller, f"/{line}")
     for slot in calendar.on(robot, start_ns, start_ns + MINUTE_NS):
         if slot.principal == caller.principal and slot.start_ns == start_ns:
             return _booking(api, caller, slot)

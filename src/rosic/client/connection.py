@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ssl
+from http import HTTPStatus
 from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
 from urllib.parse import urlsplit
 
@@ -35,7 +36,6 @@ ANSWER_S: Final = 15.0
 PROBLEM: Final = "application/problem+json"
 JSON: Final = "application/json"
 BYTES: Final = "application/octet-stream"
-NO_CONTENT: Final = 204
 ANOTHER: Final = "What answers at {url} speaks another version of this protocol, or is no ROSIC."
 DEFAULT_PORTS: Final = {"http": "ws", "https": "wss"}
 IN_CLEAR: Final = (
@@ -205,7 +205,7 @@ def _read(answer: httpx.Response, type_: type[T], url: str) -> T:
         if answer.is_success and _media_type(answer) == JSON:
             found: T = msgspec.json.decode(answer.content, type=type_)
             return found
-        if answer.status_code == NO_CONTENT:
+        if answer.status_code == HTTPStatus.NO_CONTENT:
             return msgspec.convert(None, type_)
     except msgspec.MsgspecError as error:
         raise NotAGateway(ANOTHER.format(url=url), url=url) from error
@@ -221,9 +221,11 @@ def _refused(answer: httpx.Response, url: str) -> ApiProblem | NotAnswered:
     """Return what it means that a request was not answered with what was asked for."""
     if _media_type(answer) == PROBLEM:
         try:
-            return raised_for(msgspec.json.decode(answer.content, type=Problem))
+            found = msgspec.json.decode(answer.content, type=Problem)
         except msgspec.MsgspecError:
             return NotAGateway(ANOTHER.format(url=url), url=url)
+        late = found.status == HTTPStatus.GATEWAY_TIMEOUT
+        return NotKnown(found.detail, url=url) if late else raised_for(found)
     if answer.status_code >= SERVER_FAULTS:
         return NotKnown(
             f"{url} is answered by something before the gateway, which says {answer.status_code}: "
