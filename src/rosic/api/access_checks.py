@@ -6,7 +6,7 @@ Plain ASGI, so that it holds for whatever is mounted behind it: REST, WebSockets
 from __future__ import annotations
 
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
 import msgspec
@@ -16,7 +16,7 @@ from rosic.api.problems import PROBLEM, problem
 from rosic.api.read_rates import headers_of
 from rosic.api.rosbridge.endpoint import PATHS as ROSBRIDGE_PATHS
 from rosic.api.settings import hostname
-from rosic.core.i18n import said
+from rosic.core.i18n import plain, said
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, MutableMapping
@@ -48,9 +48,9 @@ POLICY_VIOLATION: Final = 1008
 ALLOWANCE: Final = "rosic-allowance"
 """Under which a request's state holds what its caller may still read."""
 
-WRONG_HOST: Final = "This gateway is not reached by that name."
-WRONG_ORIGIN: Final = "A page of another site may not ask this. Nothing was done."
-NO_ORIGIN: Final = "A browser has to say which page asks. Nothing was done."
+WRONG_HOST: Final = said("This gateway is not reached by that name.")
+WRONG_ORIGIN: Final = said("A page of another site may not ask this. Nothing was done.")
+NO_ORIGIN: Final = said("A browser has to say which page asks. Nothing was done.")
 TOO_SLOW: Final = said("That came too slowly. Nothing was done.")
 TOO_LARGE: Final = said("That is more than is taken here. Nothing was done.")
 
@@ -71,6 +71,14 @@ HEADERS: Final = (
 TLS_HEADER: Final = (b"strict-transport-security", b"max-age=31536000")
 
 
+class _Refusal(NamedTuple):
+    """Why something is not let through."""
+
+    code: str
+    sentence: str
+    status: HTTPStatus
+
+
 class AccessChecks:
     """Lets through what names us, comes from our own page or from a program, and is not too much.
 
@@ -79,10 +87,18 @@ class AccessChecks:
         settings: By which names we are reached, and whether by TLS.
         cookie: Name of the cookie by which browsers show a session.
         read_policy: How often a caller may read, as its header says it.
+        read: Returns a sentence in the language that an ``Accept-Language`` wants.
     """
 
-    def __init__(self, app: App, settings: ApiSettings, cookie: str, read_policy: bytes) -> None:
-        self._app, self._cookie = app, cookie.encode()
+    def __init__(
+        self,
+        app: App,
+        settings: ApiSettings,
+        cookie: str,
+        read_policy: bytes,
+        read: Callable[[str, str], str],
+    ) -> None:
+        self._app, self._cookie, self._read = app, cookie.encode(), read
         self._read_policy, self._limits = read_policy, settings.limits
         named = urlsplit(settings.url).hostname
         self._origins = frozenset(each.encode() for each in settings.origins)
@@ -97,7 +113,10 @@ class AccessChecks:
         headers = {name: value for name, value in scope["headers"] if name in _READ}
         refusal = self._refusal(scope, headers)
         if refusal is not None:
-            await _refuse(scope, send, refusal, self._headers)
+            accepted = headers.get(b"accept-language", b"").decode("latin-1")
+            detail = plain(self._read(refusal.sentence, accepted))
+            why = problem(refusal.code, detail, status=refusal.status)
+            await _refuse(scope, send, why, self._headers)
             return
         if scope["type"] == "websocket":
             if self._is_named_page(scope, headers) or _is_keyed(scope):
@@ -109,18 +128,18 @@ class AccessChecks:
         limited = bounded(receive, _bytes_at_most(scope["path"]), within_s)
         await self._app(scope, limited, self._dressed(scope, send))
 
-    def _refusal(self, scope: Scope, headers: dict[bytes, bytes]) -> Problem | None:
+    def _refusal(self, scope: Scope, headers: dict[bytes, bytes]) -> _Refusal | None:
         host = headers.get(b"host", b"").decode("latin-1")
         if hostname(host) not in self._hosts:
-            return problem("wrong-host", WRONG_HOST, status=HTTPStatus.MISDIRECTED_REQUEST)
+            return _Refusal("wrong-host", WRONG_HOST, HTTPStatus.MISDIRECTED_REQUEST)
         safe = scope["type"] == "http" and scope["method"] in SAFE
         safe = safe or _is_keyed(scope) or self._is_named_page(scope, headers)
         if not safe and (why := self._foreign(headers, host)):
-            return problem("wrong-origin", why, status=HTTPStatus.FORBIDDEN)
+            return _Refusal("wrong-origin", why, HTTPStatus.FORBIDDEN)
         length = headers.get(b"content-length", b"0")
         announced = int(length[:12]) if length.isdigit() else FILE_BYTES + 1
         if announced > _bytes_at_most(scope["path"]) and not _stops(scope):
-            return problem("too-large", TOO_LARGE, status=HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
+            return _Refusal("too-large", TOO_LARGE, HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
         return None
 
     def _is_named_page(self, scope: Scope, headers: dict[bytes, bytes]) -> bool:
@@ -159,7 +178,10 @@ class AccessChecks:
 
 
 _READ: Final = frozenset(
-    {b"host", b"origin", b"sec-fetch-site", b"cookie", b"authorization", b"content-length"}
+    {
+        *(b"host", b"origin", b"sec-fetch-site", b"cookie", b"authorization", b"content-length"),
+        b"accept-language",
+    }
 )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from http.cookies import CookieError, SimpleCookie
+from operator import itemgetter
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.i18n import in_language, said
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 COOKIE: Final = "rosic-session"
 SECURE_COOKIE: Final = f"__Host-{COOKIE}"
 HEADER_MOST: Final = 4_096
+ACCEPTED_MOST: Final = 256
+ENGLISH: Final = "en"
 NO_KEY: Final = said("Show a key (Authorization: Bearer rosic_...), or sign in on the page.")
 
 
@@ -91,6 +94,31 @@ class CallerDirectory:
         """Return a sentence in the language of whoever is told it."""
         catalogue = None if caller is None else self._languages.of(caller.principal)
         return in_language(sentence, catalogue)
+
+    def read_by_stranger(self, sentence: str, accepted: str) -> str:
+        """Return a sentence in the language that an ``Accept-Language`` wants most of those here.
+
+        Args:
+            sentence: In English.
+            accepted: The header; empty where there is none. One that cannot be read wants English.
+        """
+        for code in _accepted(accepted):
+            catalogue = self._languages.spoken(code)
+            if catalogue is not None or code.casefold().startswith(ENGLISH):
+                return in_language(sentence, catalogue)
+        return in_language(sentence, None)
+
+
+def _accepted(header: str) -> list[str]:
+    """Return the languages of an ``Accept-Language``, the most wanted first."""
+    wanted: list[tuple[float, str]] = []
+    for part in header[:ACCEPTED_MOST].split(","):
+        code, _, weight = part.replace(" ", "").partition(";q=")
+        try:
+            wanted.append((-float(weight or 1), code))
+        except ValueError:
+            continue
+    return [code for weight, code in sorted(wanted, key=itemgetter(0)) if weight < 0]
 
 
 def _bearer(header: str) -> str:

@@ -6,7 +6,7 @@ import asyncio
 import logging
 import resource
 import socket
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, cast
 
@@ -47,7 +47,7 @@ from rosic.api.routes import OPEN, ROUTES, events
 from rosic.api.settings_checks import check_served
 from rosic.api.tickets import TicketBook, new_ticket
 from rosic.api.work_routes import ROUTES as WORK
-from rosic.core.i18n import said
+from rosic.core.i18n import plain, said
 from rosic.errors import ConfigurationError, RosicError, Unrecognised
 
 if TYPE_CHECKING:
@@ -78,8 +78,11 @@ CHECKS: Final = "/check"
 """What only looks what an order would come to counts as a read."""
 FAILED: Final = said("Something went wrong here. It is not known what was done; please look.")
 TOO_DEEP: Final = said("That is nested too deeply. Nothing was done.")
-NOT_HERE: Final = "There is nothing at this address."
-WRONG_METHOD: Final = "That cannot be done at this address."
+NOT_HERE: Final = said("There is nothing at this address.")
+WRONG_METHOD: Final = said("That cannot be done at this address.")
+NOT_READ: Final = said("That cannot be read, or does not fit here. Nothing was done.")
+
+_OF_FRAMEWORK: Final = {404: ("not-found", NOT_HERE), 405: ("not-allowed", WRONG_METHOD)}
 
 log = logging.getLogger("rosic.api")
 
@@ -197,7 +200,10 @@ class ApiServer:
         return served if self._pages is None else self._pages(served)
 
     def _config(self, settings: ApiSettings, served: App, limits: ServingLimits) -> uvicorn.Config:
-        app = AccessChecks(served, settings, self.context.callers.cookie, self._rates.policy)
+        callers = self.context.callers
+        app = AccessChecks(
+            served, settings, callers.cookie, self._rates.policy, callers.read_by_stranger
+        )
         silent = IdleConnections(limits, _connections_at_most(limits.connections))
         return uvicorn.Config(
             app,
@@ -275,8 +281,8 @@ class ApiServer:
                 RefusedOrder: _refused_by_rooms,
                 BodyLimitExceeded: self._too_large,
                 BodyDeadlineExceeded: self._too_slow,
-                ValidationException: _invalid,
-                HTTPException: _http,
+                ValidationException: self._invalid,
+                HTTPException: self._http,
             },
             openapi_config=OpenAPIConfig(
                 title="ROSIC",
@@ -348,30 +354,45 @@ class ApiServer:
     ) -> Response[bytes]:
         return answer(problem("too-slow", self._read(request, TOO_SLOW), status=408))
 
+    def _invalid(
+        self, request: Request[Any, Any, Any], error: ValidationException
+    ) -> Response[bytes]:
+        detail = plain(self._read(request, not_fitting(_what_is_wrong(error))))
+        return answer(problem("not-understood", detail, status=400))
+
+    def _http(self, request: Request[Any, Any, Any], error: HTTPException) -> Response[bytes]:
+        """Answer what no route has taken, so that nobody was recognised yet."""
+        state, headers, status = request.scope["state"], request.headers, error.status_code
+        if CALLER not in state:
+            with suppress(Unrecognised):
+                state[CALLER] = self.context.callers.identify(
+                    headers.get("authorization", ""), headers.get("cookie", "")
+                )
+        code, sentence = _OF_FRAMEWORK.get(status, ("not-understood", NOT_READ))
+        return answer(problem(code, self._read(request, sentence), status=status))
+
     def _read(self, request: Request[Any, Any, Any], sentence: str) -> str:
         """Return a sentence in the language of whoever asks, as far as that is known by now."""
         caller: ApiCaller | None = request.scope["state"].get(CALLER)
-        return self.context.callers.read_by(sentence, caller)
+        callers = self.context.callers
+        if caller is not None:
+            return callers.read_by(sentence, caller)
+        return callers.read_by_stranger(sentence, request.headers.get("accept-language", ""))
 
 
 def _refused_by_rooms(_request: Request[Any, Any, Any], error: RefusedOrder) -> Response[bytes]:
     return answer(error.problem)
 
 
-def _invalid(_request: Request[Any, Any, Any], error: ValidationException) -> Response[bytes]:
-    return answer(problem("not-understood", _what_is_wrong(error), status=400))
+def not_fitting(what: str) -> str:
+    """Return what is said of a request of which something does not fit."""
+    return said("That does not fit here: {what}. Nothing was done.", what=what.rstrip("."))
 
 
 def _what_is_wrong(error: ValidationException) -> str:
     parts = (each for each in error.extra or () if isinstance(each, dict))
     found = [f"{each.get('key', '')}: {each.get('message', '')}" for each in parts]
     return "; ".join(found)[:400] or error.detail
-
-
-def _http(_request: Request[Any, Any, Any], error: HTTPException) -> Response[bytes]:
-    detail = {404: NOT_HERE, 405: WRONG_METHOD}.get(error.status_code, error.detail)
-    code = {404: "not-found", 405: "not-allowed"}.get(error.status_code, "not-understood")
-    return answer(problem(code, detail, status=error.status_code))
 
 
 def _listener(listen: HostPort, key: str) -> socket.socket:
