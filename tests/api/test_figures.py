@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 import pytest_asyncio
 
-from rosic.api.metrics.exposition import HISTOGRAM, Histogram, family, read_families, sample
+from rosic.api.figure_routes import FigureOut, shown
+from rosic.api.metrics.exposition import COUNTER, GAUGE, HISTOGRAM, Histogram, Metric, Sample, page
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from tests.api.served import problem, served
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
     from tests.api.served import ServedGateway
 
-pytestmark = pytest.mark.asyncio(loop_scope="module")
+in_one_loop = pytest.mark.asyncio(loop_scope="module")
 
 
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
@@ -26,6 +27,7 @@ async def place() -> AsyncIterator[ServedGateway]:
         yield place
 
 
+@in_one_loop
 async def test_how_busy_robots_were_counts_orders_and_shows_whom_one_may_see(
     place: ServedGateway,
 ) -> None:
@@ -45,6 +47,7 @@ async def test_how_busy_robots_were_counts_orders_and_shows_whom_one_may_see(
     assert [each["robot"] for each in (await one.get("/v1/utilisation")).json()] == ["omni"]
 
 
+@in_one_loop
 async def test_what_is_measured_is_for_whoever_looks_after_people(place: ServedGateway) -> None:
     ada, bo = await place.person("Ada"), await place.person("Bo")
     await bo.post("/v1/robots/omni/orders", json={"skill": "move", "arguments": {"distance": 9e9}})
@@ -61,21 +64,31 @@ async def test_what_is_measured_is_for_whoever_looks_after_people(place: ServedG
     assert problem(await bo.get("/v1/metrics"))[:2] == (403, "not-permitted")
 
 
-async def test_what_is_written_for_a_monitoring_is_read_again_for_people() -> None:
-    times = Histogram((0.1, 1.0))
+def test_one_metric_is_told_to_a_monitoring_and_to_people() -> None:
+    times, none = Histogram((0.1, 1.0)), Histogram((1.0,))
     for seconds in (0.05, 0.15):
         times.observe(seconds)
     odd = 'say "hi" \\ there\nnow'
-    lines = (
-        *family("a", "gauge", "About a.", (sample("a", {"robot": odd, "way": "x"}, 2.5),)),
-        *family("b", HISTOGRAM, "Times.", times.lines("b", {"hop": "h"})),
-        *family("c", HISTOGRAM, "None.", Histogram((1.0,)).lines("c", {})),
-        *family("d", "counter", "Bare.", (sample("d", {}, 7),)),
+    metrics = (
+        Metric("a", GAUGE, "About a.", (Sample({"robot": odd, "way": "x"}, 2.5),)),
+        Metric("b", HISTOGRAM, "Times.", (Sample({"hop": "h"}, times), Sample({"hop": "i"}, none))),
+        Metric("c", HISTOGRAM, "None.", (Sample({}, none),)),
+        Metric("d", COUNTER, "Bare.", (Sample({}, 7),)),
+        Metric("e", COUNTER, "Nothing.", ()),
     )
-    gauge, histogram, bare = read_families(lines)
-    assert gauge.figures == (((("robot", odd), ("way", "x")), 2.5, None),)
+    gauge, histogram, bare = shown(metrics)
     assert (gauge.name, gauge.kind, gauge.about) == ("a", "gauge", "About a.")
+    assert gauge.figures == (FigureOut({"robot": odd, "way": "x"}, 2.5, None),)
     [mean] = histogram.figures
-    assert (mean.labels, mean.counted) == ((("hop", "h"),), 2)
+    assert (mean.labels, mean.count) == ({"hop": "h"}, 2)
     assert mean.value == pytest.approx(0.1)
-    assert bare.figures == (((), 7.0, None),)
+    assert bare.figures == (FigureOut({}, 7, None),)
+    told = page(metrics).decode().splitlines()
+    assert r'a{robot="say \"hi\" \\ there\nnow",way="x"} 2.5' in told
+    assert [line for line in told if line.startswith("# TYPE")] == [
+        "# TYPE a gauge",
+        "# TYPE b histogram",
+        "# TYPE c histogram",
+        "# TYPE d counter",
+    ]
+    assert {'b_sum{hop="h"} 0.2', 'b_count{hop="h"} 2', "c_count 0", "d 7"} <= set(told)

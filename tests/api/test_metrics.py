@@ -11,7 +11,7 @@ import httpx
 import pytest
 
 from rosic.api.metrics.endpoint import MetricsEndpoint, MetricsSettings
-from rosic.api.metrics.exposition import Histogram, page, sample
+from rosic.api.metrics.exposition import COUNTER, HISTOGRAM, Histogram, Metric, Sample, page
 from rosic.api.settings import HostPort
 from rosic.app.config import read_config
 from rosic.stores.memory import MemoryStore
@@ -141,11 +141,13 @@ async def test_whoever_says_nothing_or_nonsense_keeps_nobody_else_waiting() -> N
 
 
 def test_labels_are_escaped_and_buckets_add_up() -> None:
-    assert sample("a", {"b": 'x"\n\\'}, 1) == r'a{b="x\"\n\\"} 1'
+    odd = Metric("a", COUNTER, "Odd.", (Sample({"b": 'x"\n\\'}, 1),))
+    assert tuple(odd.lines())[-1] == r'a{b="x\"\n\\"} 1'
     histogram = Histogram((0.1, 1.0))
     for seconds in (0.05, 0.1, 0.5, 7.0):
         histogram.observe(seconds)
-    assert page(histogram.lines("t", {})).decode().splitlines() == [
+    times = Metric("t", HISTOGRAM, "Times.", (Sample({}, histogram),))
+    assert page((times,)).decode().splitlines()[2:] == [
         't_bucket{le="0.1"} 2',
         't_bucket{le="1"} 3',
         't_bucket{le="+Inf"} 4',

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import msgspec
 from litestar import get
 from litestar.di import NamedDependency
 from litestar.params import SkipValidation
 
-from rosic.api.metrics.exposition import MetricSeries, read_families
+from rosic.api.metrics.exposition import Histogram, Metric, Sample
 from rosic.api.metrics.gateway_metrics import GatewayMetrics
 from rosic.api.routes import Api, Who
 from rosic.core.i18n import said
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 FIGURES_ONLY = said("What is measured here is shown to whoever looks after people.")
 Figures = NamedDependency[SkipValidation[GatewayMetrics]]
@@ -47,16 +52,29 @@ class MetricOut(msgspec.Struct, frozen=True):
 async def metrics(api: Api, caller: Who, figures: Figures) -> list[MetricOut]:
     """Return what `/metrics` tells a monitoring, for whoever looks after people."""
     api.check_admin(caller, FIGURES_ONLY)
-    return [_metric(found) for found in read_families(figures.lines())]
+    return shown(figures.metrics())
 
 
-def _metric(found: MetricSeries) -> MetricOut:
-    return MetricOut(
-        found.name,
-        found.kind,
-        found.about,
-        tuple(FigureOut(dict(each.labels), each.value, each.counted) for each in found.figures),
-    )
+def shown(metrics: Iterable[Metric]) -> list[MetricOut]:
+    """Return metrics for people to read: without buckets, and without what is empty."""
+    found = [_metric(one) for one in metrics]
+    return [one for one in found if one.figures]
+
+
+def _metric(found: Metric) -> MetricOut:
+    figures = tuple(_figure(each) for each in found.samples if not _is_empty(each.value))
+    return MetricOut(found.name, found.kind, found.about, figures)
+
+
+def _is_empty(value: float | Histogram) -> bool:
+    return isinstance(value, Histogram) and not value.count
+
+
+def _figure(one: Sample) -> FigureOut:
+    labels, value = dict(one.labels), one.value
+    if isinstance(value, Histogram):
+        return FigureOut(labels, value.mean_s, value.count)
+    return FigureOut(labels, value, None)
 
 
 ROUTES = (metrics,)

@@ -13,7 +13,7 @@ from collections import Counter, OrderedDict
 from typing import TYPE_CHECKING, Final
 
 from rosic import __version__
-from rosic.api.metrics.exposition import COUNTER, GAUGE, HISTOGRAM, Histogram, family, page, sample
+from rosic.api.metrics.exposition import COUNTER, GAUGE, HISTOGRAM, Histogram, Metric, Sample, page
 from rosic.api.rate_feed import messenger_counts, robot_counts
 from rosic.contracts.traffic import is_connected
 from rosic.core.order import OrderStage
@@ -68,23 +68,22 @@ class OrderMetrics:
             if first in stages and then in stages:
                 histogram.observe((stages[then] - stages[first]) / SECOND_NS)
 
-    def lines(self) -> Iterator[str]:
+    def metrics(self) -> Iterator[Metric]:
         """Yield what was counted."""
-        name = "rosic_orders_total"
-        yield from family(
-            name,
+        yield Metric(
+            "rosic_orders_total",
             COUNTER,
             "Orders that are over, by robot and by how they ended.",
-            (sample(name, {"robot": r, "outcome": o}, n) for (r, o), n in self._ended.items()),
+            tuple(Sample({"robot": r, "outcome": o}, n) for (r, o), n in self._ended.items()),
         )
-        name = "rosic_order_hop_seconds"
-        yield from family(
-            name,
+        yield Metric(
+            "rosic_order_hop_seconds",
             HISTOGRAM,
             "How long orders took from one stage to another.",
-            (line for hop, found in self._hops.items() for line in found.lines(name, {"hop": hop})),
+            tuple(Sample({"hop": hop}, found) for hop, found in self._hops.items()),
         )
-        yield from _gauge("rosic_orders_under_way", "Orders accepted and not over.", self._began)
+        about = "Orders accepted and not over."
+        yield _value("rosic_orders_under_way", about, len(self._began))
 
 
 class LoopMonitor:
@@ -101,11 +100,10 @@ class LoopMonitor:
             await asyncio.sleep(LAG_EVERY_S)
             self._lag.observe(max(0.0, loop.time() - due_s))
 
-    def lines(self) -> Iterator[str]:
+    def metrics(self) -> Iterator[Metric]:
         """Yield what was measured."""
-        name = "rosic_loop_lag_seconds"
         about = "How late the event loop came to what was due, four times a second."
-        yield from family(name, HISTOGRAM, about, self._lag.lines(name, {}))
+        yield Metric("rosic_loop_lag_seconds", HISTOGRAM, about, (Sample({}, self._lag),))
 
 
 class GatewayMetrics:
@@ -144,51 +142,51 @@ class GatewayMetrics:
 
     def page(self) -> bytes:
         """Return all of it as Prometheus reads it."""
-        return page(self.lines())
+        return page(self.metrics())
 
-    def lines(self) -> Iterator[str]:
-        """Yield it line by line."""
-        yield from self._orders.lines()
+    def metrics(self) -> Iterator[Metric]:
+        """Yield it metric by metric; one may have no sample."""
+        yield from self._orders.metrics()
         yield from self._robots()
-        name, refusals = "rosic_refusals_total", self._kernel.access.refusals
-        yield from family(
-            name,
+        refusals = self._kernel.access.refusals
+        yield Metric(
+            "rosic_refusals_total",
             COUNTER,
             "What was refused to somebody known, by code.",
-            (sample(name, {"code": code}, n) for code, n in refusals.items()),
+            tuple(Sample({"code": code}, n) for code, n in refusals.items()),
         )
         yield from self._traffic("messenger", messenger_counts(self._kernel))
         yield from self._traffic("robot", robot_counts(self._kernel))
-        yield from self.loop.lines()
+        yield from self.loop.metrics()
         yield from self._process()
 
-    def _robots(self) -> Iterator[str]:
+    def _robots(self) -> Iterator[Metric]:
         rooms = self._kernel.rooms
         robots = tuple(rooms.profiles)
         stops = {robot: rooms.stops[robot] for robot in robots}
         found = {robot: rooms.linker.presence(robot) for robot in robots}
-        yield from self._each(
+        yield self._each(
             "rosic_stops_total",
             "Stops of a robot since its record began.",
             {r: stop.generation for r, stop in stops.items()},
             COUNTER,
         )
-        yield from self._each(
+        yield self._each(
             "rosic_robot_stopped",
             "1 while a robot is stopped.",
             {r: int(stop.latched) for r, stop in stops.items()},
         )
-        yield from self._each(
+        yield self._each(
             "rosic_robot_up",
             "1 while a robot is heard; nothing where its link cannot tell.",
             {r: int(one.online) for r, one in found.items() if one.online is not None},
         )
-        yield from self._each(
+        yield self._each(
             "rosic_robot_age_seconds",
             "Since a robot was last heard.",
             {r: one.age_s for r, one in found.items() if one.age_s is not None},
         )
-        yield from self._each(
+        yield self._each(
             "rosic_robot_queue_length",
             "Orders that wait for a robot.",
             {robot: len(rooms.linker.queues[robot]) for robot in robots},
@@ -197,57 +195,53 @@ class GatewayMetrics:
     @staticmethod
     def _each(
         name: str, about: str, values: dict[str, int] | dict[str, float], kind: str = GAUGE
-    ) -> Iterator[str]:
-        samples = (sample(name, {"robot": robot}, value) for robot, value in values.items())
-        yield from family(name, kind, about, samples)
+    ) -> Metric:
+        samples = tuple(Sample({"robot": robot}, value) for robot, value in values.items())
+        return Metric(name, kind, about, samples)
 
     @staticmethod
-    def _traffic(what: str, counts: dict[str, TrafficCount]) -> Iterator[str]:
+    def _traffic(what: str, counts: dict[str, TrafficCount]) -> Iterator[Metric]:
         for number, unit in enumerate(("messages", "bytes")):
-            name = f"rosic_{what}_{unit}_total"
-            yield from family(
-                name,
+            yield Metric(
+                f"rosic_{what}_{unit}_total",
                 COUNTER,
                 f"{unit.capitalize()} that passed a {what}'s link.",
-                (
-                    sample(name, {what: link, "direction": way}, count[2 * number + place])
+                tuple(
+                    Sample({what: link, "direction": way}, count[2 * number + place])
                     for link, count in counts.items()
                     if unit == "messages" or count.received_bytes or count.sent_bytes
                     for place, way in enumerate(("received", "sent"))
                 ),
             )
 
-    def _process(self) -> Iterator[str]:
+    def _process(self) -> Iterator[Metric]:
         used = resource.getrusage(resource.RUSAGE_SELF)
-        name = "rosic_build_info"
-        about = "1; the version is a label."
-        yield from family(name, GAUGE, about, (sample(name, {"version": __version__}, 1),))
-        name = "process_cpu_seconds_total"
-        spent_s = used.ru_utime + used.ru_stime
-        yield from family(name, COUNTER, "Processor time used.", (sample(name, {}, spent_s),))
+        version = (Sample({"version": __version__}, 1),)
+        yield Metric("rosic_build_info", GAUGE, "1; the version is a label.", version)
+        spent = (Sample({}, used.ru_utime + used.ru_stime),)
+        yield Metric("process_cpu_seconds_total", COUNTER, "Processor time used.", spent)
         late = int(self._kernel.changes.late)
-        yield from _value("rosic_record_late", "1 while the record does not answer in time.", late)
+        yield _value("rosic_record_late", "1 while the record does not answer in time.", late)
         ready = int(not self.not_ready)
-        yield from _value("rosic_ready", "1 while /readyz says so.", ready)
+        yield _value("rosic_ready", "1 while /readyz says so.", ready)
         links = {one.name: is_connected(one) for one in self._kernel.messengers}
-        name, about = "rosic_messenger_up", "1 while a platform answers; nothing if none can tell."
-        samples = (
-            sample(name, {"messenger": messenger}, int(link))
-            for messenger, link in links.items()
-            if link is not None
+        yield Metric(
+            "rosic_messenger_up",
+            GAUGE,
+            "1 while a platform answers; nothing if none can tell.",
+            tuple(
+                Sample({"messenger": messenger}, int(link))
+                for messenger, link in links.items()
+                if link is not None
+            ),
         )
-        yield from family(name, GAUGE, about, samples)
         resident = _resident_bytes()
         if resident:
-            yield from _value("process_resident_memory_bytes", "Memory in use.", resident)
+            yield _value("process_resident_memory_bytes", "Memory in use.", resident)
 
 
-def _gauge(name: str, about: str, things: OrderedDict[CommandId, dict[str, int]]) -> Iterator[str]:
-    yield from _value(name, about, len(things))
-
-
-def _value(name: str, about: str, value: float) -> Iterator[str]:
-    yield from family(name, GAUGE, about, (sample(name, {}, value),))
+def _value(name: str, about: str, value: float) -> Metric:
+    return Metric(name, GAUGE, about, (Sample({}, value),))
 
 
 def _resident_bytes() -> int:
