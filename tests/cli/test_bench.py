@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rosic.bench.batches import CommandBatch
-from rosic.bench.command import main
+from rosic.bench.command import BenchEntry, main
 from rosic.bench.idle import IdleWindow, report_of
 from rosic.bench.report import BenchCase, BenchReport
 from rosic.bench.telegram import TelegramLoad, measured
@@ -128,7 +128,11 @@ def test_what_did_not_hold_is_said_behind_all_that_was_seen(
         machine="here", method="by foot", cases=tuple(rows), failures=("slow: fell.",)
     )
 
-    status = main(asked, {"walk": lambda _quick: seen})
+    class Walk(BenchEntry):
+        def measure(self, *_: object) -> BenchReport:
+            return seen
+
+    status = main(asked, {"walk": Walk("for a test")})
 
     printed = capsys.readouterr()
     assert status == 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 import pytest
 
+from rosic.bench.recorder import BenchRecorder
 from rosic.bench.schedule import as_table, compare, measure
 from rosic.organiser.planning.figures import figures_of, jain, plan_text
 from rosic.organiser.planning.greedy import first_come_first_served
@@ -72,7 +73,8 @@ def test_the_comparison_shows_both_ways_and_no_conflicts() -> None:
 
 @pytest.mark.limit(180)
 def test_the_bench_gives_the_figures_with_the_times() -> None:
-    report = msgspec.json.decode(msgspec.json.encode(measure(quick=True)))
+    seen = measure(BenchRecorder("schedule", quick=True))
+    report = msgspec.json.decode(msgspec.json.encode(seen))
 
     assert [case["name"] for case in report["cases"]] == ["order of arrival", "proposed plan"]
     for case in report["cases"]:

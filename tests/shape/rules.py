@@ -71,6 +71,7 @@ FOREIGN_NAMES = (
     re.compile(r"\bcreate_initialization_options\b"),  # of its library
     re.compile(r"\bbehavior_tree\b"),  # of Nav2's goals
     re.compile(r"\boptimize="),  # Pillow's
+    re.compile(r"\b(?:color|ecolor)=|\"grid\.color\"|\"ecolor\""),  # matplotlib's
     re.compile(r"\bscipy\.optimize\b"),
     re.compile(r"\binitialize(?:Operator|Robot)\b"),  # the paper's functions
     re.compile(r"\bpor favor\b"),  # "please", in Spanish and Portuguese

@@ -28,6 +28,9 @@ from rosic.testing.ros2.graph import RosGraph, RosProcess, why_missing
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from rosic.bench.recorder import BenchRecorder
+
+
 SMALL, LARGE = 64, 65_536
 MANY: Final = 100
 RUNS, QUICK_RUNS = 3, 1
@@ -203,11 +206,11 @@ class ApiBench:
         return found
 
 
-def measure(*, quick: bool, rosbridge: Path | None = None) -> BenchReport:
+def measure(recorder: BenchRecorder, *, rosbridge: Path | None = None) -> BenchReport:
     """Measure ours, and beside it what is here to compare with.
 
     Args:
-        quick: A short run of few cases.
+        recorder: Hears how far it is.
         rosbridge: A checkout of rosbridge_suite.
 
     Raises:
@@ -217,8 +220,8 @@ def measure(*, quick: bool, rosbridge: Path | None = None) -> BenchReport:
         raise ConfigurationError(sentence, hint=f"Run: {how_to_install('ros2,api')}")
     if rosbridge is not None:
         script_of(rosbridge)
-    runs, lasts_s = (QUICK_RUNS, QUICK_LASTS_S) if quick else (RUNS, LASTS_S)
-    wanted = tuple(cases(quick=quick))
+    runs, lasts_s = (QUICK_RUNS, QUICK_LASTS_S) if recorder.quick else (RUNS, LASTS_S)
+    wanted = tuple(cases(quick=recorder.quick))
     with (
         TemporaryDirectory(prefix="rosic-api-") as folder,
         RosGraph(Path(folder)) as graph,
@@ -228,15 +231,18 @@ def measure(*, quick: bool, rosbridge: Path | None = None) -> BenchReport:
         servers = [stack.enter_context(gateway(graph, Path(folder)))]
         if rosbridge is not None:
             servers.append(stack.enter_context(rosbridge_server(graph, rosbridge)))
-        seen = [
-            [[bench.run(server, case) for server in servers] for _ in range(runs)]
-            for case in wanted
-        ]
+        seen = []
+        for case in wanted:
+            rows = []
+            for _ in range(runs):
+                with recorder.turn(case.name, of=runs):
+                    rows.append([bench.run(server, case) for server in servers])
+            seen.append(rows)
         by_server = [
             {case: [run[at] for run in rows] for case, rows in zip(wanted, seen, strict=True)}
             for at in range(len(servers))
         ]
-        idle = _idle(servers[0], QUICK_IDLE_S if quick else IDLE_S)
+        idle = _idle(servers[0], QUICK_IDLE_S if recorder.quick else IDLE_S)
         bare = stack.enter_context(echo(graph))
         paced, flood = wanted[0], wanted[1]
         floors = [

@@ -1,116 +1,198 @@
-"""``rosic bench NAME [--json]``."""
+"""``rosic bench NAME``, ``rosic bench report``, ``compare`` and ``budgets``."""
 
 from __future__ import annotations
 
 import argparse
 import sys
-from functools import partial
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, NamedTuple
 
-from rosic.bench.report import BenchReport, as_json, as_text
+from rosic.bench import comparison, output, suite
+from rosic.bench.charts import require_charts
+from rosic.bench.recorder import BenchRecorder
+from rosic.bench.report import BenchReport, as_json, as_text, table_lines
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-
-def _pipeline(quick: bool) -> BenchReport:
-    from rosic.bench.pipeline import measure  # noqa: PLC0415 - only the bench that runs is loaded
-
-    return measure(quick=quick)
+INTERRUPTED: Final = 130
+CTRL_C: Final = "It was interrupted: what was measured until then is above."
+TROUBLE: Final = "It ended early: {why}. What was measured until then is above."
 
 
-def _stop(quick: bool) -> BenchReport:
-    from rosic.bench.stop import measure  # noqa: PLC0415 - only the bench that runs is loaded
-
-    return measure(quick=quick)
+def _no_options(_parser: argparse.ArgumentParser) -> None: ...
 
 
-def _schedule(quick: bool) -> BenchReport:
-    from rosic.bench.schedule import measure  # noqa: PLC0415 - only the bench that runs is loaded
-
-    return measure(quick=quick)
-
-
-def _start(quick: bool) -> BenchReport:
-    from rosic.bench.start import measure  # noqa: PLC0415 - only the bench that runs is loaded
-
-    return measure(quick=quick)
+def _api_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--rosbridge",
+        type=lambda text: Path(text).absolute(),  # nodes run elsewhere
+        metavar="PATH",
+        help="beside this checkout of rosbridge_suite",
+    )
 
 
-def _strangers(quick: bool) -> BenchReport:
-    from rosic.bench.strangers import measure  # noqa: PLC0415 - only the bench that runs is loaded
+class BenchEntry(NamedTuple):
+    """A bench as the command knows it: its module is imported when it runs.
 
-    return measure(quick=quick)
+    Attributes:
+        summary: One line for the overview.
+        options: Adds what it understands beyond what all do; its `measure` takes them by name.
+        in_report: ``rosic bench report`` runs it.
+    """
 
+    summary: str
+    options: Callable[[argparse.ArgumentParser], None] = _no_options
+    in_report: bool = True
 
-def _telegram(quick: bool) -> BenchReport:
-    from rosic.bench.telegram import measure  # noqa: PLC0415 - only the bench that runs is loaded
-
-    return measure(quick=quick)
-
-
-def _fleet(quick: bool) -> BenchReport:
-    from rosic.bench.fleet import measure  # noqa: PLC0415 - only the bench that runs is loaded
-
-    return measure(quick=quick)
-
-
-def _language(quick: bool) -> BenchReport:
-    from rosic.bench.language import measure  # noqa: PLC0415 - only the bench that runs is loaded
-
-    return measure(quick=quick)
+    def measure(
+        self, name: str, recorder: BenchRecorder, options: Mapping[str, object]
+    ) -> BenchReport:
+        """Import it, and run it."""
+        found: BenchReport = import_module(f"rosic.bench.{name}").measure(recorder, **options)
+        return found
 
 
-def _idle(quick: bool) -> BenchReport:
-    from rosic.bench.idle import measure  # noqa: PLC0415 - only the bench that runs is loaded
-
-    return measure(quick=quick)
-
-
-def _api(quick: bool, rosbridge: Path | None = None) -> BenchReport:
-    from rosic.bench.api import measure  # noqa: PLC0415 - only the bench that runs is loaded
-
-    return measure(quick=quick, rosbridge=rosbridge)
-
-
-BENCHES: dict[str, Callable[[bool], BenchReport]] = {
-    "api": _api,
-    "fleet": _fleet,
-    "idle": _idle,
-    "language": _language,
-    "pipeline": _pipeline,
-    "schedule": _schedule,
-    "start": _start,
-    "stop": _stop,
-    "strangers": _strangers,
-    "telegram": _telegram,
+BENCHES: Final[dict[str, BenchEntry]] = {
+    "api": BenchEntry("WebSocket to ROS 2 topic and back, beside rosbridge_server", _api_options),
+    "fleet": BenchEntry("choosing robots for tasks, and gateways of up to 5,000 robots"),
+    "idle": BenchEntry("what a gateway needs of a processor while nobody does anything"),
+    "language": BenchEntry("what reading a line costs"),
+    "pipeline": BenchEntry("orders a second through a whole gateway, in memory and on disk"),
+    "schedule": BenchEntry("proposed plans beside first come, first served"),
+    "start": BenchEntry("how far apart robots begin that are to begin together"),
+    "stop": BenchEntry("how soon a stop is handed over, behind a queue"),
+    "strangers": BenchEntry("how soon a stop takes effect behind a flood"),
+    "telegram": BenchEntry("batches under Telegram's limits, and what receiving costs"),
 }
 
 
-def main(
-    arguments: Sequence[str], benches: Mapping[str, Callable[[bool], BenchReport]] = BENCHES
-) -> int:
-    """Run one bench and print its report, then what did not hold. Return the exit status."""
+def main(arguments: Sequence[str], benches: Mapping[str, BenchEntry] = BENCHES) -> int:
+    """Run what is asked for, print it, then what did not hold. Return the exit status.
+
+    Raises:
+        ConfigurationError: Something that it needs is not installed or not there.
+    """
+    chosen = vars(_parser(benches).parse_args(arguments))
+    run: Callable[[dict[str, object]], int] = chosen.pop("run")
+    return run(chosen)
+
+
+def _parser(benches: Mapping[str, BenchEntry]) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="rosic bench", description="Measure ROSIC here.")
-    parser.add_argument("name", choices=sorted(benches))
+    names = parser.add_subparsers(metavar="NAME", required=True)
+    for name, entry in sorted(benches.items()):
+        one = names.add_parser(name, help=entry.summary, description=entry.summary)
+        one.add_argument("--quick", action="store_true", help="one short run of each case")
+        _add_outputs(one)
+        entry.options(one)
+        one.set_defaults(run=lambda chosen, name=name, entry=entry: _run(name, entry, chosen))
+    _add_report(names, benches)
+    _add_compare(names)
+    _add_budgets(names)
+    return parser
+
+
+def _add_outputs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-    parser.add_argument("--quick", action="store_true", help="one short run of each case")
-    parser.add_argument(
-        "--rosbridge",
-        type=Path,
-        metavar="PATH",
-        help="api: beside this checkout of rosbridge_suite",
-    )
-    chosen = parser.parse_args(arguments)
-    run = benches[chosen.name]
-    if chosen.rosbridge is not None:
-        if chosen.name != "api":
-            parser.error("--rosbridge belongs to: rosic bench api")
-        run = partial(_api, rosbridge=chosen.rosbridge.absolute())  # nodes run elsewhere
-    report = run(chosen.quick)
-    sys.stdout.write((as_json(report) if chosen.json else as_text(report)) + "\n")
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="write every table there too")
+    parser.add_argument("--xlsx", type=Path, metavar="FILE", help="write a workbook there too")
+    parser.add_argument("--charts", type=Path, metavar="FOLDER", help="draw the charts there")
+
+
+# ---- one bench ----
+
+
+def _run(name: str, entry: BenchEntry, chosen: dict[str, object]) -> int:
+    as_object, csv, xlsx, charts = (chosen.pop(one) for one in ("json", "csv", "xlsx", "charts"))
+    if xlsx is not None:
+        output.require_workbooks()
+    if charts is not None:
+        require_charts()
+    progress = sys.stderr if sys.stderr.isatty() else None
+    recorder = BenchRecorder(name, quick=bool(chosen.pop("quick")), progress=progress)
+    report, status = _measured(entry, recorder, chosen)
+    sys.stdout.write((as_json(report) if as_object else as_text(report)) + "\n")
     sys.stdout.flush()  # before what did not hold, wherever both go
     for failure in report.failures:
         sys.stderr.write(f"failed: {failure}\n")
-    return 1 if report.failures else 0
+    writers = ((csv, output.write_csv), (xlsx, output.write_xlsx), (charts, output.write_charts))
+    for path, writer in writers:
+        if isinstance(path, Path):
+            writer(report, path)
+    return status
+
+
+def _measured(
+    entry: BenchEntry, recorder: BenchRecorder, options: Mapping[str, object]
+) -> tuple[BenchReport, int]:
+    """Return what a bench saw, all of it or until it was cut short, and the exit status."""
+    try:
+        report = recorder.finished(entry.measure(recorder.bench, recorder, options))
+    except KeyboardInterrupt:
+        return recorder.partial(CTRL_C), INTERRUPTED
+    except OSError as trouble:  # a full disk, a network that went
+        return recorder.partial(TROUBLE.format(why=trouble.strerror or trouble)), 1
+    return report, 1 if report.failures else 0
+
+
+# ---- all of them ----
+
+
+def _add_report(
+    names: argparse._SubParsersAction[argparse.ArgumentParser], benches: Mapping[str, BenchEntry]
+) -> None:
+    inside = sorted(name for name, entry in benches.items() if entry.in_report)
+    one = names.add_parser("report", help="every bench, and one page of them")
+    one.add_argument("--quick", action="store_true", help="one short run of each case")
+    one.add_argument("--out", type=Path, metavar="FOLDER", help="left out: named by the hour")
+    one.add_argument("--only", nargs="+", choices=inside, default=inside, metavar="NAME")
+    one.set_defaults(run=_report)
+
+
+def _report(chosen: Mapping[str, object]) -> int:
+    suite.require_all()
+    folder, only = chosen["out"], chosen["only"]
+    where = folder if isinstance(folder, Path) else suite.default_folder()
+    reports: list[BenchReport] = []
+    for report in suite.measured([[name] for name in only], quick=bool(chosen["quick"])):  # type: ignore[attr-defined]
+        reports.append(report)
+        suite.write_suite(reports, where)
+        told = f"{len(report.failures)} did not hold" if report.failures else "held"
+        sys.stdout.write(f"{report.bench}: {told}, {report.took_s:.0f} s\n")
+        sys.stdout.flush()
+    sys.stdout.write(f"Written: {where / suite.PAGE}\n")
+    return 1 if any(report.failures for report in reports) else 0
+
+
+# ---- beside another hour, and beside what is promised ----
+
+
+def _add_compare(names: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    one = names.add_parser("compare", help="two reports beside each other, by ratio to their pace")
+    one.add_argument("old", type=Path)
+    one.add_argument("new", type=Path)
+    one.set_defaults(run=_compare)
+
+
+def _compare(chosen: Mapping[str, Path]) -> int:
+    found = comparison.changes(*map(comparison.read_reports, (chosen["old"], chosen["new"])))
+    lines = table_lines(comparison.change_table(found))
+    sys.stdout.write("\n".join(lines) + "\n")
+    if (together := comparison.typical(found)) is not None:
+        sys.stdout.write(f"All of them together: {together:.2f} times as long.\n")
+    return 1 if any(one.verdict == comparison.SLOWER for one in found) else 0
+
+
+def _add_budgets(names: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    one = names.add_parser("budgets", help="what is promised, beside what a report measured")
+    one.add_argument("report", type=Path, nargs="+")
+    one.set_defaults(run=_budgets)
+
+
+def _budgets(chosen: Mapping[str, Sequence[Path]]) -> int:
+    reports = [one for path in chosen["report"] for one in comparison.read_reports(path)]
+    table = comparison.judged(reports, comparison.budgets())
+    sys.stdout.write("\n".join(table_lines(table)) + "\n")
+    return 1 if any(comparison.BROKEN in row for row in table.rows) else 0

@@ -23,7 +23,9 @@ from rosic.organiser.planning.solver import assign
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from rosic.bench.recorder import BenchRecorder
     from rosic.core.fleet.task import TaskId
+
 
 TASKS, ROBOTS = 1_000, 200
 SMALL = 6  # so few that every way of assigning them can be tried
@@ -127,9 +129,9 @@ def _case(name: str, way: str, floors: Sequence[AssignmentLoad]) -> AssignmentCa
     return AssignmentCase(**known, pairs=round(mean(pairs), 1))
 
 
-def measure(*, quick: bool = False) -> BenchReport:
+def measure(recorder: BenchRecorder) -> BenchReport:
     """Return what ``rosic bench fleet`` prints."""
-    runs, small_runs = (QUICK_RUNS, QUICK_SMALL_RUNS) if quick else (RUNS, SMALL_RUNS)
+    runs, small_runs = (QUICK_RUNS, QUICK_SMALL_RUNS) if recorder.quick else (RUNS, SMALL_RUNS)
     _solved(floor(0, 2, 2))  # the solver is loaded before anything is timed
     large = [floor(seed, TASKS, ROBOTS) for seed in range(runs)]
     small = [one for seed in range(small_runs) if _full(one := floor(seed, SMALL, SMALL))]
@@ -138,7 +140,7 @@ def measure(*, quick: bool = False) -> BenchReport:
         *(_case(f"{TASKS} to {ROBOTS}", way, large) for way in ("solver", "nearest idle")),
     ]
     method = METHOD.format(runs=runs, small=len(small))
-    how, crowded = scaling.measure(quick=quick)
+    how, crowded = scaling.measure(recorder)
     return BenchReport(machine=machine(), method=f"{method} {how}", cases=(*cases, *crowded))
 
 

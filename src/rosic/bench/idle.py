@@ -36,6 +36,9 @@ if TYPE_CHECKING:
 
     from websockets.sync.client import ClientConnection
 
+    from rosic.bench.recorder import BenchRecorder
+
+
 ROBOTS: Final = ("omni", "kuka1", "yumi", "cf1", "cf2", "cf3")
 CONFIG: Final = """\
 [gateway]
@@ -103,28 +106,30 @@ def corrected(windows: list[IdleWindow], quickest_s: float) -> list[float]:
     return [each.share * quickest_s / each.work_s for each in windows]
 
 
-def measure(*, quick: bool) -> BenchReport:
+def measure(recorder: BenchRecorder) -> BenchReport:
     """Measure it.
 
     Args:
-        quick: A short run.
+        recorder: Hears how far it is.
 
     Raises:
         ConfigurationError: The gateway does not start.
     """
-    windows, lasts_s = (QUICK_WINDOWS, QUICK_LASTS_S) if quick else (WINDOWS, LASTS_S)
+    windows, lasts_s = (QUICK_WINDOWS, QUICK_LASTS_S) if recorder.quick else (WINDOWS, LASTS_S)
     alone: list[IdleWindow] = []
     opened: list[IdleWindow] = []
     with TemporaryDirectory(prefix="rosic-idle-") as folder, _gateway(Path(folder)) as running:
         process, url, headers = running
         time.sleep(SETTLES_S)
         for _ in range(windows):
-            alone.append(_window(process.pid, lasts_s))
+            with recorder.turn("nobody", of=windows):
+                alone.append(_window(process.pid, lasts_s))
             with connect(url, additional_headers=headers) as page:
                 listening = Thread(target=_listen, args=(page,))
                 listening.start()
                 time.sleep(1.0)
-                opened.append(_window(process.pid, lasts_s))
+                with recorder.turn("a page open", of=windows):
+                    opened.append(_window(process.pid, lasts_s))
                 page.close()
                 listening.join()
     return report_of(alone, opened, lasts_s)

@@ -28,7 +28,9 @@ from rosic.core.robot.skill import Parameter, Skill
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from rosic.bench.recorder import BenchRecorder
     from rosic.core.robot.profile import Profile
+
 
 ROUNDS, QUICK_ROUNDS = 300, 20
 RUNS, QUICK_RUNS = 5, 1
@@ -82,9 +84,9 @@ FLAT = "With {skills:,} skills beside them, what people write costs {ratio:.2f} 
 EXACT_RATIO = "A line of the grammar costs {ratio:.2f} times what it does without any lexicon."
 
 
-def measure(*, quick: bool) -> BenchReport:
+def measure(recorder: BenchRecorder) -> BenchReport:
     """Return what was measured."""
-    rounds, runs = (QUICK_ROUNDS, QUICK_RUNS) if quick else (ROUNDS, RUNS)
+    rounds, runs = (QUICK_ROUNDS, QUICK_RUNS) if recorder.quick else (ROUNDS, RUNS)
     few = vocabulary_of_robots()
     many = vocabulary_of_robots(many_skills=True)
     bare = replace(few, phrases=NO_PHRASES)
@@ -98,11 +100,12 @@ def measure(*, quick: bool) -> BenchReport:
         "the longest": (few, (LONGEST,)),
         "as people write, many skills": (many, PHRASES),
     }
-    cases = {
-        name: case_of(name, [_run(*what, rounds) for _ in range(runs)])
-        for name, what in named.items()
-    }
-    texts = contrived_texts(few, QUICK_CONTRIVED if quick else CONTRIVED)
+    for _ in range(runs):
+        for name, what in named.items():
+            with recorder.turn(name, of=runs) as turn:
+                turn.saw(*_run(*what, rounds))
+    cases = {case.name: case for case in recorder.cases()}
+    texts = contrived_texts(few, QUICK_CONTRIVED if recorder.quick else CONTRIVED)
     costs = [_cost_ns(text, few) for text in (*SLOWEST, *texts)]
     contrived = case_of("contrived", [(1e9 * len(costs) / sum(costs), costs)])
     worst = CONTRIVED_WORST.format(ms=max(costs) / 1e6, promised=PROMISED_MS)

@@ -10,11 +10,14 @@ from rosic.app import runtime
 from rosic.bench import admission, memory
 from rosic.bench.orders import ROBOTS, OrderLoad, OrderRun, run
 from rosic.bench.paired_runs import times_as_much
-from rosic.bench.report import BenchReport, case_of, machine
+from rosic.bench.report import BenchRatio, BenchReport, case_of, machine, spread_of
 from rosic.bench.senders import TURN_MESSAGES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from rosic.bench.recorder import BenchRecorder
+
 
 METHOD = (
     "Orders that ended done at a robot with a distinct number, each counted once its author was "
@@ -53,8 +56,9 @@ COMPARED = (
 )
 
 
-def measure(*, quick: bool = False) -> BenchReport:
+def measure(recorder: BenchRecorder) -> BenchReport:
     """Run every case in turns, so that a slow moment of the machine hits all alike."""
+    quick = recorder.quick
     runs = 1 if quick else 5
     loads = tuple(map(_briefly, CASES)) if quick else CASES
     abreast = (loads[0], *(load for load in loads if load.name in COMPARED))
@@ -63,20 +67,30 @@ def measure(*, quick: bool = False) -> BenchReport:
     for _ in range(runs):
         for load in loads:
             if load.name not in COMPARED:
-                seen[load.name] += runtime.run(run(load))
-        first, *others = runtime.run(run(*abreast))
+                with recorder.turn(load.name, of=runs) as turn:
+                    ran = runtime.run(run(load))
+                    turn.saw(ran[0].rate_per_s, ran[0].times_ns)
+                seen[load.name] += ran
+        with recorder.turn(", ".join(COMPARED), of=runs):
+            first, *others = runtime.run(run(*abreast))
         reference.append(first)
-        for name, ran in zip(COMPARED, others, strict=True):
-            seen[name].append(ran)
-    orders = [case_of(n, [(r.rate_per_s, r.times_ns) for r in ran]) for n, ran in seen.items()]
+        for name, other in zip(COMPARED, others, strict=True):
+            seen[name].append(other)
+    orders = [
+        case_of(n, [(r.rate_per_s, r.times_ns) for r in ran], recorder.paces_us(n))
+        for n, ran in seen.items()
+    ]
+    ratios = tuple(_ratio(name, seen[name], reference) for name in COMPARED)
     method = METHOD.format(turn=TURN_MESSAGES, robots=ROBOTS, runs=runs, loop=runtime.name())
-    how, asked = admission.measure(quick=quick)
+    with recorder.turn("decide"):
+        how, asked = admission.measure(quick=quick)
     how_weighed, weighed = memory.measure()
     return BenchReport(
         machine=machine(),
         method=f"{method} {how} {how_weighed}",
         cases=(*orders, *asked, weighed),
-        findings=tuple(_beside(name, seen[name], reference) for name in COMPARED),
+        findings=tuple(map(_said, ratios)),
+        ratios=ratios,
     )
 
 
@@ -84,11 +98,21 @@ def _briefly(load: OrderLoad) -> OrderLoad:
     return msgspec.structs.replace(load, orders=max(500, load.orders // 10))
 
 
-def _beside(name: str, runs: Sequence[OrderRun], reference: Sequence[OrderRun]) -> str:
-    """Say how many times as much an order costs as in the first case, turn for turn."""
+def _ratio(name: str, runs: Sequence[OrderRun], reference: Sequence[OrderRun]) -> BenchRatio:
+    """Return how many times as much an order costs as in the first case, turn for turn."""
     some, others = ([each for ran in those for each in ran.each_s] for those in (runs, reference))
-    times, usual = times_as_much(some, others), CASES[0]
-    return (
-        f"{name}: an order costs {times:.2f} times what it costs with {usual.skills} skills and "
-        f"{usual.people} people, turn for turn."
+    each = [
+        times_as_much(one.each_s, other.each_s) for one, other in zip(runs, reference, strict=True)
+    ]
+    usual = CASES[0]
+    return BenchRatio(
+        name=f"{name} beside the first",
+        value=round(times_as_much(some, others), 3),
+        spread=spread_of(each),
+        of=f"what an order costs, by what it costs with {usual.skills} skills and {usual.people} "
+        "people, turn for turn",
     )
+
+
+def _said(ratio: BenchRatio) -> str:
+    return f"{ratio.name}: {ratio.value:.2f} times {ratio.of}."

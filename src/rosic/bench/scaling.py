@@ -32,6 +32,9 @@ from rosic.bench.scaling_process import STRETCHES, CommandFigures, ProcessFigure
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from rosic.bench.recorder import BenchRecorder
+
+
 SIZES, QUICK_SIZES = (10, 100, 1_000, 5_000), (10, 200)
 PEOPLE = (500, 1)
 PER_S = 200
@@ -116,10 +119,10 @@ def plans(*, quick: bool) -> tuple[ScalingPlan, ...]:
     return tuple(ScalingPlan(n, PEOPLE, PER_S, 1.0, 2.0, 4, 4_000) for n in SIZES)
 
 
-def measure(*, quick: bool) -> tuple[str, list[BenchCase]]:
+def measure(recorder: BenchRecorder) -> tuple[str, list[BenchCase]]:
     """Return how it is measured, and what was seen."""
-    runs = 1 if quick else RUNS
-    sizes = plans(quick=quick)
+    runs = 1 if recorder.quick else RUNS
+    sizes = plans(quick=recorder.quick)
     found = asyncio.run(look(sizes, runs))
     smallest = found[0]
     cases = [list(cases_of(seen, smallest)) for seen in found]

@@ -25,7 +25,9 @@ from rosic.organiser.planning.solver import LIMIT_S, propose
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
+    from rosic.bench.recorder import BenchRecorder
     from rosic.organiser.planning.problem import Proposal
+
 
 T = TypeVar("T")
 
@@ -160,10 +162,11 @@ def report(
     return tuple(compare(seed, limit_s=limit_s) for seed in seeds)
 
 
-def measure(*, quick: bool = False) -> BenchReport:
+def measure(recorder: BenchRecorder) -> BenchReport:
     """Return what ``rosic bench schedule`` prints."""
-    seeds, limit_s = (QUICK_SEEDS, QUICK_LIMIT_S) if quick else (SEEDS, LIMIT_S)
-    weeks = report(range(seeds), limit_s=limit_s)
+    seeds, limit_s = (QUICK_SEEDS, QUICK_LIMIT_S) if recorder.quick else (SEEDS, LIMIT_S)
+    with recorder.turn("weeks"):
+        weeks = report(range(seeds), limit_s=limit_s)
     cases: list[BenchCase] = []
     for name, index in (("order of arrival", 0), ("proposed plan", 1)):
         times = [week.took_ns[index] for week in weeks]

@@ -38,8 +38,10 @@ if TYPE_CHECKING:
     from asyncio.subprocess import Process
     from collections.abc import AsyncIterator, Iterator, Sequence
 
+    from rosic.bench.recorder import BenchRecorder
     from rosic.core.robot.profile import Profile
     from rosic.core.robot.skill import Argument
+
 
 ROBOTS, PROCESSES = 20, 2
 ROUNDS, QUICK_ROUNDS = 50, 3
@@ -87,9 +89,9 @@ def spread_ns(moments_ns: Sequence[int]) -> int:
     return max(moments_ns) - min(moments_ns)
 
 
-def measure(*, quick: bool, robots: int = ROBOTS, rounds: int = 0) -> BenchReport:
+def measure(recorder: BenchRecorder, *, robots: int = ROBOTS, rounds: int = 0) -> BenchReport:
     """Let robots begin together, again and again."""
-    rounds = rounds or (QUICK_ROUNDS if quick else ROUNDS)
+    rounds = rounds or (QUICK_ROUNDS if recorder.quick else ROUNDS)
     granted = _granted()
     cases: list[BenchCase] = []
     findings: list[str] = []
@@ -98,7 +100,8 @@ def measure(*, quick: bool, robots: int = ROBOTS, rounds: int = 0) -> BenchRepor
         if options and not granted:
             continue
         begun = perf_counter()
-        seen = _seen(robots, rounds + 1, options)
+        with recorder.turn(name):
+            seen = _seen(robots, rounds + 1, options)
         rate = robots * len(seen) / (perf_counter() - begun)
         if len(seen) <= rounds:
             failures.append(FEW.format(name=name, seen=len(seen), tried=TRIES * (rounds + 1)))

@@ -32,8 +32,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from concurrent.futures import Future
 
+    from rosic.bench.recorder import BenchRecorder
     from rosic.contracts.store import Store
     from rosic.core.robot.profile import RobotId
+
 
 TOLD_WITHIN_S = 30.0
 RESUMED_WITHIN_S = 60.0
@@ -83,12 +85,13 @@ class StopFigures(msgspec.Struct):
     wrong: list[str] = msgspec.field(default_factory=list)
 
 
-def measure(*, quick: bool = False) -> BenchReport:
+def measure(recorder: BenchRecorder) -> BenchReport:
     """Stop robots with the record in memory, then with the record and the latch on disk."""
-    load = QUICK if quick else FULL
-    runs = [
-        (name, runtime.run(_run(load, durable=name == "durable"))) for name in ("memory", "durable")
-    ]
+    load = QUICK if recorder.quick else FULL
+    runs = []
+    for name in ("memory", "durable"):
+        with recorder.turn(name):
+            runs.append((name, runtime.run(_run(load, durable=name == "durable"))))
     cases = tuple(
         case_of(f"{name}, {which}: {what}", [(rate, times)])
         for name, (rate, found) in runs

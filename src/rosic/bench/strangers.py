@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterator
     from contextvars import Context
 
+    from rosic.bench.recorder import BenchRecorder
     from rosic.contracts.clock import Clock
     from rosic.core.order import RestReport, Stop
     from rosic.core.order_gate import OrderGate
@@ -237,10 +238,11 @@ class StopWatcher(MemoryRobot):
         return await super().stop(stop)
 
 
-def measure(*, quick: bool = False) -> BenchReport:
+def measure(recorder: BenchRecorder) -> BenchReport:
     """Stop a robot without strangers and behind their floods, in turns."""
-    load = QUICK if quick else FULL
-    found = runtime.run(_run(load))
+    load = QUICK if recorder.quick else FULL
+    with recorder.turn("a stop"):
+        found = runtime.run(_run(load))
     with undisturbed(), asyncio.Runner(loop_factory=MeteredLoop) as runner:
         longest = runner.run(_run(msgspec.structs.replace(load, samples=load.metered))).longest
     above_s, with_known_s = (

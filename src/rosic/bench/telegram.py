@@ -27,6 +27,7 @@ from rosic.messengers.telegram.settings import read_settings
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from rosic.bench.recorder import BenchRecorder
     from rosic.testing.telegram import Control
 
 
@@ -113,9 +114,10 @@ class TelegramLoad(NamedTuple):
     at_least: float = AT_LEAST
 
 
-def measure(*, quick: bool = False) -> BenchReport:
+def measure(recorder: BenchRecorder) -> BenchReport:
     """Run every batch through ROSIC and through the naive sender, then measure receiving."""
-    return measured(TelegramLoad(QUICK, 200) if quick else TelegramLoad(FULL, 2_000))
+    with recorder.turn("batches"):
+        return measured(TelegramLoad(QUICK, 200) if recorder.quick else TelegramLoad(FULL, 2_000))
 
 
 def measured(asked: TelegramLoad) -> BenchReport:

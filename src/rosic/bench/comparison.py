@@ -1,0 +1,182 @@
+"""Reports of different hours beside each other, and ratios beside what was promised of them.
+
+What is compared is a figure as a multiple of its pace. It differs by noise where it differs by no
+more than the spread of both runs together and `LEAST_NOISE`.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from importlib.resources import files
+from math import exp, log
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import msgspec
+
+from rosic.bench.report import BenchReport, BenchTable
+from rosic.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from rosic.bench.report import BenchCase
+
+LEAST_NOISE: Final = 0.05
+ONE_RUN: Final = 0.30
+"""So far a case may lie off of which one run was measured, whose spread nobody knows."""
+FASTER: Final = "faster"
+SLOWER: Final = "slower"
+NOISE: Final = "noise"
+GONE: Final = "only in one"
+BUDGETS: Final = "budgets.toml"
+NO_REPORT: Final = "{path} is no report of rosic bench: {why}"
+
+
+class CaseChange(NamedTuple):
+    """How a case of one report differs from that of another.
+
+    Attributes:
+        times: How many times as long it takes as in the old one, both beside their pace.
+        noise: A difference up to this factor says nothing.
+        verdict: ``faster``, ``slower`` or ``noise``; else that it is in one of them alone.
+    """
+
+    bench: str
+    case: str
+    times: float | None
+    noise: float | None
+    verdict: str
+
+
+class Budget(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What is promised of a ratio.
+
+    Attributes:
+        why: What it is for, and where it was promised.
+    """
+
+    bench: str
+    ratio: str
+    why: str
+    at_most: float | None = None
+    at_least: float | None = None
+
+    def holds(self, value: float) -> bool:
+        """Tell whether a value keeps what was promised."""
+        above = self.at_most is None or value <= self.at_most
+        return above and (self.at_least is None or value >= self.at_least)
+
+    def bound(self) -> str:
+        """Return what was promised, for people."""
+        if self.at_most is not None:
+            return f"at most {self.at_most:g}"
+        return f"at least {self.at_least:g}"
+
+
+def read_reports(path: Path) -> list[BenchReport]:
+    """Return the reports in a file: of one bench, or of ``rosic bench report``.
+
+    Raises:
+        ConfigurationError: It is no such file.
+    """
+    try:
+        content = path.read_bytes()
+        if content.lstrip()[:1] == b"[":
+            return msgspec.json.decode(content, type=list[BenchReport])
+        return [msgspec.json.decode(content, type=BenchReport)]
+    except OSError as trouble:
+        raise ConfigurationError(f"{path} cannot be read: {trouble.strerror}.") from trouble
+    except msgspec.MsgspecError as trouble:
+        raise ConfigurationError(NO_REPORT.format(path=path, why=trouble)) from trouble
+
+
+def changes(old: Sequence[BenchReport], new: Sequence[BenchReport]) -> list[CaseChange]:
+    """Return how each case of two files differs, in the order of the new one."""
+    before, after = dict(_cases(old)), dict(_cases(new))
+    found = [_change(key, before.get(key), case) for key, case in after.items()]
+    return found + [CaseChange(*key, None, None, GONE) for key in before if key not in after]
+
+
+def _cases(reports: Sequence[BenchReport]) -> Iterator[tuple[tuple[str, str], BenchCase]]:
+    for report in reports:
+        for case in report.cases:
+            yield (report.bench, case.name), case
+
+
+def _change(key: tuple[str, str], old: BenchCase | None, new: BenchCase) -> CaseChange:
+    was, now = _paced(old), _paced(new)
+    if old is None or was is None or now is None:
+        return CaseChange(*key, None, None, GONE)
+    spreads = sum(ONE_RUN if one.spread is None else one.spread for one in (old, new))
+    noise, times = 1 + spreads + LEAST_NOISE, now / was
+    if abs(log(times)) <= log(noise):
+        return CaseChange(*key, times, noise, NOISE)
+    return CaseChange(*key, times, noise, SLOWER if times > 1 else FASTER)
+
+
+def _paced(case: BenchCase | None) -> float | None:
+    """Return the middle time of a case as a multiple of its pace."""
+    if case is None or not case.pace_us or not case.p50_us:
+        return None
+    return case.p50_us / case.pace_us
+
+
+def change_table(found: Sequence[CaseChange]) -> BenchTable:
+    """Return what changed as a table."""
+    rows = tuple(
+        (
+            one.bench,
+            one.case,
+            None if one.times is None else round(one.times, 3),
+            None if one.noise is None else round(one.noise, 3),
+            one.verdict,
+        )
+        for one in found
+    )
+    columns = ("bench", "case", "times as long, beside the pace", "noise up to", "verdict")
+    return BenchTable(title="New beside old", columns=columns, rows=rows)
+
+
+def typical(found: Sequence[CaseChange]) -> float | None:
+    """Return how many times as long the cases take together: their geometric mean."""
+    logs = [log(one.times) for one in found if one.times is not None]
+    return exp(sum(logs) / len(logs)) if logs else None
+
+
+# ---- budgets ----
+
+
+def budgets() -> tuple[Budget, ...]:
+    """Return what is promised, from the file that ships with ROSIC."""
+    text = files("rosic.bench").joinpath(BUDGETS).read_text(encoding="utf-8")
+    return msgspec.convert(tomllib.loads(text)["budget"], tuple[Budget, ...])
+
+
+def judged(reports: Sequence[BenchReport], promised: Sequence[Budget]) -> BenchTable:
+    """Return each budget beside what was measured; what was not is said to be so."""
+    seen = _ratios(reports)
+    rows = tuple(
+        (one.bench, one.ratio, one.bound(), value, _verdict(one, value), one.why)
+        for one in promised
+        for value in (seen.get((one.bench, one.ratio)),)
+    )
+    columns = ("bench", "ratio", "promised", "measured", "verdict", "why")
+    return BenchTable(title="Budgets", columns=columns, rows=rows)
+
+
+KEPT: Final = "kept"
+BROKEN: Final = "broken"
+UNSEEN: Final = "not measured"
+
+
+def _verdict(budget: Budget, value: float | None) -> str:
+    if value is None:
+        return UNSEEN
+    return KEPT if budget.holds(value) else BROKEN
+
+
+def _ratios(reports: Sequence[BenchReport]) -> Mapping[tuple[str, str], float]:
+    return {
+        (report.bench, ratio.name): ratio.value for report in reports for ratio in report.ratios
+    }

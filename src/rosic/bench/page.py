@@ -1,0 +1,100 @@
+"""One page of all that was measured: HTML that needs nothing else, with the charts in it."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from html import escape
+from importlib.resources import files
+from typing import TYPE_CHECKING, Final
+
+from rosic.bench.charts import drawn
+from rosic.bench.comparison import budgets, judged
+from rosic.bench.report import tables_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from rosic.bench.report import BenchReport, BenchTable
+
+STYLE: Final = files("rosic.bench").joinpath("page.css").read_text(encoding="utf-8")
+SHORT: Final = 1e4  # below, a number has four digits that count
+TITLE: Final = "ROSIC, measured"
+PACED: Final = (
+    "Times and rates hold for this machine in that hour. What can be compared with another hour or "
+    "machine are ratios, and times as a multiple of the pace: what a calibration loop of fixed "
+    "work took beside each case."
+)
+
+
+def as_html(reports: Sequence[BenchReport]) -> str:
+    """Return the page.
+
+    Raises:
+        ConfigurationError: There are charts, and matplotlib is not installed.
+    """
+    return "".join(_page(reports))
+
+
+def _page(reports: Sequence[BenchReport]) -> Iterator[str]:
+    yield f"<!doctype html><html lang=en><meta charset=utf-8><title>{TITLE}</title>"
+    yield "<meta name=viewport content='width=device-width,initial-scale=1'>"
+    yield f"<style>{STYLE}</style><h1>{TITLE}</h1>"
+    if reports:
+        first = reports[0]
+        yield f"<p>{escape(first.machine)}. {escape(first.versions)}. {escape(first.started)}.</p>"
+    yield f"<p class=faint>{PACED}</p><nav>"
+    for report in reports:
+        yield f"<a href='#{escape(report.bench)}'>{escape(report.bench)}</a>"
+    yield "</nav>"
+    yield from _table(judged(reports, budgets()), "Promised")
+    for report in reports:
+        yield from _section(report)
+
+
+def _section(report: BenchReport) -> Iterator[str]:
+    yield f"<h2 id='{escape(report.bench)}'>{escape(report.bench)}</h2>"
+    yield f"<p>{escape(report.method)}</p><p class=faint><code>rosic bench {escape(report.bench)}"
+    yield f"</code>, {report.took_s:.0f} s, {escape(report.started)}; pace "
+    yield f"{report.pace_us / 1e3:.2f} ms.</p>"
+    for failure in report.failures:
+        yield f"<p class=failed>{escape(failure)}</p>"
+    for finding in report.findings:
+        if finding not in report.failures:
+            yield f"<p>{escape(finding)}</p>"
+    for chart in report.charts:
+        picture = b64encode(drawn(chart, "svg")).decode()
+        yield f"<img alt='{escape(chart.title)}' src='data:image/svg+xml;base64,{picture}'>"
+    for table in tables_of(report):
+        yield from _table(table, table.title)
+
+
+def _table(table: BenchTable, title: str) -> Iterator[str]:
+    if not table.rows:
+        return
+    numbers = [
+        all(row[at] is None or not isinstance(row[at], str) for row in table.rows)
+        for at in range(len(table.columns))
+    ]
+    marks = [" class=n" if number else "" for number in numbers]
+    yield f"<h3>{escape(title)}</h3><div class=wide><table><thead><tr>"
+    for column, mark in zip(table.columns, marks, strict=True):
+        yield f"<th{mark}>{escape(column)}</th>"
+    yield "</tr></thead><tbody>"
+    for row in table.rows:
+        yield "<tr>"
+        for value, mark in zip(row, marks, strict=True):
+            yield f"<td{_verdict(value) or mark}>{escape(_cell(value))}</td>"
+        yield "</tr>"
+    yield "</tbody></table></div>"
+
+
+def _verdict(value: object) -> str:
+    return f" class={value}" if value in {"kept", "broken"} else ""
+
+
+def _cell(value: str | float | None) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return value
+    return f"{value:,.4g}" if abs(value) < SHORT else f"{value:,.0f}"

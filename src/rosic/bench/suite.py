@@ -1,0 +1,110 @@
+"""``rosic bench report``: every bench, each in a process of its own, and one page of them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from rosic.bench.charts import require_charts
+from rosic.bench.output import require_workbooks, write, write_charts, write_xlsx
+from rosic.bench.page import as_html
+from rosic.bench.report import BenchReport, machine
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+ENDS_WITHIN_S: Final = 30.0
+NOTHING: Final = "It did not measure anything: {why}"
+INTERRUPTED: Final = "Interrupted: the benches after it were not run."
+PAGE: Final = "report.html"
+NUMBERS: Final = "report.json"
+
+
+def default_folder() -> Path:
+    """Return where a report goes if nobody says: named by the hour, in this folder."""
+    return Path(f"rosic-bench-{datetime.now(UTC):%Y-%m-%d_%H-%M-%S}")
+
+
+def measured(benches: Sequence[Sequence[str]], *, quick: bool) -> Iterator[BenchReport]:
+    """Run benches one after another, and yield what each saw.
+
+    One that cannot run says why in its report. After an interrupt comes the report of the one that
+    was interrupted, and no other.
+
+    Args:
+        benches: Name and options of each.
+        quick: Short runs.
+    """
+    for name, *options in benches:
+        command = [sys.executable, "-m", "rosic", "bench", name, "--json", *options]
+        process = subprocess.Popen(  # noqa: S603 - our own command
+            [*command, *(["--quick"] if quick else [])],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE if not sys.stderr.isatty() else None,
+        )
+        try:
+            out, err = process.communicate()
+        except KeyboardInterrupt:
+            out, err = _interrupted(process)
+            yield _report(name, out, INTERRUPTED)
+            return
+        yield _report(name, out, _last_line(err))
+
+
+def _interrupted(process: subprocess.Popen[bytes]) -> tuple[bytes, bytes]:
+    """Let a bench that hears the same interrupt say what it saw."""
+    try:
+        return process.communicate(timeout=ENDS_WITHIN_S)
+    except (KeyboardInterrupt, subprocess.TimeoutExpired):
+        process.kill()
+        return process.communicate()
+
+
+def _report(name: str, out: bytes, why: str) -> BenchReport:
+    try:
+        return msgspec.json.decode(out, type=BenchReport)
+    except msgspec.MsgspecError:
+        return BenchReport(
+            machine=machine(),
+            method="",
+            cases=(),
+            failures=(NOTHING.format(why=why or "it said nothing."),),
+            bench=name,
+        )
+
+
+def _last_line(err: bytes | None) -> str:
+    lines = (err or b"").decode(errors="replace").strip().splitlines()
+    return lines[-1] if lines else ""
+
+
+def write_suite(reports: Sequence[BenchReport], folder: Path) -> None:
+    """Write what was measured: the numbers first, then the page, workbooks and charts.
+
+    Raises:
+        ConfigurationError: A file cannot be written, or something to draw with is not installed.
+            What was written before it is there.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    write(folder / NUMBERS, msgspec.json.format(msgspec.json.encode(reports), indent=1))
+    write(folder / PAGE, as_html(reports).encode())
+    for report in reports:
+        write_charts(report, folder)
+        if report.cases or report.tables:
+            write_xlsx(report, folder / f"{report.bench}.xlsx")
+
+
+def require_all() -> None:
+    """Make sure, before an hour is spent, that everything of a report can be written.
+
+    Raises:
+        ConfigurationError: Something is not installed; says how to.
+    """
+    require_charts()
+    require_workbooks()

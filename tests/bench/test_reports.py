@@ -1,0 +1,353 @@
+"""What a bench reports, keeps, writes and compares: without measuring anything."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+import pytest
+from openpyxl import load_workbook
+from PIL import Image
+
+from rosic.bench import charts, comparison, output
+from rosic.bench.command import BENCHES, BenchEntry, main
+from rosic.bench.comparison import Budget, budgets, changes, judged, read_reports
+from rosic.bench.page import as_html
+from rosic.bench.recorder import BenchRecorder
+from rosic.bench.report import (
+    BenchCase,
+    BenchRatio,
+    BenchReport,
+    BenchTable,
+    Chart,
+    ChartSeries,
+    as_csv,
+    as_json,
+    as_text,
+    case_of,
+)
+from rosic.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+MS_NS = 1_000_000
+
+
+class Terminal(io.StringIO):
+    """A terminal, as far as progress goes."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+class StandInBench(BenchEntry):
+    """A bench of a test: whatever it does instead of measuring."""
+
+    @classmethod
+    def that(cls, does: Callable[[BenchRecorder], BenchReport]) -> StandInBench:
+        made = cls("for a test")
+        made.__class__ = type(
+            "Made", (cls,), {"measure": lambda _self, _name, recorder, _options: does(recorder)}
+        )
+        return made
+
+
+def report(*cases: BenchCase, **more: object) -> BenchReport:
+    found = BenchReport(machine="a machine", method="How.", cases=cases, bench="walk")
+    return msgspec.structs.replace(found, **more)
+
+
+def case(name: str, p50_us: float, *, pace_us: float, spread: float | None = 0.0) -> BenchCase:
+    return BenchCase(
+        name=name,
+        rate_per_s=1.0,
+        p50_us=p50_us,
+        p99_us=p50_us,
+        pace_us=pace_us,
+        spread=spread,
+    )
+
+
+# ---- cases ----
+
+
+def test_the_spread_is_of_runs_beside_their_own_pace() -> None:
+    runs = [(1.0, [2.0 * MS_NS]), (1.0, [4.0 * MS_NS]), (1.0, [6.3 * MS_NS])]
+
+    slow_hour = case_of("one", runs, [1_000.0, 2_000.0, 3_000.0])
+    same_hour = case_of("one", runs, [1_000.0, 1_000.0, 1_000.0])
+
+    assert slow_hour.spread == pytest.approx(0.025)  # 2.0, 2.0 and 2.1 times the pace
+    assert same_hour.spread == pytest.approx(2.15 / 4, abs=1e-3)
+    assert case_of("one", runs[:1], [1_000.0]).spread is None
+
+
+def test_tails_keep_a_thousand_times_in_order() -> None:
+    times = [float(number * 1_000) for number in range(2_500)]
+
+    kept = case_of("one", [(1.0, times)], tails=True)
+
+    assert len(kept.samples_us) == 834
+    assert list(kept.samples_us) == sorted(kept.samples_us)
+    assert (kept.p90_us, kept.max_us) == (2_250.0, 2_499.0)
+
+
+# ---- while it runs ----
+
+
+def test_each_turn_has_the_pace_beside_it_and_is_shown_on_a_terminal() -> None:
+    shown = Terminal()
+    recorder = BenchRecorder("walk", progress=shown)
+    for seen in (1.0, 3.0):
+        with recorder.turn("a step", of=2) as turn:
+            turn.saw(seen, [seen * MS_NS])
+
+    found = recorder.finished(report(*recorder.cases()))
+
+    assert "a step (2 of 2)" in shown.getvalue()
+    assert shown.getvalue().endswith("\r\x1b[K")
+    assert found.cases[0].rate_per_s == 2.0
+    assert found.cases[0].pace_us is not None
+    assert found.pace_us > 0
+    assert (found.bench, found.started[-6:]) == ("walk", "+00:00")
+
+
+def test_a_case_made_elsewhere_gets_the_pace_of_the_turn_that_its_name_begins_with() -> None:
+    recorder = BenchRecorder("walk")
+    for name in ("durable", "memory"):
+        with recorder.turn(name):
+            pass
+
+    bare = BenchCase(name="durable, one robot", rate_per_s=1.0, p50_us=1.0, p99_us=1.0)
+    found = recorder.finished(report(bare))
+
+    assert found.cases[0].pace_us == pytest.approx(recorder.paces_us("durable")[0], abs=0.01)
+
+
+def test_what_was_measured_before_an_interrupt_is_printed(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    def interrupted(recorder: BenchRecorder) -> BenchReport:
+        with recorder.turn("the first") as turn:
+            turn.saw(7.0, [1.0 * MS_NS, 2.0 * MS_NS])
+        with recorder.turn("the second"):
+            raise KeyboardInterrupt
+
+    file = tmp_path / "seen.csv"
+    status = main(["walk", "--json", "--csv", str(file)], {"walk": StandInBench.that(interrupted)})
+
+    said = capsys.readouterr()
+    printed = json.loads(said.out)
+    assert status == 130
+    assert [one["name"] for one in printed["cases"]] == ["the first"]
+    assert said.err == ("failed: It was interrupted: what was measured until then is above.\n")
+    assert "the first,7.0" in file.read_text()
+
+
+def test_what_was_measured_before_the_disk_was_full_is_printed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def full(recorder: BenchRecorder) -> BenchReport:
+        with recorder.turn("the first") as turn:
+            turn.saw(7.0, [1.0 * MS_NS])
+        with recorder.turn("the second"):
+            raise OSError(28, "No space left on device")
+
+    assert main(["walk"], {"walk": StandInBench.that(full)}) == 1
+
+    said = capsys.readouterr()
+    assert "the first" in said.out
+    assert said.err == (
+        "failed: It ended early: No space left on device. What was measured until then is above.\n"
+    )
+
+
+# ---- files ----
+
+TABLE = BenchTable(title="The paper", columns=("what", "ms"), rows=(("=1+1", 63.2), ("x", None)))
+
+
+def test_every_table_is_in_the_text_the_csv_and_the_workbook() -> None:
+    ratio = BenchRatio(name="ours beside theirs", value=0.5, of="ours by theirs")
+    seen = report(case("a step", 2.5, pace_us=800.0), tables=(TABLE,), ratios=(ratio,))
+
+    text, values = as_text(seen), as_csv(seen)
+    book = load_workbook(io.BytesIO(output.as_xlsx((TABLE,))))
+
+    for found in (text, values):
+        assert "ours beside theirs" in found
+        assert "The paper" in found
+        assert "63.2" in found
+    sheet = book["The paper"]
+    assert [[cell.value for cell in row] for row in sheet] == [
+        ["what", "ms"],
+        ["=1+1", 63.2],
+        ["x", None],
+    ]
+    assert sheet["A2"].data_type == "s"  # no formula
+
+
+def test_a_file_that_cannot_be_written_is_named_and_what_was_there_stays(tmp_path: Path) -> None:
+    there = tmp_path / "seen.csv"
+    there.write_text("before")
+
+    with pytest.raises(ConfigurationError, match=r"nowhere/seen\.csv cannot be written: No such"):
+        output.write_csv(report(), tmp_path / "nowhere" / "seen.csv")
+    full = Path("/dev/full")
+    with pytest.raises(ConfigurationError, match="cannot be written"):
+        output.write(full / "seen.csv", b"after")
+
+    assert there.read_text() == "before"
+    assert list(tmp_path.iterdir()) == [there]
+
+
+def chart(kind: str) -> Chart:
+    names: tuple[str, ...] = ("10", "50") if kind == "bars" else ()
+    series = tuple(
+        ChartSeries(name=name, x=names, y=(3.0, 4.0), error=(0.5, 0.2) if kind == "bars" else ())
+        for name in ("one", "other")
+    )
+    return Chart(name=kind, title=f"<b>{kind}", kind=kind, x="x, s", y="y, ms", series=series)
+
+
+@pytest.mark.parametrize("kind", sorted(charts.DRAWN))
+def test_each_kind_of_chart_is_drawn_as_png_and_svg_and_the_same_twice(
+    kind: str, tmp_path: Path
+) -> None:
+    written = output.write_charts(report(charts=(chart(kind),)), tmp_path / "charts")
+
+    assert [path.name for path in written] == [f"{kind}.png", f"{kind}.svg"]
+    picture = Image.open(written[0])
+    assert picture.size == (792, 396)
+    colours = picture.convert("RGB").getcolors(1 << 20)
+    assert colours is not None
+    assert len(colours) > 20  # something is drawn
+    assert charts.drawn(chart(kind), "svg") == written[1].read_bytes()
+
+
+def test_an_extra_that_is_missing_is_named_before_anything_is_measured(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def measured(_recorder: BenchRecorder) -> BenchReport:
+        pytest.fail("it was measured")
+
+    benches = {"walk": StandInBench.that(measured)}
+    for name, option in (("matplotlib", "--charts"), ("openpyxl", "--xlsx")):
+        monkeypatch.setitem(sys.modules, name, None)
+        with pytest.raises(ConfigurationError, match=f"need.* {name}") as refused:
+            main(["walk", option, str(tmp_path / "there")], benches)
+        assert "rosic[bench]" in str(refused.value.hint)
+
+
+def test_the_page_holds_everything_and_no_markup_of_what_was_measured() -> None:
+    broken = BenchRatio(name="memory, 5000 skills beside the first", value=9.0, of="a by b")
+    page = as_html(
+        [
+            report(
+                case("<script>alert(1)</script>", 2.5, pace_us=800.0),
+                bench="pipeline",
+                tables=(TABLE,),
+                ratios=(broken,),
+                charts=(chart("lines"),),
+                failures=("It did not <i>hold</i>.",),
+            )
+        ]
+    )
+
+    assert "<script" not in page
+    assert "<i>" not in page
+    assert "class=broken>broken<" in page
+    assert "data:image/svg+xml;base64," in page
+    assert "http" not in page.replace("http://www.w3.org", "")
+
+
+# ---- beside another hour ----
+
+
+def write_report(path: Path, *cases: BenchCase) -> str:
+    path.write_text(as_json(report(*cases)))
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    ("p50_us", "pace_us", "spread", "verdict"),
+    [
+        (20.0, 1_600.0, 0.0, "noise"),  # twice as slow an hour, nothing else
+        (10.0, 1_600.0, 0.0, "faster"),
+        (12.0, 800.0, 0.0, "slower"),
+        (12.0, 800.0, 0.2, "noise"),  # runs that lie apart by as much say nothing
+        (10.4, 800.0, 0.0, "noise"),
+    ],
+)
+def test_reports_are_compared_by_ratio_to_pace(
+    p50_us: float,
+    pace_us: float,
+    spread: float,
+    verdict: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    old = write_report(tmp_path / "old", case("a step", 10.0, pace_us=800.0))
+    new = write_report(tmp_path / "new", case("a step", p50_us, pace_us=pace_us, spread=spread))
+
+    status = main(["compare", old, new])
+
+    assert [one.verdict for one in changes(*map(read_reports, map(Path, (old, new))))] == [verdict]
+    assert verdict in capsys.readouterr().out
+    assert status == (1 if verdict == "slower" else 0)
+
+
+def test_one_run_alone_is_judged_with_care_and_what_is_in_one_alone_is_said(
+    tmp_path: Path,
+) -> None:
+    old = write_report(
+        tmp_path / "old", case("a step", 10.0, pace_us=800.0), case("gone", 1.0, pace_us=1.0)
+    )
+    new = write_report(tmp_path / "new", case("a step", 12.0, pace_us=800.0, spread=None))
+
+    found = changes(*map(read_reports, map(Path, (old, new))))
+
+    assert [(one.case, one.verdict) for one in found] == [
+        ("a step", comparison.NOISE),
+        ("gone", comparison.GONE),
+    ]
+
+
+@pytest.mark.parametrize("content", ["", "{", "[1]", '{"machine": 1}'])
+def test_what_is_no_report_is_said_to_be_none(content: str, tmp_path: Path) -> None:
+    path = tmp_path / "it"
+    path.write_text(content)
+    with pytest.raises(ConfigurationError, match="it is no report of rosic bench: "):
+        main(["compare", str(path), str(path)])
+    with pytest.raises(ConfigurationError, match="away cannot be read: No such file"):
+        main(["budgets", str(tmp_path / "away")])
+
+
+def test_budgets_name_benches_that_exist_and_are_judged(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert {one.bench for one in budgets()} <= set(BENCHES)
+    for one in budgets():
+        assert (one.at_most is None) != (one.at_least is None)
+    promised = (
+        Budget(bench="walk", ratio="a", why="", at_most=1.1),
+        Budget(bench="walk", ratio="b", why="", at_least=2.0),
+        Budget(bench="walk", ratio="c", why="", at_most=1.0),
+    )
+    seen = report(
+        ratios=tuple(BenchRatio(name=n, value=v, of="") for n, v in (("a", 1.1), ("b", 1.9)))
+    )
+    assert [row[4] for row in judged([seen], promised).rows] == ["kept", "broken", "not measured"]
+
+    first = budgets()[0]
+    value = 99.0 if first.at_most is not None else 0.0
+    broken = report(bench=first.bench, ratios=(BenchRatio(name=first.ratio, value=value, of=""),))
+    path = tmp_path / "seen"
+    path.write_text(as_json(broken))
+    assert main(["budgets", str(path)]) == 1
+    assert f"{first.ratio}" in capsys.readouterr().out
