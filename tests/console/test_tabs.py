@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 import pytest_asyncio
+from msgspec.structs import replace
 from playwright.async_api import expect
 
 from rosic.api.settings import ApiSettings, HostPort
@@ -190,6 +191,38 @@ async def test_people_are_listed_given_rights_and_locked_out(site: Site) -> None
     await row.get_by_role("button", name="Let in again").click()
     await expect(row).to_contain_text("let in")
     await there.fits("people")
+
+
+async def test_of_two_who_share_a_name_the_one_in_the_row_is_locked_out_and_given_rights(
+    site: Site,
+) -> None:
+    place, there = site
+    page, gateway = there.page, place.gateway
+    directory = gateway.rooms.authoriser.directory
+    bo, vi = (directory.person(place.principal(name)) for name in ("Bo", "Vi"))
+    assert bo is not None
+    assert vi is not None
+    directory.enrol(replace(vi, name="Bo"))
+    try:
+        await there.go("live")
+        await there.go("people")
+        row = page.get_by_role("row", name=re.compile("^Bo .*viewer"))
+        await row.get_by_role("button", name="Lock out").click()
+        await expect(row).to_contain_text("locked out")
+        assert set(gateway.rooms.organiser.locked) == {vi.id}
+        await row.get_by_role("button", name="Let in again").click()
+        await expect(row).to_contain_text("let in")
+        form = page.get_by_role("form", name="Give a right")
+        whom = form.get_by_role("combobox", name="To whom")
+        await whom.select_option(label=f"Bo (viewer, {vi.id})")
+        await form.get_by_role("combobox", name="Robot").select_option("omni")
+        await form.get_by_role("button", name="Give the right").click()
+        await expect(form.locator(".said")).to_have_class("said good")
+        now_ns = place.gateway.kernel.clock.wall_ns()
+        held = gateway.rooms.organiser.rights.grants(vi.id)
+        assert any("omni" in grant.robots and now_ns < (grant.expires_ns or 0) for grant in held)
+    finally:
+        directory.enrol(vi)
 
 
 async def test_every_right_is_taken_once_the_question_on_the_tab_is_answered(site: Site) -> None:

@@ -14,7 +14,6 @@ from rosic.container.shared_data import SharedData, SharedDataRights
 from rosic.core.language import skills_of
 from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.scope import FLEET, GRANT
-from rosic.features.access.admin_policy import everybody_called
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
 from rosic.features.personal_data.messages import YOU
 from rosic.gateway.container_context import ContainerContext
@@ -124,7 +123,7 @@ def _may_oversee(organiser: Organiser, who: PrincipalId, robot: RobotId) -> bool
 def _called(authoriser: Authoriser, name: str) -> tuple[PrincipalId, ...]:
     """Return everybody with a good key who is called so, or has that id."""
     directory = authoriser.directory
-    found = everybody_called(directory, name)
+    found = directory.called(name)
     return tuple(person.id for person in found if directory.has_good_key(person.id))
 
 

@@ -8,6 +8,7 @@ import msgspec
 
 from rosic.core.i18n import said
 from rosic.core.identity import OPERATOR, PAGE
+from rosic.core.language import clean_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -91,6 +92,16 @@ class Directory:
         ids = self._named.get(hash(wanted), {})
         found = (self._people[i] for i in ((ids,) if isinstance(ids, str) else ids))
         return tuple(person for person in found if person.name.casefold() == wanted)
+
+    def called(self, typed: str) -> tuple[Principal, ...]:
+        """Return everybody who is called so, or has that id; each once.
+
+        An id is nobody's secret, and a name is its owner's to choose: one that is another's id must
+        not decide who is meant.
+        """
+        name, by_id = clean_name(typed), self.person(typed)
+        found = (() if by_id is None else (by_id,), self.named(name) if name else ())
+        return tuple({person.id: person for some in found for person in some}.values())
 
     def _remember_name(self, person: Principal) -> None:
         name = hash(person.name.casefold())

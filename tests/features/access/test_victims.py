@@ -18,7 +18,6 @@ from rosic.authoriser.directory import Directory
 from rosic.core.identity import Address, Principal
 from rosic.core.language import clean_name
 from rosic.errors import NotUnderstood
-from rosic.features.access.admin_policy import everybody_called
 from tests.features.access.access_gateway import VI, house
 from tests.features.access.access_handlers import ADA, BO, CY, DI, ED, a_hall
 
@@ -161,7 +160,7 @@ async def test_nobody_comes_in_under_a_name_that_looks_like_anothers(name: str) 
 async def test_a_name_of_nothing_that_can_be_seen_is_nobodys() -> None:
     directory = Directory()
     directory.enrol(Principal(id="p-1", name="", roles=(), addresses=()))
-    assert everybody_called(directory, "\u200b\u202e") == ()
+    assert directory.called("\u200b\u202e") == ()
 
 
 def test_the_operator_is_asked_too() -> None:
@@ -192,7 +191,7 @@ async def _means(names: list[str], said: str, verb: str) -> None:
         for account, name in zip(accounts, names, strict=False):
             await hall.knows(account, name, "viewer")
         before = {person.id: person.name for person in hall.directory.people()}
-        exact = {person.id for person in everybody_called(hall.directory, said)}
+        exact = {person.id for person in hall.directory.called(said)}
         told = await hall.say(ADA, f"/{verb} {said}")
         touched = {
             who for who in before if hall.locks.locked(who) or not hall.directory.has_good_key(who)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import pytest
+from msgspec.structs import replace
+
 from rosic.core.fleet.task import TaskState
 from rosic.core.message import ChatKind
 from rosic.core.order import OrderEnding
@@ -180,6 +183,52 @@ async def test_a_shift_is_handed_over_only_when_it_is_accepted_and_rights_are_th
         assert tasks(here)["1"].done == 1
         assert here.gateway.rooms.organiser.holder("w1") == _id(here, "Bo")
         assert here.acted("w1") == 2
+
+
+async def test_of_two_who_share_a_name_the_one_who_is_meant_is_asked() -> None:
+    async with warehouse().open() as here:
+        directory = here.gateway.rooms.authoriser.directory
+        bo, vi = directory.person(_id(here, "Bo")), directory.person(_id(here, "Vi"))
+        assert bo is not None
+        assert vi is not None
+        directory.enrol(replace(vi, name="Bo"))
+        await here.say("/task w1 wave")
+        group = await here.say("/handover Bo", chat="-5", kind=ChatKind.GROUP)
+        assert '2 people are called "Bo". Ask me in a private chat' in group
+        assert '2 people are called "Bo". Which one?' in await here.say("/handover Bo")
+        await here.tap(*here.button("Bo, operator"))
+        assert {t.outbound.chat.id for t in here.chat.told if "hands over" in t.outbound.text} == {
+            BO
+        }
+        # Renamed between reading and tapping, it is who was read of.
+        await here.say("/handover Bo")
+        button, under = here.button("Bo, operator")
+        directory.enrol(replace(bo, name="Cy"))
+        before = len(here.chat.told)
+        assert "Cy is asked." in await here.tap(button, under)
+        told = [
+            t.outbound for t in list(here.chat.told)[before:] if "hands over" in t.outbound.text
+        ]
+        assert [outbound.chat.id for outbound in told] == [BO]
+
+
+@pytest.mark.parametrize("called", ["an id", "accept 1", "to Bo"])
+async def test_a_shift_goes_by_an_id_and_whoever_is_called_like_it_is_asked_about(
+    called: str,
+) -> None:
+    async with warehouse().open() as here:
+        directory, bo = here.gateway.rooms.authoriser.directory, _id(here, "Bo")
+        vi = directory.person(_id(here, "Vi"))
+        assert vi is not None
+        directory.enrol(replace(vi, name=bo if called == "an id" else called))
+        await here.say("/task w1 wave")
+        told = await here.say(f"/handover {bo}")
+        if called == "an id":
+            assert "Which one?" in told
+            await here.tap(*here.button("Bo, operator"))
+        assert {t.outbound.chat.id for t in here.chat.told if "hands over" in t.outbound.text} == {
+            BO
+        }
 
 
 async def test_who_takes_a_task_over_reads_its_orders_unless_a_group_does() -> None:

@@ -9,7 +9,6 @@ from rosic.core.language import clean
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import NotUnderstood
 from rosic.features.access import messages
-from rosic.features.access.admin_policy import everybody_called
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -125,7 +124,7 @@ def the_one(directory: Directory, name: str) -> Principal:
     Raises:
         NotUnderstood: Nobody, or more than one.
     """
-    found = everybody_called(directory, name)
+    found = directory.called(name)
     if len(found) == 1:
         return found[0]
     said = clean(name)

@@ -26,10 +26,10 @@ function Person({ person, me, act, waits, again }) {
     <td class="acts"><div class="row">
       ${!own &&
       (person.locked
-        ? html`<button type="button" disabled=${waits} onClick=${() => say(`/unlock ${person.name}`)}>
+        ? html`<button type="button" disabled=${waits} onClick=${() => say(`/unlock ${person.id}`)}>
             ${t("Let in again")}
           </button>`
-        : html`<button type="button" disabled=${waits} onClick=${() => say(`/lock ${person.name}`)}>
+        : html`<button type="button" disabled=${waits} onClick=${() => say(`/lock ${person.id}`)}>
             ${t("Lock out")}
           </button>`)}
       ${!own &&
@@ -40,7 +40,7 @@ function Person({ person, me, act, waits, again }) {
               disabled=${waits}
               onClick=${() => {
                 askFirst(false);
-                say(`/revoke ${person.name}`);
+                say(`/revoke ${person.id}`);
               }}
             >
               ${t("Take every right of {name}", { name: person.name })}
@@ -77,6 +77,12 @@ function Known({ asked }) {
     <${Said} said=${said} />`;
 }
 
+/** Return a name; where two share it, with what tells them apart. */
+function named(person, people) {
+  const shared = people.some((each) => each.id !== person.id && each.name === person.name);
+  return shared ? `${person.name} (${person.roles.join(", ") || "—"}, ${person.id})` : person.name;
+}
+
 function Give({ people, again }) {
   const { robots } = useStore();
   const { said, waits, act } = useDeed();
@@ -96,7 +102,7 @@ function Give({ people, again }) {
       ${t("To whom")}
       <select required value=${whom} onChange=${(event) => name(event.target.value)}>
         <option value=""></option>
-        ${others.map((each) => html`<option value=${each.name}>${each.name}</option>`)}
+        ${others.map((each) => html`<option value=${each.id}>${named(each, others)}</option>`)}
       </select>
     </label>
     <label class="field">

@@ -10,24 +10,22 @@ from rosic.authoriser.invitations import InvitedRights
 from rosic.core.i18n import joined, said
 from rosic.core.language import clean_name
 from rosic.core.language.suggestions import MOST_SUGGESTIONS, did_you_mean
-from rosic.core.message import Button
 from rosic.core.policy.compiled import FOR_GOOD_NS
 from rosic.core.policy.roles import priority_of
 from rosic.core.policy.scope import FLEET, GRANT
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access import messages
-from rosic.gateway.commands import Reply
+from rosic.gateway.person_argument import BY_ID, which_person
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
-    from rosic.authoriser.directory import Directory
     from rosic.core.identity import Principal, PrincipalId
     from rosic.core.policy.permissions import Permissions
     from rosic.core.policy.roles import Grant, RoleRules
     from rosic.core.robot.profile import RobotId
     from rosic.features.access.context import AccessContext
-    from rosic.gateway.commands import CommandContext
+    from rosic.gateway.commands import CommandContext, Reply
 
 
 # ---- who may do what with people ----
@@ -248,11 +246,8 @@ def _highest(rights: Permissions, given: InvitedRights) -> int:
 
 # ---- whom somebody means ----
 
-BY_ID: Final = b"by its id"
-"""What a button carries that means one person, whoever else may be called like that id."""
 CHANGED: Final = said("Nothing was done yet: something has changed here since you were asked.")
 SURE_BYTES: Final = 16
-MOST_OFFERED = 8
 
 
 class PersonNames:
@@ -289,14 +284,11 @@ class PersonNames:
             raise NotUnderstood(
                 messages.nobody_called(typed), offers=self._offers(typed, verb) if private else ()
             )
-        if not private:
-            raise NotUnderstood(messages.several_in_group(len(fitting), typed))
-        buttons = tuple((by_id_button(p, f"/{verb} {p.id}"),) for p in fitting[:MOST_OFFERED])
-        return Reply(messages.several(len(fitting), typed), buttons)
+        return which_person(asked, typed, [(p, f"/{verb} {p.id}", "") for p in fitting])
 
     def called(self, typed: str) -> tuple[Principal, ...]:
         """Return everybody who is called so, or has that id; each once."""
-        return everybody_called(self._directory, typed)
+        return self._directory.called(typed)
 
     def _offers(self, typed: str, verb: str) -> tuple[str, ...]:
         wanted = clean_name(typed).casefold()
@@ -315,24 +307,6 @@ def _words_of(name: str) -> Iterable[str]:
 def _first_alike(names: Iterable[str], wanted: str) -> list[str]:
     """Put names with the same first letter first: only so many are looked at."""
     return sorted(names, key=lambda name: name[:1].casefold() != wanted[0])
-
-
-def everybody_called(directory: Directory, typed: str) -> tuple[Principal, ...]:
-    """Return everybody who is called so, or has that id; each once.
-
-    An id is nobody's secret, and a name is its owner's to choose: one that is another's id must
-    not decide who is meant.
-    """
-    name = clean_name(typed)
-    by_id = directory.person(typed)
-    found = (() if by_id is None else (by_id,), directory.named(name) if name else ())
-    return tuple({person.id: person for some in found for person in some}.values())
-
-
-def by_id_button(person: Principal, command: str, *more: str) -> Button:
-    """Return the button that means one of several; what else it says stands in its label."""
-    label = joined(", ", (messages.told_apart(person.name, person.roles), *more))
-    return Button(label, command, act=BY_ID)
 
 
 def asked_again(act: bytes, question: str) -> str:

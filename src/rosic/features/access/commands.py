@@ -28,6 +28,7 @@ from rosic.features.access.revoke_lock import RevokeLockCommands
 from rosic.features.access.roles import RoleCommands
 from rosic.features.access.second_factor import SecondFactorCommands
 from rosic.gateway.commands import Reply
+from rosic.gateway.person_argument import several_in_group
 
 if TYPE_CHECKING:
     from rosic.gateway.commands import CommandContext, CommandRegistry
@@ -208,7 +209,7 @@ class AnswerRouter:
         if len(found) < 2:  # noqa: PLR2004 - it is clear who is meant
             return None
         if not asked.private:
-            raise NotUnderstood(messages.several_in_group(len(found), typed))
+            raise NotUnderstood(several_in_group(len(found), typed))
         lines = [line for _, line, _ in found[:MOST]]
         text = joined("\n", (request_messages.these_wait(), *lines))
         return Reply(text, tuple(row for *_, row in found[:MOST]))

@@ -13,15 +13,10 @@ from rosic.core.policy.roles import Grant
 from rosic.core.time_units import SECOND_NS
 from rosic.errors import Expired, NotPermitted, NotUnderstood
 from rosic.features.access import messages, request_messages
-from rosic.features.access.admin_policy import (
-    MOST_OFFERED,
-    PersonNames,
-    asked_again,
-    by_id_button,
-    sure,
-)
+from rosic.features.access.admin_policy import PersonNames, asked_again, sure
 from rosic.features.access.invite import read_grant
 from rosic.gateway.commands import Reply, asks_first, check_private
+from rosic.gateway.person_argument import which_person
 from rosic.gateway.replies import LEAVE
 from rosic.organiser.calendar_messages import moment
 
@@ -135,7 +130,7 @@ class GrantCommands:
         if found.id == by:
             raise NotPermitted(request_messages.not_to_yourself())
         self._admin_policy.check_give(by, given)
-        agreed = sure(self._registry.rights().policy, "grant", found.id, rest)
+        agreed = sure(self._registry.rights().policy, "grant", found.id, found.name, rest)
         if given.lasts_s is None and asked.act != agreed:
             yes = Button(request_messages.give_label(), f"/grant {found.id} {rest}", act=agreed)
             question = request_messages.give_question(found.name, given.words)
@@ -194,11 +189,8 @@ class GrantCommands:
         found = [one for one in found if one[1]] or found  # a name alone gives nothing
         if len(found) == 1:
             return found[0]
-        rows = tuple(
-            (by_id_button(person, f"/grant {person.id} {rest}", rest),)
-            for person, rest in found[:MOST_OFFERED]
-        )
-        return Reply(messages.several(len(found), low[0]), rows), ""
+        rows = [(person, f"/grant {person.id} {rest}", rest) for person, rest in found]
+        return which_person(asked, low[0], rows), ""
 
     def _has_access(self, person: Principal) -> bool:
         return self._admin_policy.acts(person.id)

@@ -12,6 +12,7 @@ from rosic.core.message import Button
 from rosic.core.policy.limits import limit_in_words
 from rosic.core.role_names import role_shown
 from rosic.core.time_units import DAY_S
+from rosic.gateway.person_argument import roles_listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -187,11 +188,6 @@ def noted(sentence: str, *, written: bool) -> str:
     return sentence if written else joined(" ", (sentence, UNWRITTEN))
 
 
-def roles_listed(names: Sequence[str]) -> str:
-    """Return roles in a row, as people read them."""
-    return listed(tuple(map(role_shown, names)))
-
-
 def how_to_invite(roles: Sequence[str], robots: Mapping[str, object]) -> str:
     """Return how to invite, with an example of this place."""
     role = "operator" if "operator" in roles else next(iter(roles), "viewer")
@@ -271,27 +267,6 @@ def twice_how_long(which: str) -> str:
 def nobody_called(given: str) -> str:
     """Return that nobody has this name."""
     return said("I know nobody called {quote}. Nothing was done.", quote=quote(given))
-
-
-def several(count: int, given: str) -> str:
-    """Return the question which of several."""
-    return said("{count} people are called {quote}. Which one?", count=count, quote=quote(given))
-
-
-def several_in_group(count: int, given: str) -> str:
-    """Return the same where others read along."""
-    return said(
-        "{count} people are called {quote}. Ask me in a private chat, where I can show "
-        "you which. Nothing was done.",
-        count=count,
-        quote=quote(given),
-    )
-
-
-def told_apart(name: str, roles: Sequence[str]) -> str:
-    """Return the label of one of several."""
-    held = roles_listed(roles) if roles else said("without a role of their own")
-    return joined(", ", (name, held))
 
 
 # ---- who is who ----

@@ -14,8 +14,9 @@ from rosic.core.identity import OPERATOR
 from rosic.core.message import Button
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.access import access_messages, messages
-from rosic.features.access.admin_policy import BY_ID, LOCK, PEOPLE, PersonNames, asked_again, sure
+from rosic.features.access.admin_policy import LOCK, PEOPLE, PersonNames, asked_again, sure
 from rosic.gateway.commands import Reply, asks_first, check_private
+from rosic.gateway.person_argument import BY_ID
 from rosic.gateway.replies import LEAVE
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ from rosic.core.language.sanitise import quote
 from rosic.core.policy.limits import limit_in_words
 from rosic.core.policy.scope import FLEET
 from rosic.core.role_names import role_shown
-from rosic.features.access.messages import can_do, roles_listed
+from rosic.features.access.messages import can_do
+from rosic.gateway.person_argument import roles_listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -18,11 +18,12 @@ from rosic.core.time_units import MINUTE_NS
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.features.fleet import shift_handover_messages as words
 from rosic.gateway.commands import Reply
+from rosic.gateway.person_argument import BY_ID, which_person
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.fleet.task import Task
-    from rosic.core.identity import PrincipalId
+    from rosic.core.identity import Principal, PrincipalId
     from rosic.core.records import Fact
     from rosic.core.robot.profile import RobotId
     from rosic.features.fleet.dispatch_state import TaskText
@@ -73,25 +74,39 @@ class ShiftHandoverCommands:
             if said[0].casefold() == "decline":
                 return self._declined(asked, offer)
             return await self._accept(asked, offer)
-        return self._offer(asked, said)
+        found = self._whom(asked, said)
+        return found if isinstance(found, Reply) else self._offer(asked, found)
 
-    def _offer(self, asked: CommandContext, said: list[str]) -> Reply:
+    def _whom(self, asked: CommandContext, said: list[str]) -> Principal | Reply:
+        """Return to whom, or the question which of several.
+
+        Raises:
+            NotUnderstood: Nobody is called so; or several are, and others read along.
+        """
         name = " ".join(said[1:] if said[:1] == ["to"] else said)
         if not name:
             raise NotUnderstood(words.HOW_TO)
         giver, directory = asked.caller.principal, self._rooms.authoriser.directory
+        by_id = directory.person(name)
+        if by_id is not None and asked.act == BY_ID and by_id.id != giver:
+            return by_id
         # Somebody may be called "To Bo", and another Bo.
-        called = {p.id: p for n in (" ".join(said), name) for p in directory.named(n)}
+        called = {p.id: p for n in (" ".join(said), name) for p in directory.called(n)}
         people = [person for person in called.values() if person.id != giver]
-        if len(people) != 1:
+        if not people:
             raise NotUnderstood(words.nobody(name))
-        taker = people[0].id
+        if len(people) == 1:
+            return people[0]
+        return which_person(asked, name, [(one, f"/handover {one.id}", "") for one in people])
+
+    def _offer(self, asked: CommandContext, to: Principal) -> Reply:
+        giver, taker = asked.caller.principal, to.id
         tasks, robots = self._tasks(giver), self._idle(giver)
         if not tasks and not robots:
             raise NotUnderstood(words.NOTHING)
         in_vain = [t for t in tasks if not any(self._moves(taker, r) for r in t.among)]
         if in_vain or (not tasks and not any(self._moves(taker, r) for r in robots)):
-            raise NotPermitted(words.in_vain(people[0].name, [task.id for task in in_vain]))
+            raise NotPermitted(words.in_vain(to.name, [task.id for task in in_vain]))
         self._count += 1
         offers = {
             k: o for k, o in self._offers.items() if passed_ns(self._clock, o.made) < GOOD_FOR_NS
@@ -101,8 +116,8 @@ class ShiftHandoverCommands:
         text = words.offered(asked.caller.name, len(tasks), len(robots))
         reached = self._reach.tell((taker,), text, words.choices(str(self._count)))
         if not reached:
-            raise NotUnderstood(words.not_reached(people[0].name))
-        return Reply(words.asked(people[0].name))
+            raise NotUnderstood(words.not_reached(to.name))
+        return Reply(words.asked(to.name))
 
     def _taken(self, asked: CommandContext, number: str) -> HandoverOffer:
         offer = self._offers.get(number)
