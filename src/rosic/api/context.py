@@ -19,6 +19,8 @@ from rosic.api.schemas import (
 )
 from rosic.core.i18n import in_language, said
 from rosic.core.identity import PAGE
+from rosic.core.language.common_names import shown_name
+from rosic.core.messages import parameter_label
 from rosic.core.robot.skill_schema import schema_of
 from rosic.core.robot.view import ViewKind
 from rosic.errors import NotFound, NotPermitted, TooManyRequests
@@ -165,9 +167,28 @@ class ApiContext(NamedTuple):
     def robots(self, caller: ApiCaller) -> list[RobotOut]:
         """Return the robots that somebody may see."""
         visible, profiles = self.visible(caller), self.kernel.rooms.profiles
-        return [self.robot(profile) for robot, profile in profiles.items() if robot in visible]
+        return [
+            self.robot(profile, self._words(caller, profile))
+            for robot, profile in profiles.items()
+            if robot in visible
+        ]
 
-    def robot(self, profile: Profile) -> RobotOut:
+    def named_robot(self, caller: ApiCaller, robot: str) -> RobotOut:
+        """Return a robot that somebody may see, with its words in their language.
+
+        Raises:
+            NotFound: There is none of that name, as far as they may know.
+        """
+        profile = self.profile(caller, robot)
+        return self.robot(profile, self._words(caller, profile))
+
+    def _words(self, caller: ApiCaller, profile: Profile) -> dict[str, str]:
+        catalogue = self.languages.of(caller.principal)
+        named = {name: shown_name(name) for name in profile.telemetry}
+        named |= {skill.id: skill.doing for skill in profile.skills.values()}
+        return {name: in_language(shown, catalogue) for name, shown in named.items()}
+
+    def robot(self, profile: Profile, words: dict[str, str] | None = None) -> RobotOut:
         """Return a robot as it is shown."""
         robot = profile.id
         stopped, holder = self.held(robot)
@@ -182,6 +203,7 @@ class ApiContext(NamedTuple):
             views=tuple(kind.value for kind in ViewKind if profile.offers(kind)),
             units={name: value.unit for name, value in profile.telemetry.items()},
             watchdog_s=profile.watchdog_s,
+            words=words or {},
         )
 
     def held(self, robot: RobotId) -> tuple[bool, str]:
@@ -224,6 +246,8 @@ class ApiContext(NamedTuple):
     @staticmethod
     def _skill(offered: OfferedSkill, read: Callable[[str], str]) -> SkillOut:
         skill = offered.skill
+        parameters = skill.parameters
+        choices = {word for each in parameters.values() for word in each.choices or ()}
         return SkillOut(
             id=skill.id,
             name=read(skill.shown),
@@ -232,7 +256,9 @@ class ApiContext(NamedTuple):
             asks=offered.asks,
             streams=skill.streams,
             arguments=schema_of(skill),
-            units={name: each.unit for name, each in skill.parameters.items() if each.unit},
+            units={name: each.unit for name, each in parameters.items() if each.unit},
+            titles={name: read(parameter_label(name, each)) for name, each in parameters.items()},
+            words={word: read(shown_name(word)) for word in sorted(choices)},
         )
 
     # ---- orders ----

@@ -12,10 +12,12 @@ from litestar.params import SkipValidation
 from rosic.api.metrics.exposition import Histogram, Metric, Sample
 from rosic.api.metrics.gateway_metrics import GatewayMetrics
 from rosic.api.routes import Api, Who
-from rosic.core.i18n import said
+from rosic.core.i18n import in_language, said
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+    from rosic.core.i18n import Catalogue
 
 FIGURES_ONLY = said("What is measured here is shown to whoever looks after people.")
 Figures = NamedDependency[SkipValidation[GatewayMetrics]]
@@ -40,6 +42,7 @@ class MetricOut(msgspec.Struct, frozen=True):
 
     Attributes:
         kind: ``counter``, which only grows; ``gauge``; or ``histogram``, of times.
+        about: What it is, in the language of whoever asks.
     """
 
     name: str
@@ -52,18 +55,18 @@ class MetricOut(msgspec.Struct, frozen=True):
 async def metrics(api: Api, caller: Who, figures: Figures) -> list[MetricOut]:
     """Return what `/metrics` tells a monitoring, for whoever looks after people."""
     api.check_admin(caller, FIGURES_ONLY)
-    return shown(figures.metrics())
+    return shown(figures.metrics(), api.languages.of(caller.principal))
 
 
-def shown(metrics: Iterable[Metric]) -> list[MetricOut]:
+def shown(metrics: Iterable[Metric], catalogue: Catalogue | None = None) -> list[MetricOut]:
     """Return metrics for people to read: without buckets, and without what is empty."""
-    found = [_metric(one) for one in metrics]
+    found = [_metric(one, catalogue) for one in metrics]
     return [one for one in found if one.figures]
 
 
-def _metric(found: Metric) -> MetricOut:
+def _metric(found: Metric, catalogue: Catalogue | None) -> MetricOut:
     figures = tuple(_figure(each) for each in found.samples if not _is_empty(each.value))
-    return MetricOut(found.name, found.kind, found.about, figures)
+    return MetricOut(found.name, found.kind, in_language(found.about, catalogue), figures)
 
 
 def _is_empty(value: float | Histogram) -> bool:

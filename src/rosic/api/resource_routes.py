@@ -30,6 +30,7 @@ from rosic.api.routes import Api, Speech, Who
 from rosic.api.schemas import AnswerOut, moment
 from rosic.container.files import pieces_of
 from rosic.core.i18n import in_language, said
+from rosic.core.role_names import role_shown
 from rosic.core.time_units import DAY_NS, MINUTE_NS, SECOND_NS
 from rosic.errors import NotFound, NotUnderstood
 from rosic.organiser.calendar_messages import bookable, moment_typed
@@ -203,6 +204,7 @@ def _read(text: str) -> int:
 async def people(api: Api, caller: Who) -> list[PersonOut]:
     """Return everybody who is known, for whoever looks after people."""
     api.check_admin(caller, PEOPLE_ONLY)
+    catalogue = api.languages.of(caller.principal)
     locked = api.kernel.rooms.organiser.locked
     known = api.kernel.rooms.authoriser.directory.people()
     return [
@@ -212,6 +214,7 @@ async def people(api: Api, caller: Who) -> list[PersonOut]:
             kind="program" if any(at.platform == "program" for at in one.addresses) else "person",
             roles=one.roles,
             locked=one.id in locked,
+            named=tuple(in_language(role_shown(role), catalogue) for role in one.roles),
         )
         for one in known
     ]
@@ -240,6 +243,7 @@ async def alerts(api: Api, caller: Who) -> list[AlertOut]:
         AlertOut(
             robot=one.robot,
             name=one.name,
+            text=in_language(one.said, catalogue),
             at=moment(one.at_ns),
             measured=in_language(one.measured, catalogue),
             seen_by=name(one.by) if one.by else "",

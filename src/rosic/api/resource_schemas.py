@@ -80,6 +80,7 @@ class PersonOut(msgspec.Struct, frozen=True):
     Attributes:
         kind: ``person`` or ``program``.
         locked: They are shut out for now.
+        named: Their roles in the language of whoever asks.
     """
 
     id: str
@@ -87,6 +88,7 @@ class PersonOut(msgspec.Struct, frozen=True):
     kind: str
     roles: tuple[str, ...]
     locked: bool
+    named: tuple[str, ...]
 
 
 class HealthFindingOut(msgspec.Struct, frozen=True):
@@ -106,12 +108,14 @@ class AlertOut(msgspec.Struct, frozen=True):
     """An alarm that is open.
 
     Attributes:
+        text: What it says, in the language of whoever asks.
         measured: What is measured now.
         seen_by: Name of who has seen it; empty: nobody yet.
     """
 
     robot: str
     name: str
+    text: str
     at: str
     measured: str
     seen_by: str

@@ -66,7 +66,7 @@ async def robots(api: Api, caller: Who) -> list[RobotOut]:
 @get("/robots/{robot:str}", summary="One robot", tags=["robots"])
 async def robot(api: Api, caller: Who, robot: FromPath[str]) -> RobotOut:
     """Return one robot as it is now."""
-    return api.robot(api.profile(caller, robot))
+    return api.named_robot(caller, robot)
 
 
 @get("/robots/{robot:str}/skills", summary="What I may ask of a robot", tags=["robots"])

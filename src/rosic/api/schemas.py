@@ -73,6 +73,8 @@ class RobotOut(msgspec.Struct, frozen=True):
         units: Of its telemetry, by name.
         watchdog_s: After so long without a velocity it comes to rest by itself; None: it takes
             none.
+        words: What its skills and what it measures are called in the language of whoever asks, by
+            name. Events leave it out: it does not change.
     """
 
     id: str
@@ -85,6 +87,7 @@ class RobotOut(msgspec.Struct, frozen=True):
     views: tuple[str, ...]
     units: dict[str, str]
     watchdog_s: float | None
+    words: dict[str, str] = {}
 
 
 class SkillOut(msgspec.Struct, frozen=True):
@@ -96,6 +99,8 @@ class SkillOut(msgspec.Struct, frozen=True):
         streams: It is a velocity, which may be driven live.
         arguments: JSON Schema of the arguments, in their declared units.
         units: Of the arguments, by name.
+        titles: Of the arguments, by name, in the language of whoever asks.
+        words: The choices among them in that language, by choice.
     """
 
     id: str
@@ -106,6 +111,8 @@ class SkillOut(msgspec.Struct, frozen=True):
     streams: bool
     arguments: dict[str, Any]
     units: dict[str, str]
+    titles: dict[str, str] = {}
+    words: dict[str, str] = {}
 
 
 class OrderIn(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

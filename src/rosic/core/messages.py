@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from rosic.core.i18n import figure, filled, joined, said, said_n, titled
+from rosic.core.i18n import capital, figure, filled, joined, said, said_n, titled
 from rosic.core.language.common_names import shown_name
 from rosic.core.language.sanitise import echo
 from rosic.core.policy.scope import RESUME
@@ -107,6 +107,14 @@ def label(skill: Skill) -> str:
 def button_label(skill: Skill) -> str:
     """Return a skill's name as its own button shows it, with its sign."""
     return joined(" ", (skill.icon, label(skill))) if skill.icon else label(skill)
+
+
+def parameter_label(name: str, parameter: Parameter) -> str:
+    """Return a parameter's name as a form shows it: its title, or the common name that it has."""
+    common = capital(shown_name(name))
+    if parameter.title.casefold() in {"", common.casefold()} and not parameter.titles:
+        return common
+    return titled(parameter.title or common, parameter.titles)
 
 
 def parameter_hint(name: str, parameter: Parameter) -> str:

@@ -29,6 +29,7 @@ class OpenAlert(NamedTuple):
     """One alarm that is open.
 
     Attributes:
+        said: What it says, as people read it.
         at_ns: When it was raised, wall clock.
         measured: What is measured now, as people read it.
         by: Who has seen it; empty: nobody yet.
@@ -36,6 +37,7 @@ class OpenAlert(NamedTuple):
 
     robot: RobotId
     name: str
+    said: str
     at_ns: int
     measured: str
     by: PrincipalId

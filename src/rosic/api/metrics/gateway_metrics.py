@@ -16,6 +16,7 @@ from rosic import __version__
 from rosic.api.metrics.exposition import COUNTER, GAUGE, HISTOGRAM, Histogram, Metric, Sample, page
 from rosic.api.rate_feed import messenger_counts, robot_counts
 from rosic.contracts.traffic import is_connected
+from rosic.core.i18n import said
 from rosic.core.order import OrderStage
 from rosic.core.time_units import SECOND_NS
 
@@ -31,6 +32,12 @@ HOPS: Final = ("accepted-sent", "sent-received", "received-ended", "accepted-end
 HOP_BOUNDS: Final = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0)
 LAG_BOUNDS: Final = (0.001, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5)
 LAG_EVERY_S: Final = 0.25
+_PASSED: Final = {
+    ("messenger", "messages"): said("Messages that passed a messenger's link."),
+    ("messenger", "bytes"): said("Bytes that passed a messenger's link."),
+    ("robot", "messages"): said("Messages that passed a robot's link."),
+    ("robot", "bytes"): said("Bytes that passed a robot's link."),
+}
 FOLLOWED_AT_MOST: Final = 5_000
 """Orders under way whose hops are timed; of more than these the oldest are not."""
 
@@ -73,16 +80,16 @@ class OrderMetrics:
         yield Metric(
             "rosic_orders_total",
             COUNTER,
-            "Orders that are over, by robot and by how they ended.",
+            said("Orders that are over, by robot and by how they ended."),
             tuple(Sample({"robot": r, "outcome": o}, n) for (r, o), n in self._ended.items()),
         )
         yield Metric(
             "rosic_order_hop_seconds",
             HISTOGRAM,
-            "How long orders took from one stage to another.",
+            said("How long orders took from one stage to another."),
             tuple(Sample({"hop": hop}, found) for hop, found in self._hops.items()),
         )
-        about = "Orders accepted and not over."
+        about = said("Orders accepted and not over.")
         yield _value("rosic_orders_under_way", about, len(self._began))
 
 
@@ -102,7 +109,7 @@ class LoopMonitor:
 
     def metrics(self) -> Iterator[Metric]:
         """Yield what was measured."""
-        about = "How late the event loop came to what was due, four times a second."
+        about = said("How late the event loop came to what was due, four times a second.")
         yield Metric("rosic_loop_lag_seconds", HISTOGRAM, about, (Sample({}, self._lag),))
 
 
@@ -152,7 +159,7 @@ class GatewayMetrics:
         yield Metric(
             "rosic_refusals_total",
             COUNTER,
-            "What was refused to somebody known, by code.",
+            said("What was refused to somebody known, by code."),
             tuple(Sample({"code": code}, n) for code, n in refusals.items()),
         )
         yield from self._traffic("messenger", messenger_counts(self._kernel))
@@ -167,28 +174,28 @@ class GatewayMetrics:
         found = {robot: rooms.linker.presence(robot) for robot in robots}
         yield self._each(
             "rosic_stops_total",
-            "Stops of a robot since its record began.",
+            said("Stops of a robot since its record began."),
             {r: stop.generation for r, stop in stops.items()},
             COUNTER,
         )
         yield self._each(
             "rosic_robot_stopped",
-            "1 while a robot is stopped.",
+            said("1 while a robot is stopped."),
             {r: int(stop.latched) for r, stop in stops.items()},
         )
         yield self._each(
             "rosic_robot_up",
-            "1 while a robot is heard; nothing where its link cannot tell.",
+            said("1 while a robot is heard; nothing where its link cannot tell."),
             {r: int(one.online) for r, one in found.items() if one.online is not None},
         )
         yield self._each(
             "rosic_robot_age_seconds",
-            "Since a robot was last heard.",
+            said("Since a robot was last heard."),
             {r: one.age_s for r, one in found.items() if one.age_s is not None},
         )
         yield self._each(
             "rosic_robot_queue_length",
-            "Orders that wait for a robot.",
+            said("Orders that wait for a robot."),
             {robot: len(rooms.linker.queues[robot]) for robot in robots},
         )
 
@@ -205,7 +212,7 @@ class GatewayMetrics:
             yield Metric(
                 f"rosic_{what}_{unit}_total",
                 COUNTER,
-                f"{unit.capitalize()} that passed a {what}'s link.",
+                _PASSED[what, unit],
                 tuple(
                     Sample({what: link, "direction": way}, count[2 * number + place])
                     for link, count in counts.items()
@@ -217,18 +224,18 @@ class GatewayMetrics:
     def _process(self) -> Iterator[Metric]:
         used = resource.getrusage(resource.RUSAGE_SELF)
         version = (Sample({"version": __version__}, 1),)
-        yield Metric("rosic_build_info", GAUGE, "1; the version is a label.", version)
+        yield Metric("rosic_build_info", GAUGE, said("1; the version is a label."), version)
         spent = (Sample({}, used.ru_utime + used.ru_stime),)
-        yield Metric("process_cpu_seconds_total", COUNTER, "Processor time used.", spent)
+        yield Metric("process_cpu_seconds_total", COUNTER, said("Processor time used."), spent)
         late = int(self._kernel.changes.late)
-        yield _value("rosic_record_late", "1 while the record does not answer in time.", late)
+        yield _value("rosic_record_late", said("1 while the record does not answer in time."), late)
         ready = int(not self.not_ready)
-        yield _value("rosic_ready", "1 while /readyz says so.", ready)
+        yield _value("rosic_ready", said("1 while /readyz says so."), ready)
         links = {one.name: is_connected(one) for one in self._kernel.messengers}
         yield Metric(
             "rosic_messenger_up",
             GAUGE,
-            "1 while a platform answers; nothing if none can tell.",
+            said("1 while a platform answers; nothing if none can tell."),
             tuple(
                 Sample({"messenger": messenger}, int(link))
                 for messenger, link in links.items()
@@ -237,7 +244,7 @@ class GatewayMetrics:
         )
         resident = _resident_bytes()
         if resident:
-            yield _value("process_resident_memory_bytes", "Memory in use.", resident)
+            yield _value("process_resident_memory_bytes", said("Memory in use."), resident)
 
 
 def _value(name: str, about: str, value: float) -> Metric:

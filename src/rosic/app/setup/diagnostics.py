@@ -25,6 +25,7 @@ from rosic.app.setup.stop_test import try_robot
 from rosic.app.setup.webhook_checks import examine_webhooks
 from rosic.config.plugins import shared_spaces
 from rosic.config.secrets import open_to_others
+from rosic.core.i18n import said
 from rosic.errors import RosicError
 from rosic.stores.record_mark import RecordMark, was_begun
 
@@ -45,13 +46,13 @@ async def examine_record(data: Path) -> DiagnosticFinding:
     """Ask the gateway that runs on a data folder, or look at the folder."""
     try:
         asked = ask_gateway(data, AdminRequest(AdminVerb.STATUS), log.warning)
-        said = [answer.text async for answer in asked]
+        answers = [answer.text async for answer in asked]
     except NotRunning:
         return _of_nobody(data)
     except RosicError as silent:
         return DiagnosticFinding(ABOUT, FindingVerdict.LOOK, str(silent))
     else:
-        found = next((line for text in said for line in text.splitlines() if _LOST in line), "")
+        found = next((line for text in answers for line in text.splitlines() if _LOST in line), "")
         if found:
             return DiagnosticFinding(ABOUT, FindingVerdict.LOOK, found)
         return DiagnosticFinding(
@@ -76,13 +77,15 @@ def examine_memory() -> DiagnosticFinding:
     """Do here what a start does, and read it back: tokens and keys are in its memory."""
     if keep_memory_private():
         return DiagnosticFinding(
-            "memory", FindingVerdict.GOOD, "a gateway leaves no core dump, and no debugger in"
+            "memory", FindingVerdict.GOOD, said("a gateway leaves no core dump, and no debugger in")
         )
     if sys.platform != "linux":
-        text = "core dumps can be kept out on Linux alone; they would hold tokens and keys"
+        text = said("core dumps can be kept out on Linux alone; they would hold tokens and keys")
         return DiagnosticFinding("memory", FindingVerdict.NOT_MEASURED, text)
     return DiagnosticFinding(
-        "memory", FindingVerdict.LOOK, "core dumps are not kept out; they hold tokens and keys"
+        "memory",
+        FindingVerdict.LOOK,
+        said("core dumps are not kept out; they hold tokens and keys"),
     )
 
 

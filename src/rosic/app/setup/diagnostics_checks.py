@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app.builder import messenger_of
 from rosic.contracts.console import AccountProbe
+from rosic.core.i18n import joined, said
 from rosic.errors import ConfigurationError, RosicError
 from rosic.robots.ros2.client.graph import snapshot, wait_for
 from rosic.robots.ros2.client.rclpy_import import load_ros
@@ -82,7 +83,9 @@ FULL = 2
 def examine_disk(folder: Path) -> Iterator[DiagnosticFinding]:
     """Look at the disk of a data folder; of its nearest parent while it does not exist."""
     there = _nearest(folder)
-    place = "" if there == folder else f" (measured in {there}: the data folder is not made yet)"
+    place = ""
+    if there != folder:
+        place = said(" (measured in {there}: the data folder is not made yet)", there=there)
     try:
         yield _fsync(there, place)
         yield _record(there)
@@ -91,13 +94,18 @@ def examine_disk(folder: Path) -> Iterator[DiagnosticFinding]:
         yield DiagnosticFinding(
             "disk",
             FindingVerdict.LOOK,
-            f"{there} cannot be written ({error.strerror}). Give it to the user who runs ROSIC.",
+            said(
+                "{there} cannot be written ({error}). Give it to the user who runs ROSIC.",
+                there=there,
+                error=error.strerror,
+            ),
         )
         return
     little = free < LITTLE_BYTES
     verdict = FindingVerdict.LOOK if little else FindingVerdict.GOOD
+    left = said("{free:.1f} GB free", free=free / 1e9)
     yield DiagnosticFinding(
-        "space", verdict, f"{free / 1e9:.1f} GB free" + (": little" if little else "")
+        "space", verdict, joined(": ", (left, said("little"))) if little else left
     )
 
 
@@ -108,11 +116,16 @@ def _nearest(folder: Path) -> Path:
 def _fsync(folder: Path, place: str) -> DiagnosticFinding:
     times_ms = _time_writes(folder)
     p50, p99 = (quantiles(times_ms, n=100, method="inclusive")[i] for i in (49, 98))
-    text = f"fsync {p50:.2f} ms p50, {p99:.2f} ms p99 over {len(times_ms)} writes of 4 KiB{place}"
+    text = said(
+        "fsync {p50:.2f} ms p50, {p99:.2f} ms p99 over {count} writes of 4 KiB{place}",
+        p50=p50,
+        p99=p99,
+        count=len(times_ms),
+        place=place,
+    )
     if p99 > SLOW_MS:
-        return DiagnosticFinding(
-            "disk", FindingVerdict.LOOK, f"{text}. Every command waits for this."
-        )
+        slow = said("{measured}. Every command waits for this.", measured=text)
+        return DiagnosticFinding("disk", FindingVerdict.LOOK, slow)
     return DiagnosticFinding("disk", FindingVerdict.GOOD, text)
 
 
@@ -144,7 +157,11 @@ def _record(folder: Path) -> DiagnosticFinding:
                 return DiagnosticFinding("record", FindingVerdict.LOOK, str(error))
             journal = sqlite.pragma(connection, "journal_mode")
             synchronous = sqlite.pragma(connection, "synchronous")
-    text = f"journal mode {journal}, synchronous {synchronous} (2 is FULL), as read back"
+    text = said(
+        "journal mode {journal}, synchronous {synchronous} (2 is FULL), as read back",
+        journal=journal,
+        synchronous=synchronous,
+    )
     good = journal == "wal" and isinstance(synchronous, int) and synchronous >= FULL
     return DiagnosticFinding("record", FindingVerdict.GOOD if good else FindingVerdict.LOOK, text)
 

@@ -311,15 +311,29 @@ def _drive(topic: str, kind: str) -> dict[str, Any]:
         "titles": {"de": "Eine Weile mit einer Geschwindigkeit fahren"},
         "class": "motion",
         "parameters": {
-            "linear": {"title": "Forward", "unit": "m/s", "min": -0.2, "max": 0.2, "default": 0},
+            "linear": {
+                "title": "Forward",
+                "titles": {"de": "Vorwärts"},
+                "unit": "m/s",
+                "min": -0.2,
+                "max": 0.2,
+                "default": 0,
+            },
             "angular": {
                 "title": "Turning left",
+                "titles": {"de": "Linksdrehung"},
                 "unit": "deg/s",
                 "min": -30,
                 "max": 30,
                 "default": 0,
             },
-            "duration": {"title": "For how long", "unit": "s", "min": 0.1, "max": 2},
+            "duration": {
+                "title": "For how long",
+                "titles": {"de": "Wie lange"},
+                "unit": "s",
+                "min": 0.1,
+                "max": 2,
+            },
         },
         "topic": {
             "name": topic,

@@ -79,7 +79,14 @@ def navigating(name: str, stand: MapPose | None) -> dict[str, Any]:
             "parameters": {
                 "x": {"unit": "m", "min": x - AREA_M, "max": x + AREA_M},
                 "y": {"unit": "m", "min": y - AREA_M, "max": y + AREA_M},
-                "yaw": {"title": "Heading", "unit": "deg", "min": -180, "max": 180, "default": 0},
+                "yaw": {
+                    "title": "Heading",
+                    "titles": {"de": "Ausrichtung"},
+                    "unit": "deg",
+                    "min": -180,
+                    "max": 180,
+                    "default": 0,
+                },
             },
             "action": action | {"goal": frame | point} | rest,
         },
@@ -127,7 +134,13 @@ def following(name: str, limbs: ArmDraft) -> dict[str, Any]:
             "class": "motion",
             "parameters": {
                 "joint": {"title": "Joint", "choices": {joint: [] for joint in limbs.positions}},
-                "angle": {"title": "To the angle", "unit": "rad", "min": low, "max": high},
+                "angle": {
+                    "title": "To the angle",
+                    "titles": {"de": "Auf den Winkel"},
+                    "unit": "rad",
+                    "min": low,
+                    "max": high,
+                },
             },
             "action": action | {"trajectory": {"to": "$angle", "joint": "$joint", "speed": 0.5}},
         },

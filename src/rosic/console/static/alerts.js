@@ -24,7 +24,7 @@ function Alert({ alert, again }) {
   const mute = () => command(`/mute ${alert.robot} ${alert.name} 1h`);
   return html`<li class=${`alert ${alert.seen_by ? "seen" : ""}`}>
     <div>
-      <p class="row"><${Pill} kind=${alert.seen_by ? "warn" : "bad"}>${robot}: ${alert.name.replaceAll("_", " ")}<//></p>
+      <p class="row"><${Pill} kind=${alert.seen_by ? "warn" : "bad"}>${robot}: ${alert.text}<//></p>
       <p class="measured">${alert.measured}</p>
       <p class="quiet small">
         ${t("since {time}", { time: dayAndTime(alert.at) })}

@@ -79,7 +79,7 @@ export const Said = ({ said }) =>
 /** What stands where there is nothing to show: why, that it is looked up, or that there is none. */
 export function Nothing({ asked, none }) {
   if (asked.why) return html`<p class="said bad" role="status">${asked.why}</p>`;
-  return html`<p class="quiet">${asked.data === null ? "…" : none}</p>`;
+  return html`<p class="quiet">${asked.data === null ? t("One moment …") : none}</p>`;
 }
 
 /** Questions that wait for an answer in the conversation: here, too, so that nobody has to look. */

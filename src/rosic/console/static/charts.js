@@ -1,9 +1,9 @@
 // What robots measure, over time: charts by uPlot.
 
 import { html, useEffect, useRef, useState } from "./lib.js";
-import { Pill } from "./robots.js";
+import { called } from "./robots.js";
 import { ask, recall, state, useStore } from "./store.js";
-import { clock, number, spoken, t } from "./texts.js";
+import { clock, number, spoken, t, unitSign } from "./texts.js";
 
 const HEIGHT = 190;
 const PICTURE_MS = 5000;
@@ -76,7 +76,7 @@ export function Telemetry({ robot }) {
     ([, value]) => typeof value !== "number",
   );
   const name = numbers.includes(wanted) ? wanted : numbers[0];
-  const unit = (name && robot.units[name]) || "";
+  const unit = unitSign((name && robot.units[name]) || "");
   const data = (name && of.get(name)) || [[], []];
   useEffect(() => {
     if (!name || link !== "up") return;
@@ -94,7 +94,7 @@ export function Telemetry({ robot }) {
         <label class="field">
           ${t("Value")}
           <select value=${name} onChange=${(event) => choose(event.target.value)}>
-            ${numbers.map((each) => html`<option value=${each}>${each}</option>`)}
+            ${numbers.map((each) => html`<option value=${each}>${called(robot, each)}</option>`)}
           </select>
         </label>
         <p class="newest"><b>${number(robot.presence.values[name], 2)}</b> ${unit}</p>
@@ -103,7 +103,7 @@ export function Telemetry({ robot }) {
       <p class="quiet small">${t("What the gateway kept of it, and what came since.")}</p>`}
     ${words.length > 0 &&
     html`<dl class="facts">
-      ${words.map(([key, value]) => html`<div><dt>${key}</dt><dd>${value}</dd></div>`)}
+      ${words.map(([key, value]) => html`<div><dt>${called(robot, key)}</dt><dd>${value}</dd></div>`)}
     </dl>`}
   </div>`;
 }
@@ -146,7 +146,7 @@ export function Camera({ robot }) {
     };
   }, [robot.id, offers]);
   if (!offers) return html`<p class="quiet">${t("{robot} has no camera.", { robot: robot.name })}</p>`;
-  if (!shown.url) return html`<p class="quiet">${shown.why || "…"}</p>`;
+  if (!shown.url) return html`<p class="quiet">${shown.why || t("One moment …")}</p>`;
   return html`<figure>
     <img class="camera" src=${shown.url} alt=${t("What {robot} sees now", { robot: robot.name })} />
     ${shown.taken && html`<figcaption class="quiet small">${t("Taken at {time}.", { time: clock(shown.taken) })}</figcaption>`}

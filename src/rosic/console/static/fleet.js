@@ -96,7 +96,7 @@ function GiveTask({ act, waits, again }) {
         required
         rows="3"
         maxlength="2000"
-        placeholder="move 0.5 m left"
+        placeholder=${t("move 0.5 m left")}
         value=${steps}
         onInput=${(event) => write(event.target.value)}
       ></textarea>

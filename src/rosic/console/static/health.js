@@ -2,6 +2,7 @@
 
 import { Nothing, useAsked } from "./asked.js";
 import { html } from "./lib.js";
+import { stageWord } from "./orders.js";
 import { Pill } from "./robots.js";
 import { state } from "./store.js";
 import { spoken, t } from "./texts.js";
@@ -13,6 +14,17 @@ const FIRST = { look: 0, "not-measured": 1, good: 2 };
 function verdictWord(name) {
   const words = { good: t("good"), look: t("look at this"), "not-measured": t("not measured") };
   return words[name] || name;
+}
+
+function aboutWord(name) {
+  const words = { data: t("Record"), record: t("Record"), disk: t("Disk"), space: t("Disk"), memory: t("Memory") };
+  return state.robots.get(name)?.name || words[name] || name;
+}
+
+/** Return what a figure is of: a robot by its name, stages by their words. */
+function labelWord([kind, of]) {
+  if (kind === "robot") return state.robots.get(of)?.name || of;
+  return kind === "hop" ? of.split("-").map(stageWord).join(" → ") : stageWord(of);
 }
 
 function number(value, kind) {
@@ -41,7 +53,7 @@ function Metrics() {
                   (figure, at) => html`<tr key=${JSON.stringify(figure.labels)}>
                     ${at === 0 &&
                     html`<th scope="rowgroup" rowspan=${each.figures.length}>${each.about}<code class="quiet small">${each.name}</code></th>`}
-                    <td>${Object.values(figure.labels).join(", ") || "—"}</td>
+                    <td>${Object.entries(figure.labels).map(labelWord).join(", ") || "—"}</td>
                     <td class="number">
                       ${number(figure.value, each.kind)}
                       ${figure.count !== null && html`<span class="quiet small">${t("{count} times", { count: figure.count })}</span>`}
@@ -68,7 +80,7 @@ export function Health() {
           ${found.map(
             (each) => html`<li key=${`${each.about} ${each.text}`}>
               <div>
-                <p><b>${state.robots.get(each.about)?.name || each.about}</b></p>
+                <p><b>${aboutWord(each.about)}</b></p>
                 <p>${each.text}</p>
               </div>
               <${Pill} kind=${KINDS[each.verdict] || "unknown"}>${verdictWord(each.verdict)}<//>

@@ -45,6 +45,7 @@ export function stageWord(name) {
     sent: t("sent"),
     received: t("received"),
     running: t("running"),
+    ended: t("ended"),
     done: t("done"),
     failed: t("failed"),
     cancelled: t("cancelled"),

@@ -19,7 +19,7 @@ function Person({ person, me, act, waits, again }) {
       ${person.name}${own && html` <span class="quiet">${t("(you)")}</span>`}
     </th>
     <td data-head=${t("Kind")}>${person.kind === "program" ? t("program") : t("person")}</td>
-    <td data-head=${t("Roles")}>${person.roles.join(", ") || "—"}</td>
+    <td data-head=${t("Roles")}>${person.named.join(", ") || "—"}</td>
     <td data-head=${t("Access")}>
       ${person.locked ? html`<${Pill} kind="bad">${t("locked out")}<//>` : html`<${Pill} kind="good">${t("let in")}<//>`}
     </td>

@@ -3,7 +3,7 @@
 import { html } from "./lib.js";
 import { Resume } from "./resume.js";
 import { state } from "./store.js";
-import { number, t } from "./texts.js";
+import { number, t, unitSign } from "./texts.js";
 
 /** Whether what is known of a robot is not of now. */
 export const isOld = (robot) => state.link !== "up" || state.stale.has(robot.id);
@@ -22,14 +22,17 @@ export function connection(robot) {
 /** A word with a sign before it, so that nothing is told by its colour alone. */
 export function Pill({ kind, children }) {
   const sign = { good: "●", bad: "✕", warn: "▲", unknown: "?", quiet: "○" }[kind];
-  return html`<span class=${`pill ${kind}`}><span aria-hidden="true">${sign}</span> ${children}</span>`;
+  return html`<span class=${`pill ${kind}`}><span aria-hidden="true">${sign}</span>${"\u00a0"}${children}</span>`;
 }
+
+/** Return what a robot's skill or value is called in the reader's language. */
+export const called = (robot, name) => state.words.get(robot.id)?.[name] || name;
 
 /** Return what a robot does, in words. */
 export function doing(robot) {
   if (isOld(robot)) return "—";
   const { doing: skill, at_rest: rest } = robot.presence;
-  if (skill) return skill;
+  if (skill) return called(robot, skill);
   if (rest === true) return t("at rest");
   return rest === false ? t("moving") : "—";
 }
@@ -38,15 +41,15 @@ export function doing(robot) {
 export function poseText(pose) {
   if (!pose) return "—";
   const turn = pose.yaw_rad === null ? "" : ` · ${number((pose.yaw_rad * 180) / Math.PI, 0)}°`;
-  const height = Math.abs(pose.z_m) > 0.005 ? ` · z ${number(pose.z_m)} m` : "";
-  return `x ${number(pose.x_m)} m · y ${number(pose.y_m)} m${height}${turn}`;
+  const height = Math.abs(pose.z_m) > 0.005 ? ` · z\u00a0${number(pose.z_m)}\u00a0m` : "";
+  return `x\u00a0${number(pose.x_m)}\u00a0m · y\u00a0${number(pose.y_m)}\u00a0m${height}${turn}`;
 }
 
 /** Return the charge of a robot in words and in [0, 1]; null where it tells none. */
 export function battery(robot) {
   const value = robot.presence.values.battery;
   if (typeof value !== "number") return null;
-  const unit = robot.units.battery || "";
+  const unit = unitSign(robot.units.battery || "");
   const share = unit === "%" ? value / 100 : null;
   return { text: `${number(value, 1)}\u00a0${unit}`.trim(), share };
 }

@@ -2,8 +2,7 @@
 
 import { html, newId, useEffect, useRef, useState } from "./lib.js";
 import { ask, useStore } from "./store.js";
-import { number, spoken, t } from "./texts.js";
-import { word } from "./words.js";
+import { number, spoken, t, unitSign } from "./texts.js";
 
 function firstOf(schema) {
   const values = {};
@@ -14,16 +13,16 @@ function firstOf(schema) {
   return values;
 }
 
-function Field({ id, name, schema, unit, required, value, onInput }) {
+function Field({ id, name, skill, required, value, onInput }) {
+  const schema = skill.arguments.properties[name];
+  const unit = unitSign(skill.units[name] || "");
   const bounded = schema.minimum !== undefined;
-  const title = (schema.description || "").match(/^[^.]*(?=\.)/)?.[0];
-  const label = title && !/^(In|From|One) /.test(title) ? title : name;
   const change = (event) => onInput(name, event.target.value);
   return html`<div class="param">
-    <label for=${id}>${word(label)}${!required && html` <span class="quiet">${t("(optional)")}</span>`}</label>
+    <label for=${id}>${skill.titles[name]}${!required && html` <span class="quiet">${t("(optional)")}</span>`}</label>
     ${schema.enum
       ? html`<select id=${id} value=${value} onChange=${change}>
-          ${schema.enum.map((each) => html`<option value=${each}>${word(each)}</option>`)}
+          ${schema.enum.map((each) => html`<option value=${each}>${skill.words[each]}</option>`)}
         </select>`
       : html`<span class="with-unit">
           <input
@@ -111,16 +110,14 @@ function SkillForm({ robot, skill }) {
     else say({ kind: "good", text: t("Given: {sent}", { sent: answer.data.sent }) });
   }
 
-  const fields = Object.entries(skill.arguments.properties);
   return html`<form class="skill" onSubmit=${(event) => give(event, false)} aria-label=${skill.name}>
     <div class="params">
-      ${fields.map(
-        ([name, schema]) => html`<${Field}
+      ${Object.keys(skill.arguments.properties).map(
+        (name) => html`<${Field}
           key=${name}
           id=${`${robot.id}-${skill.id}-${name}`}
           name=${name}
-          schema=${schema}
-          unit=${skill.units[name] || ""}
+          skill=${skill}
           required=${required.includes(name)}
           value=${values[name]}
           onInput=${(key, value) => fill((before) => ({ ...before, [key]: value }))}
@@ -156,7 +153,7 @@ export function Skills({ robot, onSkills }) {
     };
   }, [robot.id, link === "up", spoken()]);
   if (why) return html`<p class="said bad" role="alert">${why}</p>`;
-  if (!skills) return html`<p class="quiet">…</p>`;
+  if (!skills) return html`<p class="quiet">${t("One moment …")}</p>`;
   if (!skills.length) {
     return html`<p class="quiet">${t("You may ask nothing of {robot}.", { robot: robot.name })}</p>`;
   }

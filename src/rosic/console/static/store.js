@@ -23,6 +23,7 @@ export const state = {
   link: "connecting", // connecting, up, lost
   notice: "",
   robots: new Map(),
+  words: new Map(), // robot -> what its skills and values are called, by name
   orders: new Map(),
   messages: new Map(),
   tracks: new Map(),
@@ -145,7 +146,21 @@ export async function relearn() {
   if (!me.ok || state.phase !== "signed-in") return;
   state.me = me.data;
   await speak(me.data.language);
+  learnWords();
   changed();
+}
+
+let learning = 0;
+
+/** Learn what skills and values of robots are called to whoever is signed in: events leave that out. */
+function learnWords() {
+  clearTimeout(learning);
+  learning = setTimeout(async () => {
+    const found = await ask("GET", "/v1/robots");
+    if (!found.ok) return;
+    for (const { id, words } of found.data) state.words.set(id, words);
+    changed();
+  }, 50);
 }
 
 async function signedIn(me) {
@@ -159,7 +174,7 @@ async function signedIn(me) {
 function signedOut(why) {
   state.phase = "signed-out";
   state.me = null;
-  for (const each of ["robots", "orders", "messages", "tracks", "history", "sentAt", "gone", "stale"]) {
+  for (const each of ["robots", "words", "orders", "messages", "tracks", "history", "sentAt", "gone", "stale"]) {
     state[each].clear();
   }
   state.rates = null;
@@ -256,9 +271,11 @@ const heard = {
     run = now;
     state.abilities = new Set(abilities || []);
     forgetUnheard();
+    learnWords();
     subscribe(["robots", "orders", "chat", "rates"]);
   },
   robot({ robot }) {
+    if (!state.robots.has(robot.id)) learnWords();
     state.robots.set(robot.id, robot);
     state.stale.delete(robot.id);
     state.gone.delete(robot.id);

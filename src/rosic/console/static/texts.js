@@ -44,6 +44,9 @@ export function number(value, digits = 2) {
   return value.toLocaleString(spoken(), { maximumFractionDigits: digits });
 }
 
+/** Return a unit as it is written everywhere. */
+export const unitSign = (unit) => unit.replace(/^deg\b/, "°");
+
 /** Return the time of day of a moment (RFC 3339). */
 export function clock(moment) {
   return new Date(moment).toLocaleTimeString(spoken(), {

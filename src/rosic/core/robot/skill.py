@@ -72,6 +72,7 @@ class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         default: In ``unit``, or one of the choices; None means it must be given.
         say: Choice to what else is said for it in a language, by its code:
             ``{ left: { de: [backbord] } }``.
+        titles: Its title in other languages, by their code: ``{ de: Ausrichtung }``.
     """
 
     title: str = ""
@@ -84,8 +85,10 @@ class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     text: bool = False
     default: float | str | None = None
     say: dict[str, dict[str, tuple[str, ...]]] = {}
+    titles: dict[str, str] = {}
 
     def __post_init__(self) -> None:
+        _check_titles(self.titles)
         _check_said(self.say, self.choices or {})
         if self.means:
             _check_meanings(self.means, self.choices or {})
@@ -103,6 +106,17 @@ class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             isinstance(self.default, str) or not self.min <= self.default <= self.max
         ):
             raise ValueError("the default is not a number between min and max")
+
+
+def _check_titles(titles: dict[str, str]) -> None:
+    """See that titles are of languages.
+
+    Raises:
+        ValueError: They are not.
+    """
+    for code, title in titles.items():
+        if not LANGUAGE_CODE.fullmatch(code) or not 1 <= len(title.strip()) <= TITLE_MOST:
+            raise ValueError("titles has a language's code, as de, and a short title for each")
 
 
 def _check_said(
@@ -208,9 +222,7 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
             raise ValueError("icon must be one sign, no letter or digit, and none that means stop")
         if self.kind is SkillClass.STOP:
             raise ValueError("stop is not a skill: every robot has one")
-        for code, title in self.titles.items():
-            if not LANGUAGE_CODE.fullmatch(code) or not 1 <= len(title.strip()) <= TITLE_MOST:
-                raise ValueError("titles has a language's code, as de, and a short title for each")
+        _check_titles(self.titles)
 
     @property
     def shown(self) -> str:

@@ -321,8 +321,8 @@ class AlertEvaluator:
             for following in self.following.get(robot, ()):
                 if (alarm := following.alarm) is not None:
                     now = following.now(self._assess(robot, self._rooms.linker.presence(robot)))
-                    name = following.rule.alert.name
-                    found.append(OpenAlert(robot, name, alarm.at_ns, now, alarm.by))
+                    name, said = following.rule.alert.name, words.what(following.rule)
+                    found.append(OpenAlert(robot, name, said, alarm.at_ns, now, alarm.by))
         return tuple(sorted(found, key=lambda alert: -alert.at_ns))
 
     def seen_before(self, following: ActiveRule) -> str:

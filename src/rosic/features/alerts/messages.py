@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import floor
 from typing import TYPE_CHECKING
 
-from rosic.core.alerts.rule import PAUSE, REALLOCATE
-from rosic.core.i18n import joined, said
+from rosic.core.alerts.rule import OFF_BENCHMARK, PAUSE, REALLOCATE
+from rosic.core.i18n import capital, joined, said
 from rosic.core.language import clean, inert_text
 from rosic.core.language.common_names import shown_name
 from rosic.core.message import Button
@@ -24,10 +24,16 @@ if TYPE_CHECKING:
 SEEN = said("Seen")
 MUTE = said("Mute 1 h")
 STATUS = said("Status")
+OFF = said("Off its benchmark")
 
 
 def what(rule: AlertRule) -> str:
     """Return what a rule says when it is raised; the profile's own words, inert."""
+    if rule.alert is OFF_BENCHMARK:
+        return OFF
+    value = rule.condition.name
+    if not rule.alert.say and rule.alert.name == f"{value}_low":
+        return capital(said("{value} low", value=shown_name(value)))
     return clean(rule.alert.say) or rule.alert.name.replace("_", " ").capitalize()
 
 
