@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import os
 import signal
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,6 +21,7 @@ from tests.pace import pace
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.client.runtime import RosRuntime
+    from rosic.testing.ros2.graph import RosGraph
 
 STRING = "std_msgs/msg/String"
 LISTENER = Path(__file__).parent / "topic_listener.py"
@@ -41,23 +40,19 @@ async def say(publisher: CheckedPublisher, text: str) -> None:
 
 
 async def test_a_subscriber_that_stands_still_is_kept_few_bytes_and_the_newest(
-    runtime: RosRuntime,
+    graph: RosGraph, runtime: RosRuntime
 ) -> None:
-    listener = await asyncio.create_subprocess_exec(
-        *(sys.executable, str(LISTENER), "/chatter", "10"),
-        stdout=asyncio.subprocess.PIPE,
-        limit=2**24,
-    )
-    assert listener.stdout is not None
+    listener = graph.start(LISTENER, "/chatter", "10", ready=None)
     publisher = CheckedPublisher(runtime, "/chatter", STRING)
     async with asyncio.timeout(120 * pace()):
         await publisher.open()
-        found = asyncio.ensure_future(listener.stdout.readline())
+        found = asyncio.ensure_future(asyncio.to_thread(listener.expect, "heard"))
         while not found.done():
             await say(publisher, "hello")
             await asyncio.wait((found,), timeout=0.05)
+        await found
         await say(publisher, "x" * LARGE)
-        os.kill(listener.pid, signal.SIGSTOP)
+        listener.process.send_signal(signal.SIGSTOP)
         try:
             before = resident_bytes()
             for number in range(FLOOD):
@@ -65,12 +60,12 @@ async def test_a_subscriber_that_stands_still_is_kept_few_bytes_and_the_newest(
                 await asyncio.sleep(0)
             assert resident_bytes() - before <= SAID_BYTES + BESIDE_BYTES
         finally:
-            os.kill(listener.pid, signal.SIGCONT)
-        while listener.returncode is None:
+            listener.process.send_signal(signal.SIGCONT)
+        over = asyncio.ensure_future(asyncio.to_thread(listener.expect, "all"))
+        while not over.done():
             await say(publisher, "last")
-            await asyncio.sleep(0.05)
-        heard = (await listener.stdout.read()).decode().split()
-    assert str(FLOOD - 1) in heard
+            await asyncio.wait((over,), timeout=0.05)
+    assert str(FLOOD - 1) in over.result().split()
     await publisher.close()
 
 

@@ -133,24 +133,20 @@ async def test_the_program_on_the_page_drives(graph: RosGraph, tmp_path: Path) -
 
 
 async def test_of_what_is_published_nothing_is_lost_and_every_field_is_checked(
-    place: ServedGateway,
+    graph: RosGraph, place: ServedGateway
 ) -> None:
     # A process of its own: one that shared ours would have its turn when the burst is over.
-    listener = await asyncio.create_subprocess_exec(
-        *(sys.executable, str(LISTENER), "/chatter", str(2 * BURST)),
-        stdout=asyncio.subprocess.PIPE,
-        limit=2**20,
-    )
-    assert listener.stdout is not None
+    listener = graph.start(LISTENER, "/chatter", str(2 * BURST), ready=None)
     async with (
         asyncio.timeout(120 * pace()),
         bridge(place, await place.key("sharer")) as client,
     ):
         await client.say("advertise", topic="/chatter", type=STRING)
-        found = asyncio.ensure_future(listener.stdout.readline())
+        found = asyncio.ensure_future(asyncio.to_thread(listener.expect, "heard"))
         while not found.done():
             await client.say("publish", topic="/chatter", msg={"data": "hello"})
             await asyncio.wait((found,), timeout=0.05)
+        await found
         for number in range(BURST):
             await client.say("publish", topic="/chatter", msg={"data": str(number)})
         for wrong, why in (
@@ -161,9 +157,8 @@ async def test_of_what_is_published_nothing_is_lost_and_every_field_is_checked(
             await client.say("publish", topic="/chatter", msg=wrong)
             assert why in await client.status()
         await client.say("publish", topic="/chatter", msg={"data": "last"})
-        heard = (await listener.stdout.read()).decode().split()
-        await listener.wait()
-    assert heard == [*(str(number) for number in range(BURST)), "last"]
+        heard = await asyncio.to_thread(listener.expect, "all")
+    assert heard.split() == [*(str(number) for number in range(BURST)), "last"]
 
 
 async def test_bytes_are_base64_and_forms_are_none_png_and_cbor(

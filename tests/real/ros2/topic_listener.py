@@ -1,4 +1,4 @@
-"""Hears texts on a topic, in a process of its own: a line at the first, and one of what it heard.
+"""Hears texts on a topic, in a process of its own: "heard" at the first, at the end "all" of them.
 
 What is said before the two have found each other reaches nobody; "hello" may be said until then.
 The text "last" ends it.
@@ -35,7 +35,7 @@ def main() -> None:
     tell("heard")
     while heard[-1] != "last":
         rclpy.spin_once(node)
-    tell(" ".join(text for text in heard if text != "hello"))
+    tell(" ".join(("all", *(text for text in heard if text != "hello"))))
 
 
 main()
