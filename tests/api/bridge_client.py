@@ -14,6 +14,7 @@ from tests.pace import pace
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
+    import pytest
     from websockets.asyncio.client import ClientConnection
 
     from tests.api.served import ServedGateway
@@ -61,3 +62,10 @@ async def bridge(
     url = place.url.replace("http", "ws", 1) + path
     async with connect(url, additional_headers=headers | besides, compression=None) as socket:
         yield BridgeClient(socket)
+
+
+def later(monkeypatch: pytest.MonkeyPatch, seconds: float) -> None:
+    """Let so much time pass on the event loop at once; robots do not hear of it."""
+    loop = asyncio.get_running_loop()
+    now_s = loop.time
+    monkeypatch.setattr(loop, "time", lambda: now_s() + seconds)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from typing import TYPE_CHECKING, Any
 
 from msgspec.structs import replace
@@ -12,7 +11,7 @@ from rosic.api.rosbridge.calls import GOALS_AT_MOST, LOST, TOO_MANY
 from rosic.app.demo import fleet
 from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.profile import Busy
-from tests.api.bridge_client import bridge
+from tests.api.bridge_client import bridge, later
 from tests.api.served import served
 
 if TYPE_CHECKING:
@@ -36,13 +35,6 @@ class AcceptedOrders(list["Order"]):
 
     def ended(self, order: Order, outcome: Outcome) -> None:
         """Neither is this."""
-
-
-def later(monkeypatch: pytest.MonkeyPatch, seconds: float) -> None:
-    """Let so much time pass on the event loop at once; robots do not hear of it."""
-    loop = asyncio.get_running_loop()
-    now_s = loop.time
-    monkeypatch.setattr(loop, "time", lambda: now_s() + seconds)
 
 
 def crowd_out(feed: OrderFeed, order: Order) -> None:

@@ -6,13 +6,30 @@ import asyncio
 import json
 from typing import TYPE_CHECKING, Any
 
-from tests.api.bridge_client import bridge
+from rosic.api.rosbridge.shared import GOES_ON_S, WRITTEN
+from tests.api.bridge_client import bridge, later
 from tests.api.served import served
-from tests.api.test_rosbridge import StoppedGraph
+from tests.api.test_rosbridge import AHEAD, CMD_VEL, StoppedGraph, drive, x_m
 from tests.pace import pace
 
 if TYPE_CHECKING:
+    import httpx
     import pytest
+
+
+async def written(hal: httpx.AsyncClient, asked: str) -> list[str]:
+    """Return the codes of refusals in the record, of what was asked so."""
+    found = (await hal.get("/v1/history", params={"limit": 1_000})).json()
+    return [one["outcome"] for one in found if one["asked"].startswith(asked)]
+
+
+async def until_written(hal: httpx.AsyncClient, asked: str, number: int) -> list[str]:
+    async with asyncio.timeout(30 * pace()):
+        while True:
+            found = await written(hal, asked)
+            if len(found) >= number:
+                return found
+            await asyncio.sleep(0.05)
 
 
 async def test_what_was_refused_is_named_in_the_words_of_the_protocol() -> None:
@@ -77,3 +94,42 @@ async def test_who_sees_a_robot_no_more_is_told_nothing_of_it_and_looking_costs_
             f"There is no topic {name} here that you may use." for name in graph.reported
         }
         assert graph.looked == 0
+
+
+async def test_motion_that_is_refused_for_want_of_zeros_is_in_the_record_but_not_all_the_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with served() as place:
+        key = await place.key("operator")
+        hal, asked = place.client({"Authorization": f"Bearer {key}"}), f"publish {CMD_VEL}"
+        async with bridge(place, key) as client:
+            driving = asyncio.create_task(drive(client, 60 * pace()))
+            await place.until(lambda: x_m(place) > 0.02)
+            driving.cancel()
+            await client.until(lambda m: "the controls fell silent" in m.get("msg", ""))
+            for _ in range(3):
+                await client.say("publish", topic=CMD_VEL, msg=AHEAD)
+                assert "Publish zeros" in await client.status()
+                later(monkeypatch, 2.0)
+            assert await until_written(hal, asked, 1) == ["order-void"]
+            later(monkeypatch, GOES_ON_S)
+            await client.say("publish", topic=CMD_VEL, msg=AHEAD)
+            assert await until_written(hal, asked, 2) == ["order-void"] * 2
+            place.chat.say("stop", account="ada")
+            await place.until(lambda: place.gateway.rooms.stops["omni"].latched)
+            await client.say("publish", topic=CMD_VEL, msg=AHEAD)
+            assert "robot-stopped" in await until_written(hal, asked, 3)
+
+
+async def test_a_flood_of_what_is_refused_fills_no_record() -> None:
+    flood = 4 * int(WRITTEN.burst)
+    async with served() as place:
+        key = await place.key("operator")
+        hal = place.client({"Authorization": f"Bearer {key}"})
+        async with bridge(place, key) as client:
+            for number in range(flood):
+                await client.say("publish", topic=f"/nope{number}", msg={})
+            for _ in range(flood):
+                await client.status()
+        most = int(WRITTEN.burst)
+        assert most <= len(await until_written(hal, "publish /nope", most)) < flood / 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, assert_never
 
 from rosic.api.callers import NO_KEY
@@ -26,6 +27,7 @@ from rosic.api.rosbridge.messages import (
     read,
     written,
 )
+from rosic.api.rosbridge.shared import RefusalPace
 from rosic.api.rosbridge.subscriptions import (
     COMPRESSIONS,
     SubscriptionSettings,
@@ -59,8 +61,6 @@ TOPICS_AT_MOST: Final = 128
 """Of one client."""
 TASKS_AT_MOST: Final = 128
 QUEUE_MOST: Final = 1_000
-AGAIN_S: Final = 1.0
-"""The same refusal is told, and written down, at most so often."""
 TRIES: Final = 3
 UNKNOWN_BYTES: Final = 4_096
 """Of a message from whoever is not known yet: a key is shorter."""
@@ -123,7 +123,7 @@ class RosbridgeConnection:
         self._subscriptions: dict[str, _Subscription] = {}
         self._publishing: dict[str, _Publishing | TopicDriver] = {}
         self._calls: ClientCalls | None = None
-        self._refused_s: dict[tuple[str, ...], float] = {}
+        self._refusals = RefusalPace()
         self._tasks: BackgroundTasks[None] = BackgroundTasks()
         self._subscribing = asyncio.Lock()
 
@@ -230,7 +230,8 @@ class RosbridgeConnection:
             if len(self._publishing) >= TOPICS_AT_MOST:
                 raise TooManyRequests(TOO_MANY_TOPICS, retry_after_s=1.0)
             if access.live is not None:
-                used = TopicDriver(parts.driven, caller, access.live, self._status)
+                refuse = partial(self._refuse_driving, name)
+                used = TopicDriver(parts.driven, caller, access.live, self._status, refuse)
             elif not access.right:
                 raise NotPermitted(parts.directory.why_closed(access))
             else:
@@ -347,25 +348,25 @@ class RosbridgeConnection:
             text = self._parts.context.callers.read_by(sentence, self.caller)
             self.say(StatusMessage(level, text, known))
 
-    def _refuse(self, why: RosicError, known: Id, op: str, name: str) -> None:
+    def _refuse(self, why: RosicError, known: Id, op: str, name: str, level: str = "error") -> None:
         """Tell of a refusal, and have it counted; the same at most once a second.
 
         What has an id is told each time, unless it was published: that comes by the hundred.
         """
         if self._note(why, op, name) or (known is not None and op != "publish"):
-            self._status("error", why.sentence, known)
+            self._status(level, why.sentence, known)
+
+    def _refuse_driving(self, topic: str, why: RosicError, level: str) -> None:
+        self._refuse(why, None, "publish", topic, level)
 
     def _note(self, why: RosicError, op: str, name: str) -> bool:
-        """Have a refusal written down. Return whether it is another than a moment ago."""
-        now_s, key = asyncio.get_running_loop().time(), (op, name, str(why.sentence)[:80])
-        if now_s - self._refused_s.get(key, -AGAIN_S) < AGAIN_S:
-            return False
-        if len(self._refused_s) > TOPICS_AT_MOST:
-            self._refused_s.clear()
-        self._refused_s[key] = now_s
-        if self.caller is not None and not isinstance(why, Fault):
-            self._parts.refusals.note(self.caller, why, f"{op} {name}".rstrip())
-        return True
+        """Have a refusal counted and written down. Return whether it is told."""
+        now_s = asyncio.get_running_loop().time()
+        told, written = self._refusals.meet((op, name, str(why.sentence)[:80]), now_s)
+        if told and self.caller is not None and not isinstance(why, Fault):
+            asked = f"{op} {name}".rstrip()
+            self._parts.refusals.note(self.caller, why, asked, written=written)
+        return told
 
 
 def _not_done(op: str) -> str:

@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from rosic.api.live_orders import LiveOrders
 from rosic.core.i18n import said
 from rosic.core.policy.query import Deny
+from rosic.core.policy.roles import StepRequired
 from rosic.core.sample_gate import LATE_S, SampleVerdict
 from rosic.core.time_units import SECOND_NS
-from rosic.errors import RosicError
+from rosic.errors import Expired, FirstNeeded, OrderVoid, RobotStopped, RosicError
 from rosic.gateway.live_control import LiveInput
 
 if TYPE_CHECKING:
@@ -26,9 +27,11 @@ if TYPE_CHECKING:
     from rosic.api.callers import ApiCaller
     from rosic.api.context import ApiContext
     from rosic.core.sample_gate import SampleResult
+    from rosic.errors import Refusal
     from rosic.gateway.live_topics import LiveTopic
 
     Tell = Callable[[str, str], None]
+    Refuse = Callable[[RosicError, str], None]
 
 RELEASE_S: Final = 0.2
 """After nothing but zeros for so long the controls are let go, before they fall silent."""
@@ -84,11 +87,14 @@ class TopicDriver:
         caller: Who publishes.
         live: Which skill the topic belongs to.
         tell: Tells the client: a level, and a sentence.
+        refuse: Tells the client of a refusal, at a level, and has it written down.
     """
 
-    def __init__(self, driven: LiveTopics, caller: ApiCaller, live: LiveTopic, tell: Tell) -> None:
+    def __init__(
+        self, driven: LiveTopics, caller: ApiCaller, live: LiveTopic, tell: Tell, refuse: Refuse
+    ) -> None:
         self._driven, self._context = driven, driven.context
-        self._caller, self._live, self._tell = caller, live, tell
+        self._caller, self._live, self._tell, self._refuse = caller, live, tell, refuse
         self._clock = self._context.kernel.machine_clock
         self._shown = self._context.kernel.rooms.profiles[live.robot].shown
         self._key = (caller.principal, live.topic)
@@ -125,7 +131,7 @@ class TopicDriver:
         if neutral and not ignored:  # zeros, and nothing else
             self._rested = self._driven.held(*self._key)
         elif not neutral and waited_ns > LATE_S * SECOND_NS:
-            self._complain("warning", STOOD_STILL)
+            self._refuse(Expired(STOOD_STILL), "warning")
             return
         self._mind_release(neutral=neutral)
         steered = self._input
@@ -175,23 +181,27 @@ class TopicDriver:
 
     def _begin(self) -> None:
         if self._driven.held(*self._key) > self._rested:
-            self._complain("error", self._why_held())
+            self._refuse(self._why_held(), "error")
             return
         self._driving = asyncio.create_task(self._drive())
 
-    def _why_held(self) -> str:
+    def _why_held(self) -> Refusal:
         robot, topic = self._live.robot, self._live.topic
         if self._context.kernel.rooms.stops[robot].latched:
-            return said(
-                "{shown} is stopped. Nothing was sent. Whoever may lets it go on by: "
-                "resume {robot}. Then publish zeros to {topic} once.",
-                shown=self._shown,
-                robot=robot,
+            return RobotStopped(
+                said(
+                    "{shown} is stopped. Nothing was sent. Whoever may lets it go on by: "
+                    "resume {robot}. Then publish zeros to {topic} once.",
+                    shown=self._shown,
+                    robot=robot,
+                    topic=topic,
+                )
+            )
+        return OrderVoid(
+            said(
+                "Publish zeros to {topic} once; then it may be driven again. Nothing was sent.",
                 topic=topic,
             )
-        return said(
-            "Publish zeros to {topic} once; then it may be driven again. Nothing was sent.",
-            topic=topic,
         )
 
     async def _drive(self) -> None:
@@ -215,7 +225,7 @@ class TopicDriver:
                 level, said("{robot} is driven no further: {why}.", robot=self._shown, why=why)
             )
         except RosicError as why:
-            self._tell("error", why.sentence)
+            self._refuse(why, "error")
         finally:
             if self._input is not None:
                 self._input.close()
@@ -236,7 +246,8 @@ class TopicDriver:
                 robot=self._shown,
                 id=live.robot,
             )
-            self._tell("error", asked)
+            need = StepRequired.CONFIRMATION.value
+            self._refuse(FirstNeeded(asked, need=need, robot=live.robot, text=live.skill), "error")
             return None
         opened = await self._driven.orders.open(
             self._caller, live.robot, live.skill, within_s=ACCEPTED_WITHIN_S
