@@ -1,15 +1,18 @@
 """Calling a service, or sending a goal to an action, that a profile binds to a skill: an order.
 
-The fields of the request are read back into the skill's arguments; what its profile sends as it is
-has to be sent so. Nothing else of the graph is called from here.
+The fields of the request are read back into the skill's arguments, and into the choice that means
+what they say; what its profile sends as it is has to be sent so.
+Nothing else of the graph is called from here.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from math import atan2, isclose, remainder, tau
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from rosic.api.rosbridge.topics import absolute, plain_type
 from rosic.core.i18n import said
+from rosic.core.sample_gate import is_finite_number
 from rosic.errors import NotFound, NotUnderstood
 from rosic.gateway.live_topics import flat
 
@@ -20,9 +23,12 @@ if TYPE_CHECKING:
     from rosic.api.context import ApiContext
     from rosic.core.language.compiled import CompiledParameter
     from rosic.core.robot.profile import RobotId
-    from rosic.core.robot.skill import Skill
+    from rosic.core.robot.skill import Meaning, Skill
 
 SERVICE, ACTION = "service", "action"
+NEAR: Final = 1e-6
+HEADING_RAD: Final = 1e-4
+"""Clients round orientations."""
 
 
 class BoundSkill(NamedTuple):
@@ -107,29 +113,122 @@ class OrderBindings:
             raise NotFound(said("There is no {name} here that you may call.", name=bound.name))
         parameters = {one.name: one for one in compiled.parameters}
         arguments: dict[str, float | str] = {}
-        left = dict(fields)
+        left, meanings = dict(fields), dict[str, list[_Meant]]()
         for field, value in bound.skill.sent.values.items():
             if not isinstance(value, str) or value[:1] != "$":
                 _check_literal(field, value, left.pop(field, value))
                 continue
-            name, dot, _ = value[1:].partition(".")
-            if dot or name not in parameters:
-                raise NotUnderstood(
-                    said(
-                        "{name} cannot be called from here: its {field} stands for a choice.",
-                        name=bound.name,
-                        field=field,
-                    )
-                )
-            if field in left:
-                given = _given(field, parameters[name], left.pop(field))
-                if arguments.setdefault(name, given) != given:
-                    raise NotUnderstood(
-                        said("{field} differs from what it goes together with.", field=field)
-                    )
+            name, dot, part = value[1:].partition(".")
+            _put_heading(field, left)
+            if dot:
+                meanings.setdefault(name, []).append(_Meant(field, part, left.pop(field, None)))
+            elif field in left:
+                _take(arguments, name, field, _given(field, parameters[name], left.pop(field)))
+        for name, meant in meanings.items():
+            _take_choice(arguments, name, bound.skill.parameters[name].means, meant)
         for field, value in left.items():
             _check_literal(field, 0, value)
         return arguments
+
+
+class _Meant(NamedTuple):
+    """A field that a choice decides: which part of what the choice means, and what was given."""
+
+    field: str
+    part: str
+    given: object
+
+
+class _Heading(float):
+    """An angle about z, of an orientation; a whole turn more is the same."""
+
+
+def _put_heading(field: str, left: dict[str, Any]) -> None:
+    """Put the angle in the place of an orientation that was given by its x, y, z and w.
+
+    Raises:
+        NotUnderstood: It is not upright, or no orientation.
+    """
+    inside = {axis: f"{field}.{axis}" for axis in "xyzw" if f"{field}.{axis}" in left}
+    if not inside:
+        return
+    x, y, z, w = (left.pop(inside[axis]) if axis in inside else 0.0 for axis in "xyzw")
+    if not all(map(is_finite_number, (x, y, z, w))) or not (z or w) or x or y:
+        raise NotUnderstood(said("{field} must be an upright orientation here.", field=field[:80]))
+    left[field] = _Heading(remainder(2 * atan2(z, w), tau))
+
+
+def _take(arguments: dict[str, float | str], name: str, field: str, given: float | str) -> None:
+    """Take in an argument.
+
+    Raises:
+        NotUnderstood: Another field says that it is another.
+    """
+    if arguments.setdefault(name, given) != given:
+        raise NotUnderstood(
+            said("{field} differs from what it goes together with.", field=field[:80])
+        )
+
+
+def _take_choice(
+    arguments: dict[str, float | str],
+    name: str,
+    means: Mapping[str, Mapping[str, Meaning]],
+    meant: list[_Meant],
+) -> None:
+    """Take in the choice that means what was given; nothing, if nothing was.
+
+    Raises:
+        NotUnderstood: None does, or several do, or another field says that it is another.
+    """
+    if any(one.given is not None for one in meant):
+        _take(arguments, name, meant[0].field, _choice(means, meant))
+
+
+def _choice(means: Mapping[str, Mapping[str, Meaning]], meant: list[_Meant]) -> str:
+    """Return the choice that means what was given; what was left out is zero, as ROS has it.
+
+    Raises:
+        NotUnderstood: None does, or several do.
+    """
+    fields = ", ".join(one.field[:80] for one in meant)
+    found = [
+        choice
+        for choice, meaning in means.items()
+        if all(_is_meant(meaning[one.part], one.given) for one in meant)
+    ]
+    if len(found) == 1:
+        return found[0]
+    if not found:
+        told = ", ".join(means)
+        raise NotUnderstood(
+            said("{fields} stands for none of these: {choices}.", fields=fields, choices=told)
+        )
+    raise NotUnderstood(
+        said(
+            "{fields} stands for each of these: {choices}. Give it as an order, or in a chat.",
+            fields=fields,
+            choices=", ".join(found),
+        )
+    )
+
+
+def _is_meant(meaning: Meaning, given: object) -> bool:
+    if isinstance(meaning, tuple):
+        if given is None:
+            return not any(meaning)
+        return (
+            isinstance(given, list)
+            and len(given) == len(meaning)
+            and all(map(_is_meant, meaning, given))
+        )
+    if given is None:
+        return not meaning
+    if isinstance(meaning, bool | str) or not is_finite_number(given):
+        return type(given) is type(meaning) and given == meaning
+    if isinstance(given, _Heading):
+        return abs(remainder(given - meaning, tau)) < HEADING_RAD
+    return isclose(given, meaning, rel_tol=NEAR, abs_tol=NEAR)
 
 
 def _fields(request: object) -> dict[str, Any]:
