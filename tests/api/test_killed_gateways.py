@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import signal
 import socket
 from datetime import UTC, datetime, timedelta
@@ -17,6 +18,8 @@ from tests.pace import pace
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from tests.cli.running import Gateway
 
 KILLS = 6
 
@@ -86,3 +89,53 @@ async def test_a_booking_that_is_moved_while_the_gateway_is_killed_is_there_once
                 [found] = (await hal.get("/v1/bookings", params=span)).json()
                 assert found["id"] == booked["id"]
                 assert found["start"][:16] in {each[:16] for each in times}
+
+
+CARE = '[[care]]\nscopes = ["omni:*"]\nconfirm = true\n'
+CODE = re.compile(r"Your code for the page: (\S+)")
+
+
+def browser_at(url: str) -> httpx.AsyncClient:
+    return httpx.AsyncClient(base_url=url, headers={"Origin": url}, timeout=60 * pace())
+
+
+async def sign_in(browser: httpx.AsyncClient, running: Gateway) -> None:
+    """Sign in as Ada, who sits at the terminal."""
+    running.say("/signin")
+    running.wait_for("Your code for the page:")
+    found = CODE.search(running.out())
+    assert found is not None
+    made = await browser.post("/v1/sessions", json={"code": found[1]})
+    assert made.status_code == 201, made.text
+
+
+async def confirmed(browser: httpx.AsyncClient) -> None:
+    """Tap that it is meant, under what was asked last."""
+    shown = (await browser.get("/v1/chat")).json()[-1]
+    tapped = {"message": shown["id"], "button": shown["buttons"][0][0]["nonce"]}
+    await browser.post("/v1/chat", json=tapped | {"wait_s": 0})
+
+
+@pytest.mark.limit(300)
+async def test_a_key_of_a_person_on_the_page_is_one_order_over_a_kill(tmp_path: Path) -> None:
+    config, url = place(tmp_path, CARE)
+    path, key = "/v1/robots/omni/orders", {"Idempotency-Key": "g1"}
+    order = {"skill": "move", "arguments": {"distance": 0.1, "direction": "left"}}
+    with gateway(config) as running:
+        async with browser_at(url) as ada:
+            await sign_in(ada, running)
+            placed = (await ada.post(path, json=order, headers=key)).json()
+            assert placed["state"] == "asked"
+            await confirmed(ada)
+            done = (await ada.get(f"/v1/orders/{placed['id']}?wait_s=30")).json()
+            assert (done["id"], done["state"], done["n"]) == (placed["id"], "done", 1)
+        running.end(signal.SIGKILL)
+    with gateway(config) as running:
+        async with browser_at(url) as ada:
+            await sign_in(ada, running)
+            again = (await ada.post(path, json=order, headers=key)).json()
+            # Whether its end is on disk is another matter: then it is in doubt, and not done again.
+            assert (again["id"], again["over"], again["n"]) == (placed["id"], True, 1)
+            assert (await ada.get("/v1/orders")).json() == []
+            other = (await ada.post(path, json=order, headers={"Idempotency-Key": "g2"})).json()
+            assert other["state"] == "asked"

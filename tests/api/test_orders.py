@@ -370,6 +370,30 @@ async def test_what_is_agreed_to_anew_for_the_same_key_is_not_done_again(
         assert not list(place.server.context.feed.newest())
 
 
+async def test_what_a_person_on_the_page_agrees_to_anew_for_the_same_key_is_not_done_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Also where the record cannot be asked before."""
+
+    async def unknown(*_about: object) -> None:
+        return None
+
+    care = rules(SkillPrecondition(scopes=("omni:*",), confirm=True))
+    store, path, key = MemoryStore(), "/v1/robots/omni/orders", {"Idempotency-Key": "g1"}
+    monkeypatch.setattr(ordering, "recorded_order", unknown)
+    for run, (state, ended) in enumerate((("done", 1), ("refused", 0))):
+        async with served(rules=care, store=store) as place:
+            ada = await place.person("Ada")
+            asked = (await ada.post(path, json=move(), headers=key)).json()
+            assert asked["state"] == "asked", run
+            shown = (await ada.get("/v1/chat")).json()[-1]
+            tapped = {"message": shown["id"], "button": shown["buttons"][0][0]["nonce"]}
+            await ada.post("/v1/chat", json=tapped | {"wait_s": 0})
+            over = (await ada.get(f"/v1/orders/{asked['id']}?wait_s=30")).json()
+            assert over["state"] == state
+            assert len(list(place.server.context.feed.newest())) == ended
+
+
 async def test_a_stop_is_given_whatever_it_names_and_stays() -> None:
     async with served() as place:
         hal = await place.program("operator")

@@ -25,10 +25,13 @@ from rosic.api.webhooks.delivery import (
 )
 from rosic.api.webhooks.settings import WebhookSettings, WebhookTopic, check_url, is_private, key_of
 from rosic.api.webhooks.watcher import WebhookWatcher
+from rosic.core.history import HistoryQuery
+from rosic.core.policy.roles import SkillPrecondition
 from rosic.core.secret import Secret
 from rosic.robots.memory import MemoryRobot
 from rosic.system import SystemClock
 from tests.api.served import served
+from tests.gateway.test_rights import rules
 from tests.pace import pace
 
 if TYPE_CHECKING:
@@ -210,6 +213,36 @@ async def test_after_a_standstill_robots_are_looked_at_once_more_before_one_is_g
         for delivery in watcher.deliveries:
             await delivery.close()
         assert [each.body["type"] for each in receiver.of_robots()] == ["robot.offline"]
+
+
+@pytest.mark.parametrize("who", ["on the page", "a program"])
+async def test_an_order_that_was_agreed_to_is_named_by_one_id_everywhere(who: str) -> None:
+    care = rules(SkillPrecondition(scopes=("omni:*",), confirm=True))
+    async with receiving() as (receiver, url), served(rules=care) as place:
+        watcher = WebhookWatcher(place.gateway.kernel, (hook(url),))
+        asks = await (place.person("Ada") if who == "on the page" else place.program("operator"))
+        order = {"skill": "move", "arguments": {"distance": 0.1, "direction": "left"}}
+        asked = (await asks.post("/v1/robots/omni/orders", json=order)).json()
+        assert asked["state"] == "asked"
+        if who == "on the page":
+            shown = (await asks.get("/v1/chat")).json()[-1]
+            tapped = {"message": shown["id"], "button": shown["buttons"][0][0]["nonce"]}
+            await asks.post("/v1/chat", json=tapped | {"wait_s": 0})
+        else:
+            await place.until(lambda: place.chat.told)
+            question = place.chat.told[-1]
+            yes = question.outbound.buttons[0][0]
+            place.chat.tap(yes, under=question.message, account=question.outbound.chat.id)
+        over = (await asks.get(f"/v1/orders/{asked['id']}?wait_s=30")).json()
+        assert (over["state"], over["id"]) == ("done", asked["id"])
+        await until(lambda: len(receiver.of_robots()) == 2)
+        told = [(each.body["type"], each.body["data"]["order"]) for each in receiver.of_robots()]
+        assert told == [("order.accepted", asked["id"]), ("order.ended", asked["id"])]
+        reader = place.gateway.kernel.shared.history.get()
+        [line] = await reader.read(HistoryQuery(cid=bytes.fromhex(asked["id"]), limit=1))
+        assert (line.entry.kind, line.entry.outcome) == ("claimed", "done")
+        for delivery in watcher.deliveries:
+            await delivery.close()
 
 
 async def test_alarms_are_told_and_whoever_looks_after_people_hears_what_is_not_taken() -> None:

@@ -375,10 +375,10 @@ CONFIRM = RoleRules(
 
 async def test_what_is_confirmed_is_to_be_steered() -> None:
     async with steered(CONFIRM) as place:
-        await ordered(place)
+        asked = await ordered(place)
         assert said(place) == "omni: drive, live? It moves only if you confirm it."
-        tapped = await tapped_live(place, *place.button("Do it"))
-        steers = Hand(place, live(place).open(line_id(tapped, 0), person(place)))
+        await tapped_live(place, *place.button("Do it"))
+        steers = Hand(place, live(place).open(line_id(asked, 0), person(place)))
         assert steers.put(linear=0.3).taken
 
 

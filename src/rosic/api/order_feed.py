@@ -81,21 +81,10 @@ class OrderFeed:
         self.changed: Signal[[OrderEntry]] = Signal()
         self._clock = clock
         self._entries: OrderedDict[str, OrderEntry] = OrderedDict()
-        self._asked_as: OrderedDict[str, str] = OrderedDict()
 
     def __getitem__(self, order: str) -> OrderEntry | None:
         """Return an order by its id; None: there is none, or none any more."""
         return self._entries.get(order)
-
-    def asked_as(self, cid: CommandId, order: str) -> None:
-        """Show what a tap may order under the id of the order for which it was asked."""
-        self._asked_as[order_id(cid)] = order
-        if len(self._asked_as) > KEPT:
-            self._asked_as.popitem(last=False)
-
-    def _id(self, order: Order) -> str:
-        own = order_id(order.cid)
-        return self._asked_as.get(own, own)
 
     def newest(self) -> Iterator[OrderEntry]:
         """Return all of them, the newest first."""
@@ -106,7 +95,7 @@ class OrderFeed:
     def accepted(self, order: Order) -> None:
         """Take in that an order is on disk, and waits for its robot."""
         entry = OrderEntry(
-            id=self._id(order),
+            id=order_id(order.cid),
             robot=order.robot,
             skill=order.skill.id,
             n=order.n,
@@ -122,7 +111,7 @@ class OrderFeed:
 
     def reported(self, order: Order, report: StageReport) -> None:
         """Take in a step."""
-        entry = self._entries.get(self._id(order))
+        entry = self._entries.get(order_id(order.cid))
         if entry is None:
             return
         stage = report.stage.value
@@ -135,7 +124,7 @@ class OrderFeed:
 
     def ended(self, order: Order, outcome: Outcome) -> None:
         """Take in how it ended."""
-        entry = self._entries.get(self._id(order))
+        entry = self._entries.get(order_id(order.cid))
         if entry is None:
             return
         entry.ending, entry.note, entry.code = outcome.ending.value, outcome.note, outcome.code

@@ -12,8 +12,6 @@ from collections import OrderedDict
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
-from msgspec.structs import replace
-
 from rosic.api.order_feed import order_id
 from rosic.api.problems import problem
 from rosic.api.recorded_orders import recorded_order
@@ -223,10 +221,7 @@ class CallerRequests:
                 while context.feed[placed.id] is None:
                     message, outbound = await call.news()
                     if outbound.state is AnswerState.AGREED:
-                        # The key is claimed with the agreed order, in one write (I1).
-                        asked = line_id(placed.inbound, 0)
-                        tapped = messenger.begin_agreed(call, message, outbound, asked)
-                        context.feed.asked_as(line_id(tapped, 0), placed.id)
+                        messenger.begin_agreed(call, message, outbound)
                     elif context.feed[placed.id] is not None:
                         break
                     elif self._is_settled(outbound, placed):
@@ -255,10 +250,6 @@ class CallerRequests:
             return
         if message.state in _WAITS and message.buttons:
             placed.questions.add(message.id)
-            plain = self._context.page.inbound(placed.caller.address, "")
-            for button in (each for row in message.buttons for each in row):
-                tapped = replace(plain, nonce=button.nonce)
-                self._context.feed.asked_as(line_id(tapped, 0), placed.id)
         elif message.state == ASKED:
             placed.ask_elsewhere()
         elif message.state in _SETTLES and message.id in placed.questions:

@@ -11,7 +11,6 @@ from rosic.core.i18n import in_language
 from rosic.core.identity import COMMAND_ID_BYTES
 from rosic.core.order import OrderStage
 from rosic.errors import RecordUnavailable
-from rosic.gateway.requests import agreed_id
 
 if TYPE_CHECKING:
     from rosic.api.callers import ApiCaller
@@ -21,7 +20,7 @@ ORDERED: Final = "claimed"
 
 
 async def recorded_order(context: ApiContext, caller: ApiCaller, order: str) -> OrderOut | None:
-    """Return an order by its id, which it had before anybody was asked about it, too.
+    """Return an order by its id.
 
     None: the record has none that they may see, or cannot be read now.
     """
@@ -32,28 +31,27 @@ async def recorded_order(context: ApiContext, caller: ApiCaller, order: str) -> 
     reader = context.kernel.shared.history.find()
     if reader is None or len(cid) != COMMAND_ID_BYTES:
         return None
-    for known in (cid, agreed_id(cid)):
-        try:
-            found = await reader.read(HistoryQuery(cid=known, limit=1))
-        except RecordUnavailable:
-            return None
-        for line in found:
-            entry = line.entry
-            if entry.kind != ORDERED or entry.robot not in context.visible(caller):
-                continue
-            read = partial(in_language, catalogue=context.languages.of(caller.principal))
-            own = entry.principal == caller.principal
-            whole = own or context.oversees(caller, entry.robot)
-            return OrderOut(
-                id=order,
-                robot=entry.robot,
-                skill=entry.skill,
-                state=entry.outcome or OrderStage.ACCEPTED.value,
-                over=bool(entry.outcome),
-                who=context.kernel.rooms.authoriser.directory.name(entry.principal),
-                n=entry.n,
-                sent=read(line.asked) if whole else "",
-                note=read(line.came) if whole else "",
-                ended=moment(entry.ended_ns) if entry.ended_ns else None,
-            )
+    try:
+        found = await reader.read(HistoryQuery(cid=cid, limit=1))
+    except RecordUnavailable:
+        return None
+    for line in found:
+        entry = line.entry
+        if entry.kind != ORDERED or entry.robot not in context.visible(caller):
+            continue
+        read = partial(in_language, catalogue=context.languages.of(caller.principal))
+        own = entry.principal == caller.principal
+        whole = own or context.oversees(caller, entry.robot)
+        return OrderOut(
+            id=order,
+            robot=entry.robot,
+            skill=entry.skill,
+            state=entry.outcome or OrderStage.ACCEPTED.value,
+            over=bool(entry.outcome),
+            who=context.kernel.rooms.authoriser.directory.name(entry.principal),
+            n=entry.n,
+            sent=read(line.asked) if whole else "",
+            note=read(line.came) if whole else "",
+            ended=moment(entry.ended_ns) if entry.ended_ns else None,
+        )
     return None

@@ -11,7 +11,7 @@ import msgspec
 
 from rosic.contracts.clock import ClockReading, passed_ns, reading
 from rosic.core.i18n import said
-from rosic.core.identity import PrincipalId
+from rosic.core.identity import CommandId, PrincipalId
 from rosic.core.language.cancel_detection import hears_cancel
 from rosic.core.message import Button
 from rosic.core.time_units import MINUTE_NS
@@ -55,11 +55,13 @@ class RedeemedButton(NamedTuple):
         act: Digest of what it agrees to; empty: it agrees to nothing.
         shown_ns: When the button was shown, wall clock. What happened since, its tapper was not
             shown by it.
+        asked: Identity of the command that it confirms; empty: of none.
     """
 
     command: str
     act: bytes
     shown_ns: int
+    asked: CommandId = b""
 
 
 class _Bound(msgspec.Struct, frozen=True):
@@ -67,6 +69,7 @@ class _Bound(msgspec.Struct, frozen=True):
     chat: str
     command: str
     act: bytes
+    asked: CommandId
     issued: ClockReading
     lifetime_ns: int
     still: bool
@@ -126,6 +129,7 @@ class ButtonTokens:
             chat,
             button.command,
             button.act,
+            button.asked,
             reading(self._clock),
             lifetime_ns,
             still,
@@ -194,7 +198,7 @@ class ButtonTokens:
                 said("This button is too old. Nothing was done."),
                 offers=(bound.command.lstrip("?"),),
             )
-        return RedeemedButton(bound.command, bound.act, bound.issued.wall_ns)
+        return RedeemedButton(bound.command, bound.act, bound.issued.wall_ns, bound.asked)
 
 
 def open_button(label: str, command: str) -> Button | None:

@@ -119,8 +119,6 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         place: A place that was sent instead of words.
         live: What it orders is steered by samples from then on; only where ROSIC itself asks people
             or programs to steer, never by what somebody writes.
-        agreed: Of a tap that carries out what a person has agreed to for a program: which command
-            of the program's that is. Another tap for the same command is the same (I1).
         network_away: It was sent while the network between the platform and us was away, as the
             adapter has seen; where it cannot tell, it was not.
         account: Which of our own accounts there received it, where its number is that account's
@@ -149,7 +147,6 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     place: GeoPoint | None = None
     account: str = ""
     shared: str = ""
-    agreed: CommandId = b""
     network_away: bool = False
     written: str = ""
     links: tuple[str, ...] = ()
@@ -216,6 +213,8 @@ class Button(msgspec.Struct, frozen=True, gc=False):
         good_for_ns: For how long it is good, where that is not the usual; only for one that moves
             nothing.
         act: Digest of what whoever taps it agrees to; empty: a tap agrees to nothing.
+        asked: Of a button that confirms a command: which one. What a tap does has that identity,
+            whoever taps and however often it was asked about (I1).
     """
 
     label: str
@@ -223,6 +222,7 @@ class Button(msgspec.Struct, frozen=True, gc=False):
     nonce: str = ""
     good_for_ns: int = 0
     act: bytes = b""
+    asked: CommandId = b""
 
 
 class AnswerState(enum.Enum):

@@ -26,6 +26,7 @@ from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, Repeated,
 from rosic.gateway.builtin_commands import BuiltinCommands
 from rosic.gateway.command_builder import follows_last
 from rosic.gateway.commands import CommandContext
+from rosic.gateway.confirmation import CommandSource
 from rosic.gateway.go_to_location import GoToLocation
 from rosic.gateway.message_context import MessageContext
 from rosic.gateway.replies import ASK_FIRST, BEHIND, CONFIRMED, LEAVE
@@ -269,7 +270,7 @@ class ChatHandler:
         """Take in what a tap says; whether it says a command that is not answered yet."""
         messenger, inbound, caller = message.messenger, message.inbound, message.caller
         try:
-            message.tapped(*await self._replies.redeem(messenger, inbound, caller))
+            message.tapped(await self._replies.redeem(messenger, inbound, caller))
         except Repeated as void:
             self._outdated(message, void)
             raise
@@ -426,9 +427,8 @@ class ChatHandler:
                 self._replies.deny(messenger, inbound, why.sentence, why.code)
                 return
             try:
-                reply = self._parts.confirmation.ask(
-                    caller, line, why, inbound.message, live=inbound.live
-                )
+                origin = CommandSource(cid, inbound.message)
+                reply = self._parts.confirmation.ask(caller, line, why, origin, live=inbound.live)
             except Refusal as instead:  # nothing of it was looked at before it was asked about
                 why = instead
             else:

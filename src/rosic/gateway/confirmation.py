@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import msgspec
 
 from rosic.contracts.clock import ClockReading, passed_ns, reading
 from rosic.core.i18n import joined, said
-from rosic.core.identity import REQUEST_ID_BYTES, Caller, PrincipalId
+from rosic.core.identity import REQUEST_ID_BYTES, Caller, CommandId, PrincipalId
 from rosic.core.language import Do
 from rosic.core.language.suggestions import OR
 from rosic.core.message import AnswerState, Button
@@ -49,7 +49,22 @@ _NOT_THEIRS_NOW = frozenset(
 )
 
 
-class PendingConfirmation(msgspec.Struct):
+class CommandSource(NamedTuple):
+    """What is asked about: what is done once it is confirmed is that very command (I1).
+
+    Attributes:
+        cid: Identity of the line.
+        message: Id of the message that said it.
+    """
+
+    cid: CommandId = b""
+    message: str = ""
+
+
+NOWHERE = CommandSource()
+
+
+class PendingConfirmation(msgspec.Struct, kw_only=True):
     """One thing that wants a second person.
 
     Attributes:
@@ -57,7 +72,7 @@ class PendingConfirmation(msgspec.Struct):
         act: What it came to when it was asked, for every robot; whoever agrees, agrees to this.
         asks: What wants the second person, with its arguments.
         second: Who agreed.
-        cause: Id of the message that said it.
+        origin: What said it.
     """
 
     caller: Caller
@@ -66,7 +81,7 @@ class PendingConfirmation(msgspec.Struct):
     asks: tuple[Query, ...]
     asked: ClockReading
     second: PrincipalId | None = None
-    cause: str = ""
+    origin: CommandSource
 
 
 class Resolver(Protocol):
@@ -112,7 +127,7 @@ class Confirmation:
         caller: Caller,
         line: Do,
         needed: FirstNeeded,
-        cause: str = "",
+        origin: CommandSource = NOWHERE,
         *,
         live: bool = False,
     ) -> Reply:
@@ -124,14 +139,14 @@ class Confirmation:
             caller: Who said it.
             line: What they said.
             needed: What has to come first.
-            cause: Id of their message.
+            origin: What said it.
             live: What was said is to be steered.
 
         Raises:
             NotUnderstood, OutOfBounds: What was said cannot be carried out.
         """
         if caller.is_program:
-            return self._ask_for_program(caller, line, needed, cause, live=live)
+            return self._ask_for_program(caller, line, needed, origin, live=live)
         if needed.need == StepRequired.CONFIRMATION.value:
             act = self._agreements.of(line, caller, live=live)
             question = (
@@ -139,9 +154,9 @@ class Confirmation:
                 if needed.overheard
                 else said("{act}? It moves only if you confirm it.", act=act.shown)
             )
-            return asks_first(question, _do_it(f"{CONFIRMED}{act.command}", act))
+            return asks_first(question, _do_it(f"{CONFIRMED}{act.command}", act, origin))
         if needed.need == StepRequired.SECOND_PERSON.value:
-            return self._ask_others(caller, line, needed, cause, live=live)
+            return self._ask_others(caller, line, needed, origin, live=live)
         if needed.need == StepRequired.STEP_UP.value and not self._has_phone(caller.principal):
             return Reply(
                 said(
@@ -153,7 +168,7 @@ class Confirmation:
         return Reply(needed.sentence)
 
     def _ask_for_program(
-        self, caller: Caller, line: Do, needed: FirstNeeded, cause: str, *, live: bool
+        self, caller: Caller, line: Do, needed: FirstNeeded, origin: CommandSource, *, live: bool
     ) -> Reply:
         if needed.need == StepRequired.STEP_UP.value:
             sentence = said(
@@ -163,10 +178,10 @@ class Confirmation:
         if needed.need == StepRequired.CONFIRMATION.value:
             sentence = said("A person has to confirm that first.")
             needed = FirstNeeded(sentence, need=needed.need, robot=needed.robot, text=needed.text)
-        return self._ask_others(caller, line, needed, cause, live=live)
+        return self._ask_others(caller, line, needed, origin, live=live)
 
     def _ask_others(
-        self, caller: Caller, line: Do, needed: FirstNeeded, cause: str, *, live: bool
+        self, caller: Caller, line: Do, needed: FirstNeeded, origin: CommandSource, *, live: bool
     ) -> Reply:
         act = self._agreements.of(line, caller, live=live)
         asks = self._wanting(caller, act, needed)
@@ -179,7 +194,12 @@ class Confirmation:
             return Reply(sentence, state=AnswerState.NOT_DONE)
         number = f"s{self._entropy.token(REQUEST_ID_BYTES).hex()}"
         self._requests[number] = PendingConfirmation(
-            caller, line, act, asks, reading(self._clock), cause=cause
+            caller=caller,
+            line=line,
+            act=act,
+            asks=asks,
+            asked=reading(self._clock),
+            origin=origin,
         )
         if len(self._requests) > ASKED_AT_MOST:
             self._requests.popitem(last=False)
@@ -279,7 +299,9 @@ class Confirmation:
         command = f"{CONFIRMED}{SECONDED}{number} {request.act.command}"
         name = self._organiser.name_of(who)
         agrees = said("{name} agrees: {act}.", name=name, act=request.act.shown)
-        self._tell(request, agrees, AnswerState.AGREED, _do_it(command, request.act))
+        self._tell(
+            request, agrees, AnswerState.AGREED, _do_it(command, request.act, request.origin)
+        )
         return Reply(said("{name} is told that you agree.", name=request.caller.name))
 
     def _check_current(self, number: str, request: PendingConfirmation) -> None:
@@ -348,7 +370,7 @@ class Confirmation:
         buttons: tuple[tuple[Button, ...], ...] = (),
     ) -> None:
         """Tell whoever asked what became of it."""
-        notice = Notification(text=text, buttons=buttons, cause=request.cause, state=state)
+        notice = Notification(text=text, buttons=buttons, cause=request.origin.message, state=state)
         self._reach.give((request.caller.principal,), notice)
 
     def _open(self, number: str) -> PendingConfirmation:
@@ -400,5 +422,6 @@ def _why_not(denied: Deny, act: str) -> str:
     return said("Only somebody who may do that can agree to it.")
 
 
-def _do_it(command: str, act: ResolvedAct) -> tuple[tuple[Button, ...], ...]:
-    return ((Button(DO_IT, command, act=act.digest), Button(LEAVE_IT, LEAVE)),)
+def _do_it(command: str, act: ResolvedAct, origin: CommandSource) -> tuple[tuple[Button, ...], ...]:
+    yes = Button(DO_IT, command, act=act.digest, asked=origin.cid)
+    return ((yes, Button(LEAVE_IT, LEAVE)),)

@@ -11,6 +11,7 @@ from rosic.core.policy.roles import ASSURANCES, Assurance
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
+    from rosic.authoriser.button_tokens import RedeemedButton
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.language import Line, Vocabulary
@@ -37,6 +38,7 @@ class MessageContext:
     Attributes:
         act: Digest of what the tap that said it agrees to; empty: it was typed, or agrees to
             nothing.
+        agreed: Identity of the command that the tap confirms: what it does is that command.
         confirmed: A button said it that asked whether it is meant.
         second: Who else has agreed to it.
         shown_ns: When the button was shown that said it, wall clock; 0: it was typed.
@@ -47,6 +49,7 @@ class MessageContext:
 
     __slots__ = (
         "act",
+        "agreed",
         "arrived_ns",
         "asked",
         "caller",
@@ -69,7 +72,7 @@ class MessageContext:
         arrived_ns: int,
         stepped_up: SteppedUp,
     ) -> None:
-        self.act = b""
+        self.act = self.agreed = b""
         self.text = inbound.text
         self.confirmed = self.proven = self.unclear = False
         self.second: PrincipalId | None = None
@@ -81,9 +84,9 @@ class MessageContext:
         self.arrived_ns = arrived_ns
         self.asked: tuple[RobotId, ...] = ()
 
-    def tapped(self, command: str, act: bytes, shown_ns: int) -> None:
-        """Take in what a button says, what it agrees to, and when it was shown (wall clock)."""
-        self.text, self.act, self.shown_ns = command, act, shown_ns
+    def tapped(self, button: RedeemedButton) -> None:
+        """Take in what a button says, what it agrees to, and when it was shown."""
+        self.text, self.act, self.shown_ns, self.agreed = button
 
     def reads(self, command: str) -> None:
         """Take in what is left of what a button says once its sign was followed."""

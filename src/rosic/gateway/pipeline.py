@@ -170,7 +170,7 @@ class Pipeline:
             for number, line in enumerate(await chat.lines(message)):
                 if number:
                     await asyncio.sleep(0)  # each line is a step: a stop does not wait for twenty
-                cid = line_id(inbound, number)
+                cid = message.agreed if message.agreed and not number else line_id(inbound, number)
                 permits: tuple[Permit, ...] = ()
                 try:
                     if not isinstance(line, Do):

@@ -260,7 +260,8 @@ class Replies:
         by it, and a stop may wait behind a hundred of them.
         """
         if refusal.silent:
-            if message.caller.is_program:  # it waits for an answer, and is told each time
+            # A program waits for an answer; whoever confirms anew what was done is told so.
+            if message.caller.is_program or message.agreed:
                 self.deny(message.messenger, message.inbound, refusal.sentence, refusal.code)
             return
         writing = self._refuse(message, cid, refusal, asked)
@@ -278,8 +279,10 @@ class Replies:
         answer = KeptAnswer(messenger.name, inbound.chat, reply_id(inbound), plain, kept)
         try:
             await self._container.refuse(cid, caller, refusal, answer)
-        except Repeated:
-            return  # the same message was settled before
+        except Repeated:  # the same message was settled before
+            if message.agreed:
+                self.deny(messenger, inbound, refusal.sentence, refusal.code)
+            return
         buttons: tuple[tuple[Button, ...], ...] = tuple(
             (Button(label_of(offer, self._vocabularies.current), offer),)
             for offer in refusal.offers[:OFFERED_AT_MOST]

@@ -195,8 +195,6 @@ def line_id(inbound: Inbound, number: int) -> CommandId:
         number: Of the line, from 0; or `FILE`, for the file that came with it.
     """
     nonce = inbound.nonce
-    if inbound.agreed:
-        return agreed_id(inbound.agreed, number)
     if nonce is not None and not nonce.startswith(OPEN):  # in a group, several may tap the same one
         sender = inbound.sender
         return command_id("tap", nonce, sender.platform, sender.account, str(number))
@@ -210,15 +208,6 @@ def line_id(inbound: Inbound, number: int) -> CommandId:
     if inbound.account:
         return command_id(sender.platform, "to", inbound.account, chat.id, inbound.message, part)
     return command_id(sender.platform, sender.account, chat.id, inbound.message, part)
-
-
-def agreed_id(asked: CommandId, number: int = 0) -> CommandId:
-    """Return the identity of what is done once a person has agreed to a program's command.
-
-    It is that command's for ever: whoever asks for it again, be it in another run of the gateway,
-    and is agreed to again, has not ordered it twice.
-    """
-    return command_id("agreed", asked.hex(), str(number))
 
 
 def is_said_to_us(inbound: Inbound) -> bool:

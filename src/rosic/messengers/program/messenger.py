@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Receive
     from rosic.contracts.programs import Programs
-    from rosic.core.identity import Address, CommandId
+    from rosic.core.identity import Address
 
 FETCH_BYTES: Final = 25_000_000
 MOST_MB: Final = FETCH_BYTES / 1e6
@@ -117,28 +117,15 @@ class ProgramMessenger:
             raise
         return call
 
-    def begin_agreed(
-        self, call: ToolCall, message: str, outbound: Outbound, asked: CommandId = b""
-    ) -> Inbound:
-        """Begin what a person has agreed to: that alone is ever tapped for a program.
-
-        Args:
-            call: Of what was asked for.
-            message: In which it was told that they agree.
-            outbound: The same.
-            asked: What was asked for, if that was one command: it is done once, for ever.
-
-        Returns:
-            The tap.
-        """
+    def begin_agreed(self, call: ToolCall, message: str, outbound: Outbound) -> None:
+        """Begin what a person has agreed to: that alone is ever tapped for a program."""
         button = outbound.buttons[0][0]
         inbound = self.inbound(call.address, "")
         tapped = msgspec.structs.replace(
-            inbound, nonce=button.nonce, tap=inbound.message, under=message, agreed=asked
+            inbound, nonce=button.nonce, tap=inbound.message, under=message
         )
         self.calls.open(tapped.message, call)
         self.hand_over(tapped)
-        return tapped
 
     def begin_file(
         self, address: Address, name: str, size: int, pieces: AsyncIterator[bytes]
