@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import json
+from math import radians
 from time import monotonic_ns
 from typing import Any
 
@@ -204,6 +206,28 @@ async def test_a_check_says_what_would_be_and_does_nothing() -> None:
         }
         assert (await hal.get("/v1/orders")).json() == []
         assert place.gateway.rooms.organiser.holder("omni") is None
+
+
+async def test_arguments_that_are_answered_mean_the_same_when_they_are_sent_again() -> None:
+    async with served() as place:
+        hal = await place.program("operator")
+        turn = {"skill": "turn", "arguments": {"angle": 33.3, "direction": "right"}}
+        checked = (await hal.post("/v1/robots/omni/orders/check", json=turn)).json()
+        assert checked["arguments"] == turn["arguments"]
+        async with place.listening(hal) as connection:
+            await connection.send('{"op": "subscribe", "topics": ["orders"]}')
+            first = await hal.post("/v1/robots/omni/orders", json=turn | {"wait_s": 30})
+            told: dict[str, Any] = {}
+            while told.get("event") != "order":
+                told = json.loads(await connection.recv())
+        again = {"skill": "turn", "arguments": first.json()["arguments"], "wait_s": 30}
+        second = await hal.post("/v1/robots/omni/orders", json=again)
+        for found in (first.json(), second.json(), told["order"]):
+            assert (found["arguments"], found["sent"]) == (turn["arguments"], checked["sent"])
+        listed = (await hal.get("/v1/orders")).json()
+        assert [one["arguments"] for one in listed] == [turn["arguments"]] * 2
+        newest = next(place.server.context.feed.newest())
+        assert newest.arguments["angle"] == pytest.approx(radians(33.3))
 
 
 async def test_what_a_person_must_confirm_is_begun_once_they_have() -> None:

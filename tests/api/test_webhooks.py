@@ -154,7 +154,7 @@ async def test_orders_and_stops_of_a_gateway_are_told_signed_and_in_order() -> N
         watcher = WebhookWatcher(place.gateway.kernel, (hook(url),))
         running = asyncio.create_task(watcher.run())
         hal = await place.program("operator")
-        order = {"skill": "move", "arguments": {"distance": 0.1}, "wait_s": 30}
+        order = {"skill": "turn", "arguments": {"angle": 5}, "wait_s": 30}
         answer = (await hal.post("/v1/robots/omni/orders", json=order)).json()
         await hal.post("/v1/stop", json={"robots": ["omni"]})
         await until(lambda: len(receiver.taken) == 4)
@@ -168,6 +168,7 @@ async def test_orders_and_stops_of_a_gateway_are_told_signed_and_in_order() -> N
         ]
         ended = taken[1].body["data"]
         assert (ended["order"], ended["robot"], ended["state"]) == (answer["id"], "omni", "done")
+        assert ended["arguments"] == {"angle": 5, "direction": "left"}
         assert taken[2].body["data"] == {"robot": "omni", "by": "Hal", "stopped": True}
         assert len({each.headers["webhook-id"] for each in receiver.taken}) == 4
 

@@ -329,6 +329,7 @@ class ApiContext(NamedTuple):
         """
         read = partial(in_language, catalogue=self.languages.of(caller.principal))
         whole = entry.principal == caller.principal or self.oversees(caller, entry.robot)
+        vocabulary = self.kernel.rooms.vocabulary
         return OrderOut(
             id=entry.id,
             robot=entry.robot,
@@ -338,7 +339,9 @@ class ApiContext(NamedTuple):
             who=self.kernel.rooms.authoriser.directory.name(entry.principal),
             n=entry.n,
             sent=read(entry.words) if whole else "",
-            arguments=entry.arguments if whole else {},
+            arguments=vocabulary.declared(entry.robot, entry.skill, entry.arguments)
+            if whole
+            else {},
             stages=tuple(StageOut(each.stage, moment(each.at_ns)) for each in entry.stages),
             fraction=entry.fraction,
             note=read(entry.note) if whole else "",

@@ -144,6 +144,9 @@ class OrderOut(msgspec.Struct, frozen=True):
             ``failed``, ``cancelled``, ``sent``, ``unknown``, ``refused``.
         who: Name of whoever gave it.
         sent: What was sent to the robot, as people read it.
+        arguments: In the declared units of the skill, as a request takes them, with what was left
+            out there; of an order of an earlier run, of another's, or of a skill that there is not
+            any more, none.
         stages: Each once. ``received`` and later are said by the robot's side only.
         fraction: How far its robot says it is, in [0, 1].
         text: What is asked, or why it was refused; empty otherwise, and for others.
@@ -172,7 +175,8 @@ class CheckOut(msgspec.Struct, frozen=True):
     Attributes:
         allowed: It would be done now.
         needs: What would have to come first: ``confirmation``, ``second person``, ``step-up``.
-        arguments: In SI, with what was left out.
+        arguments: In the declared units of the skill, as a request takes them, with what was left
+            out.
     """
 
     allowed: bool

@@ -135,6 +135,8 @@ class RosicClient(ContentCalls):
     ) -> CheckOut:
         """Return what an order would come to. Nothing is done, counted or written.
 
+        Its arguments are in the units that `skills` says, as they are given.
+
         Raises:
             ApiProblem: It would be refused, and why.
             NotAnswered: The gateway does not answer.
@@ -153,6 +155,8 @@ class RosicClient(ContentCalls):
         wait_s: float = 0.0,
     ) -> OrderOut:
         """Give an order, once, and return what became of it so far.
+
+        The arguments of what is returned are in the units in which they are given.
 
         Args:
             robot: Of which robot.

@@ -37,7 +37,7 @@ class CheckedOrder(NamedTuple):
 
     Attributes:
         words: How it reads: ``move, 0.50 m left``.
-        arguments: SI, with what was left out.
+        arguments: In their declared units, with what was left out.
         needs: What would have to come first.
     """
 
@@ -151,7 +151,9 @@ class ProgramService:
         allowed = rooms.organiser.check(caller, request, found.arguments, context)
         rooms.linker.check_free(request.robot)
         needs = tuple(sorted(need.value for need in allowed.needs))
-        return CheckedOrder(found.words, found.arguments, needs)
+        skill = request.skill.id
+        arguments = rooms.vocabulary.declared(request.robot, skill, found.arguments)
+        return CheckedOrder(found.words, arguments, needs)
 
     def _who(self, address: Address) -> PrincipalId:
         found = self._rooms.authoriser.directory.at(address)

@@ -159,12 +159,13 @@ class WebhookWatcher:
         self._tell(WebhookTopic.ORDERS, order.robot, "order.ended", self._order(order) | how)
 
     def _order(self, order: Order) -> dict[str, Any]:
+        skill, vocabulary = order.skill.id, self._rooms.vocabulary
         return {
             "order": order_id(order.cid),
-            "skill": order.skill.id,
+            "skill": skill,
             "n": order.n,
             "sent": str(order.words),
-            "arguments": order.arguments,
+            "arguments": vocabulary.declared(order.robot, skill, order.arguments),
         }
 
     def _tell(

@@ -18,12 +18,13 @@ from rosic.core.robot.profile import Profile, RobotId
 from rosic.core.robot.skill import Argument, Parameter, Skill, SkillClass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
 T = TypeVar("T")
 
 # A bound that went through another unit and back still is the bound.
 TOLERANCE = 1e-9
+DIGITS = 12
 FOLDED_AT_MOST = 512
 
 # What a robot with the text link can do without its profile saying so.
@@ -92,6 +93,20 @@ class CompiledSkill(msgspec.Struct, frozen=True, kw_only=True):
     longest_word: dict[str, int]
     text: CompiledParameter | None
     dimensions: frozenset[str]
+
+    def declared(self, arguments: Mapping[str, Argument]) -> dict[str, Argument]:
+        """Return arguments in SI as programs give them: numbers in their declared units."""
+        units = {each.name: each.unit for each in self.numbers}
+        return {
+            name: value if isinstance(value, str) else _declared(units.get(name, NONE), value)
+            for name, value in arguments.items()
+        }
+
+
+def _declared(unit: Unit, value: float) -> float:
+    """Return a number in a unit, without what converting it there and back adds at the end."""
+    number = float(f"{unit.from_si(value):.{DIGITS}g}")
+    return int(number) if isinstance(value, int) and number.is_integer() else number
 
 
 class CompiledRobot(msgspec.Struct, frozen=True, kw_only=True):

@@ -35,9 +35,9 @@ from rosic.core.robot.profile import Profile, RobotId
 from rosic.core.signal import Signal
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
-    from rosic.core.robot.skill import Skill
+    from rosic.core.robot.skill import Argument, Skill
 
 _RESERVED = VERBS | FILLERS | EVERYTHING | NOTHING | frozenset(NUMBERS) | frozenset(NOT_FINITE)
 
@@ -158,6 +158,17 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
         if known is None:
             return None
         return known.skills.get(name) or known.phrases.get(name)
+
+    def declared(
+        self, robot: RobotId, skill: str, arguments: Mapping[str, Argument]
+    ) -> dict[str, Argument]:
+        """Return arguments in SI as programs give them: numbers in their declared units.
+
+        Of a skill that there is not any more there are none.
+        """
+        known = self.robots.get(robot)
+        compiled = None if known is None else known.skills.get(skill)
+        return {} if compiled is None else compiled.declared(arguments)
 
     def to_stop(
         self, names: tuple[str, ...], visible: frozenset[RobotId]
