@@ -10,6 +10,7 @@ import httpx
 from websockets.asyncio.client import connect
 
 from rosic.api.settings import ApiSettings, HostPort
+from rosic.app.admin.access import AccessAdmin, ProgramParameters
 from rosic.app.admin.api import books_of
 from rosic.app.admin.explain import Explainer
 from rosic.app.api import GatewayApi
@@ -18,10 +19,10 @@ from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
 from rosic.app.health import GatewayHealth
 from rosic.app.people import ConfiguredPerson
 from rosic.app.runtime import face_of
-from rosic.authoriser.invitations import InvitedRights
 from rosic.config.plugins import robot_factory
 from rosic.config.profiles import known_units
-from rosic.core.identity import OPERATOR, Address
+from rosic.core.identity import Address
+from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
 from rosic.core.rate_limit import RateLimit
 from rosic.foxglove.recorder import recorder
@@ -79,13 +80,11 @@ class ServedGateway:
         people = self.gateway.rooms.authoriser.directory.people()
         return next(person.id for person in people if person.name == name)
 
-    async def key(self, *roles: str, name: str = "Hal", scopes: tuple[str, ...] = ()) -> str:
-        """Return the secret of a new program's key."""
-        given = InvitedRights(roles=roles, scopes=scopes) if scopes else InvitedRights(roles=roles)
-        new = self.gateway.access.programs.enrol(name, given, OPERATOR)
-        async with self.gateway.access.changes.turn() as turn:
-            await turn.write(new.records)
-        return new.secret.reveal()
+    async def key(self, *roles: str, name: str = "Hal") -> str:
+        """Return the secret of a new program's key, as `rosic key create` makes and shows it."""
+        admin = AccessAdmin(books_of(self.gateway, "UTC"), unit_converter(known_units()))
+        shown = await admin.create_program(ProgramParameters(name=name, roles=roles))
+        return shown.rpartition("\n")[2]
 
     async def program(self, *roles: str, name: str = "Hal") -> httpx.AsyncClient:
         """Return what asks as a new program."""

@@ -13,7 +13,7 @@ from aiohttp import web
 
 from rosic.api.event_schemas import OrderEvent, RobotEvent
 from rosic.api.settings import ApiSettings
-from rosic.client import ApiProblem, RosicClient
+from rosic.client import RosicClient
 from rosic.client.errors import (
     GatewayUnreachable,
     NotAGateway,
@@ -405,22 +405,18 @@ def test_importing_the_client_imports_nothing_of_a_server() -> None:
 
 
 async def test_what_there_is_beside_orders_is_asked_for_by_methods_of_its_own() -> None:
-    async with served() as place, RosicClient(place.url, await place.key("admin")) as gateway:
-        made = await gateway.invite("viewer for 2 hours")
-        assert [one.id for one in await gateway.invitations()] == [made.invitation.id]
-        await gateway.withdraw(made.invitation.id)
-        assert await gateway.invitations() == []
-        assert {"viewer", "admin"} <= {role.name for role in await gateway.roles()}
+    async with served() as place, client_of(place, "operator") as gateway:
         await gateway.give_task("omni", "move 2 m left")
         [task] = await gateway.tasks()
         await gateway.act_on_task(task.id, "cancel")
         assert (await gateway.missions()).missions == ()
         assert await gateway.queue() == []
-        assert await gateway.access_requests() == []
-        assert {one.about for one in await gateway.health()} >= {"data", "omni"}
         assert await gateway.history(text="nonsense") == []
-        with pytest.raises(ApiProblem):
-            await gateway.take_role("viewer")
+        async with RosicClient(place.url, await place.key("viewer", name="Eve")) as eve:
+            asked = await eve.ask_for("omni", "move", 30)
+            assert asked.state == "final"
+            [waiting] = await eve.access_requests()
+            assert (waiting.own, waiting.kind) == (True, "right")
 
 
 async def test_files_are_sent_listed_fetched_and_deleted() -> None:
@@ -464,21 +460,3 @@ async def test_what_is_no_picture_of_a_gateway_is_none() -> None:
             await client.picture("omni")
         with pytest.raises(NotAGateway):
             await client.send_file("notes.txt", b"one two three")
-
-
-async def test_what_others_may_is_explained_to_whoever_looks_after_people() -> None:
-    async with served() as place, client_of(place, "admin") as client:
-        [yes] = await client.explain("Bo", "omni move 1 m left")
-        assert yes.allowed
-        assert "Bo may" in yes.text
-        [no] = await client.explain(place.principal("Vi"), "omni move 1 m left")
-        assert not no.allowed
-        assert "no  right:" in no.text
-        with pytest.raises(WrongRequest):
-            await client.explain("Nobody", "omni move 1 m left")
-        with pytest.raises(WrongRequest):
-            await client.explain("Bo", "omni move 1 m left\nomni wave")
-        async with RosicClient(place.url, await place.key("operator", name="Eve")) as eve:
-            with pytest.raises(NotAllowed):
-                await eve.explain("Bo", "omni move 1 m left")
-        assert await client.orders() == []

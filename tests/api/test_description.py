@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pytest
 import schemathesis
@@ -32,12 +32,23 @@ CHECKS = [
     response_schema_conformance,
 ]
 OFTEN = ApiSettings(listen=ANYWHERE, limits=ServingLimits(reads=RateLimit(burst=1e6, per_s=1e6)))
+OF_PEOPLE = frozenset({"people", "health"})
 A_FEW, MANY = 5, 300
 SHORT_S, LONG_S = 40.0, 1_800.0
 
 
+class Callers(NamedTuple):
+    """What shows who asks: a program for all but what is for whoever looks after people."""
+
+    program: Mapping[str, str]
+    admin: Mapping[str, str]
+
+    def shown(self, operation: Mapping[str, Any]) -> Mapping[str, str]:
+        return self.program if OF_PEOPLE.isdisjoint(operation["tags"]) else self.admin
+
+
 def ask(
-    url: str, described: dict[str, Any], headers: Mapping[str, str], examples: int, within_s: float
+    url: str, described: dict[str, Any], callers: Callers, examples: int, within_s: float
 ) -> list[str]:
     """Ask every operation with so many generated requests. Return those that were asked."""
     asked, until_s = [], monotonic() + within_s * pace()
@@ -45,30 +56,38 @@ def ask(
         operation: Any = found.ok()  # type: ignore[union-attr]
         if monotonic() > until_s:
             break
-
-        @settings(
-            max_examples=examples,
-            phases=[Phase.explicit, Phase.generate],
-            derandomize=True,
-            database=None,
-            suppress_health_check=list(HealthCheck),
-        )
-        @given(case=operation.as_strategy())
-        def one(case: Any) -> None:  # noqa: ANN401 - untyped there
-            answer = case.call(base_url=url, headers=dict(headers), timeout=90 * pace())
-            case.validate_response(answer, checks=CHECKS)
-
-        one()
+        ask_one(url, operation, callers.shown(operation.definition.raw), examples)
         asked.append(operation.label)
     return asked
 
 
+def ask_one(url: str, operation: Any, shown: Mapping[str, str], examples: int) -> None:  # noqa: ANN401 - untyped there
+    """Ask one operation as somebody, with so many generated requests."""
+
+    @settings(
+        max_examples=examples,
+        phases=[Phase.explicit, Phase.generate],
+        derandomize=True,
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(case=operation.as_strategy())
+    def one(case: Any) -> None:  # noqa: ANN401 - untyped there
+        answer = case.call(base_url=url, headers=dict(shown), timeout=90 * pace())
+        case.validate_response(answer, checks=CHECKS)
+
+    one()
+
+
 async def run(examples: int, within_s: float) -> None:
     async with served(OFTEN) as place:
-        hal = await place.program("admin")
+        hal, ada = await place.program("senior"), await place.person("Ada")
         described = (await hal.get("/v1/openapi/openapi.json")).json()
-        headers = {"Authorization": hal.headers["authorization"]}
-        asked = await asyncio.to_thread(ask, place.url, described, headers, examples, within_s)
+        cookie = "; ".join(f"{name}={value}" for name, value in ada.cookies.items())
+        callers = Callers(
+            {"Authorization": hal.headers["authorization"]}, {"Cookie": cookie, "Origin": place.url}
+        )
+        asked = await asyncio.to_thread(ask, place.url, described, callers, examples, within_s)
         every = sum(len(path) for path in described["paths"].values())
         assert len(asked) == every
 

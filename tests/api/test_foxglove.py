@@ -168,7 +168,7 @@ async def test_whose_key_is_taken_back_sees_nothing_more() -> None:
 
 
 async def test_nothing_can_be_published() -> None:
-    async with served() as place, viewer(place, await place.key("admin")) as eve:
+    async with served() as place, viewer(place, await place.key("senior")) as eve:
         channel = {"id": 1, "topic": "/omni/cmd_vel", "encoding": "json", "schemaName": "Twist"}
         await eve.say(op="advertise", channels=[channel])
         await eve.connection.send(b"\x01\x01\x00\x00\x00{}")

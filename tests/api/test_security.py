@@ -12,6 +12,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from rosic.api.access_checks import SAFE
 from rosic.api.settings import ApiSettings, ServingLimits
 from rosic.core.identity import OPERATOR
+from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from rosic.core.rate_limit import RateLimit
 from rosic.core.records import Fact
 from rosic.stores.memory import MemoryStore
@@ -115,7 +116,7 @@ async def test_a_page_of_another_site_changes_nothing_with_the_session_of_its_vi
 async def test_whoever_shows_no_good_key_changes_nothing() -> None:
     often = ServingLimits(reads=RateLimit(burst=10_000.0, per_s=20.0))
     async with served(ApiSettings(listen=ANYWHERE, limits=often)) as place:
-        over = await place.key("admin", name="Over")
+        over = await place.key("senior", name="Over")
         await revoke(place, over)
         shown: dict[str, dict[str, str]] = {
             "no key": {},
@@ -139,8 +140,9 @@ async def test_whoever_shows_no_good_key_changes_nothing() -> None:
 
 
 async def test_a_key_for_another_robot_changes_nothing_of_this_one() -> None:
-    async with served() as place:
-        secret = await place.key(scopes=("kuka1:read", "kuka1:home"), name="Kay")
+    roles = {**DEFAULT_ROLES, "homer": Role(scopes=("kuka1:read", "kuka1:home"))}
+    async with served(rules=RoleRules(roles=roles)) as place:
+        secret = await place.key("homer", name="Kay")
         kay = place.client({"Authorization": f"Bearer {secret}"})
         bodies: dict[str, Any] = {
             "orders": {"skill": "move", "arguments": {"distance": 0.1}},
@@ -162,12 +164,12 @@ async def test_a_key_for_another_robot_changes_nothing_of_this_one() -> None:
 async def test_no_get_changes_anything() -> None:
     store = CountingStore()
     async with served(store=store) as place:
-        hal = await place.program("admin")
+        ada = await place.person("Ada")
         before = store.count
         seen = 0
         for method, path in routes(place):
             if method == "GET":
-                answer = await hal.get(filled(path))
+                answer = await ada.get(filled(path))
                 assert answer.status_code < 500, (path, answer.text)
                 seen += 1
         assert seen >= 8
@@ -178,7 +180,7 @@ async def test_a_websocket_is_opened_for_nobody_who_must_not() -> None:
     async with served() as place:
         ada = await place.person("Ada")
         own = session(ada)["Cookie"]
-        over = await place.key("admin", name="Over")
+        over = await place.key("senior", name="Over")
         await revoke(place, over)
         wrong: dict[str, tuple[dict[str, str], str | None]] = {
             "no key": ({}, None),

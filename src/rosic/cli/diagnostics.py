@@ -16,7 +16,7 @@ from rosic.app.admin.history import AT_MOST, HistoryParameters
 from rosic.app.config import Config, load_config
 from rosic.app.setup import DiagnosticFinding, FindingVerdict, examine
 from rosic.app.setup.check import check_all
-from rosic.cli import remote, remote_people
+from rosic.cli import remote
 from rosic.cli.client import CONFIG, add_where, elsewhere, joined, looked_up, printed, seconds
 from rosic.errors import ConfigurationError, OutOfBounds
 from rosic.system import SystemClock, SystemEntropy
@@ -46,14 +46,8 @@ def explain(arguments: Sequence[str]) -> int:
     parser.add_argument("person", metavar="PERSON", help="as rosic people shows it, or the id")
     parser.add_argument("line", metavar="LINE", nargs="+", help='"kuka1 grasp force=30"')
     add_where(parser)
-    remote.add_gateway(parser)
     options = parser.parse_args(arguments)
-    person, line = options.person, " ".join(options.line)
-    if url := elsewhere(options):
-        return remote.run_there(
-            options, url, lambda there: remote_people.explain(there, person, line)
-        )
-    ask = AdminRequest(AdminVerb.EXPLAIN, (person, line))
+    ask = AdminRequest(AdminVerb.EXPLAIN, (options.person, " ".join(options.line)))
     texts = looked_up(options, ask, robots=True)
     print("\n\n".join(texts))
     return 1 if any(map(says_no, texts)) else 0
@@ -110,10 +104,8 @@ def _history_there(options: argparse.Namespace, url: str, since_s: float | None)
         )
     robot, json = options.robot, options.json
     if options.csv:
-        return remote.run_there(options, url, lambda to: remote_people.table(to, robot, since_s))
-    return remote.run_there(
-        options, url, lambda to: remote_people.history(to, robot, since_s, json=json)
-    )
+        return remote.run_there(options, url, lambda to: remote.history_table(to, robot, since_s))
+    return remote.run_there(options, url, lambda to: remote.history(to, robot, since_s, json=json))
 
 
 # ---- ``rosic security report`` ----
@@ -186,11 +178,7 @@ def doctor(arguments: Sequence[str]) -> int:
         help=f"also look at what it names ({CONFIG}, if it is here)",
     )
     parser.add_argument("--try", dest="tried", metavar="ROBOT", default="", help="it moves")
-    remote.add_gateway(parser)
     options = parser.parse_args(arguments)
-    if options.url:
-        url = remote.url_of(options, here=bool(options.config or options.tried))
-        return remote.run_there(options, url, remote_people.doctor)
     found = options.config or (CONFIG if Path(CONFIG).exists() else None)
     if options.tried and found is None:
         raise ConfigurationError(

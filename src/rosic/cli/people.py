@@ -10,24 +10,19 @@ import msgspec
 
 from rosic.app.admin.api import AS_JSON, NOTHING, AdminRequest, AdminVerb
 from rosic.app.admin.control_client import NotRunning
-from rosic.cli import remote, remote_people
 from rosic.cli.client import (
     add_where,
     answers,
     changed,
     data_of,
-    elsewhere,
     joined,
     people_offline,
     printed,
     seconds,
 )
-from rosic.cli.remote_people import said_rights
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from rosic.client import RosicClient
 
 
 # ---- ``rosic people`` ----
@@ -45,13 +40,7 @@ def people(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="rosic people", description=PEOPLE_ABOUT)
     parser.add_argument("--json", action="store_true", help="one list, for programs")
     add_where(parser)
-    remote.add_gateway(parser)
     options = parser.parse_args(arguments)
-    if url := elsewhere(options):
-        as_json = options.json
-        return remote.run_there(
-            options, url, lambda there: remote_people.people(there, json=as_json)
-        )
     try:
         request = AdminRequest(AdminVerb.PEOPLE, body=AS_JSON if options.json else NOTHING)
         found = answers(data_of(options), request)
@@ -103,8 +92,6 @@ def invite(arguments: Sequence[str]) -> int:
         RosicError: What is wrong with it; nothing was done.
     """
     options = _parser().parse_args(joined(arguments, ("--for", "--code-ttl")))
-    if url := elsewhere(options):
-        return remote.run_there(options, url, lambda there: _invite_there(there, options))
     body = {
         "roles": options.role,
         "robots": options.robot,
@@ -117,15 +104,6 @@ def invite(arguments: Sequence[str]) -> int:
     ask = AdminRequest(AdminVerb.INVITE, body=msgspec.Raw(msgspec.json.encode(body)))
     sentence, payload = changed(options, ask, robots=bool(options.robot or options.limit))
     show(sentence, payload, picture=not options.plain)
-    return 0
-
-
-async def _invite_there(client: RosicClient, options: argparse.Namespace) -> int:
-    rights = said_rights(options.role, options.robot, options.limit, options.lasts)
-    code = f" code {options.code_ttl}"
-    confirm = " confirm" if options.confirm else ""
-    made = await client.invite(f"{rights}{code}{confirm}", name=options.name)
-    show(made.text, made.links[0].url if made.links else made.typed, picture=not options.plain)
     return 0
 
 
@@ -148,13 +126,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--confirm", action="store_true", help="an admin has to let them in by a tap")
     add("--plain", action="store_true", help="without the picture")
     add_where(parser)
-    remote.add_gateway(parser)
     return parser
-
-
-def _said_there(options: argparse.Namespace, url: str, verb: str) -> int:
-    line = " ".join([f"/{verb}", *options.name.split()])
-    return remote.run_there(options, url, lambda there: remote.say(there, line))
 
 
 # ---- ``rosic lock`` ----
@@ -172,10 +144,7 @@ def lock(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="rosic lock", description=LOCK_ABOUT)
     parser.add_argument("name", metavar="NAME", help="as rosic people shows it, or the id")
     add_where(parser)
-    remote.add_gateway(parser)
     options = parser.parse_args(arguments)
-    if url := elsewhere(options):
-        return _said_there(options, url, "lock")
     print("\n".join(changed(options, AdminRequest(AdminVerb.LOCK, (options.name,)))))
     return 0
 
@@ -196,10 +165,7 @@ def unlock(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="rosic unlock", description=UNLOCK_ABOUT)
     parser.add_argument("name", metavar="NAME", help="as rosic people shows it, or the id")
     add_where(parser)
-    remote.add_gateway(parser)
     options = parser.parse_args(arguments)
-    if url := elsewhere(options):
-        return _said_there(options, url, "unlock")
     print("\n".join(changed(options, AdminRequest(AdminVerb.UNLOCK, (options.name,)))))
     return 0
 

@@ -21,6 +21,7 @@ from rosic.errors import ConfigurationError, OutOfBounds, how_to_install
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
 
+    from rosic.api.resource_schemas import HistoryEntryOut
     from rosic.api.schemas import OrderOut, RobotOut
     from rosic.client import ClientError, RosicClient
 
@@ -29,6 +30,8 @@ GOOD_STATES: Final = frozenset({"done", "sent"})
 PROGRESS_S: Final = 1.0
 """How far an order is, is shown at most so often."""
 LISTED: Final = 50
+AT_MOST: Final = 1_000
+ALWAYS_S: Final = 3e8
 NOT_YET: Final = frozenset({"asked", "not-done"})
 """States of an answer: nothing was done, or somebody has to agree first."""
 
@@ -318,3 +321,34 @@ def there(options: argparse.Namespace) -> str:
     if not url:
         raise ConfigurationError("No gateway is named.", hint=f"Name one with --url, or set {URL}.")
     return url
+
+
+# ---- ``rosic history`` ----
+
+
+async def history(client: RosicClient, robot: str, since_s: float | None, *, json: bool) -> int:
+    """Print what was asked before, the newest last."""
+    limit = LISTED if since_s is None else AT_MOST
+    found = await client.history(
+        robot, since_s=ALWAYS_S if since_s is None else since_s, limit=limit
+    )
+    if json:
+        print_json(found[::-1])
+    for one in () if json else reversed(found):
+        print(_history_line(one))
+    return 0
+
+
+def _history_line(one: HistoryEntryOut) -> str:
+    what = one.asked or joined(": ", [part for part in (one.robot, one.skill or one.kind) if part])
+    parts = (one.at, one.who, what, one.outcome, one.came)
+    return plain(joined("  ", [part for part in parts if part]))
+
+
+async def history_table(client: RosicClient, robot: str, since_s: float | None) -> int:
+    """Write what was asked before as comma-separated values."""
+    found = await client.history_table(robot, since_s=ALWAYS_S if since_s is None else since_s)
+    sys.stdout.flush()
+    sys.stdout.buffer.write(found)
+    sys.stdout.buffer.flush()
+    return 0

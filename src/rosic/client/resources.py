@@ -1,35 +1,27 @@
-"""What there is beside orders: times, queues, people, tasks and missions."""
+"""What there is beside orders: times, queues, a right for a while, tasks and missions."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 from urllib.parse import quote
 
-from rosic.api.people_schemas import (
-    AccessRequestIn,
-    AccessRequestOut,
-    AllowIn,
-    GrantIn,
-    InvitationIn,
-    InvitationOut,
-    NewInvitationOut,
-    RightsCheckIn,
-    RightsDecisionOut,
-    RoleIn,
-    RoleOut,
-)
+from rosic.api.people_schemas import AccessRequestIn, AccessRequestOut
 from rosic.api.resource_schemas import (
     AlertOut,
     BookingIn,
     BookingMoveIn,
     BookingOut,
-    HealthFindingOut,
     HistoryEntryOut,
-    PersonOut,
     TelemetryOut,
 )
 from rosic.api.schemas import AnswerOut
-from rosic.api.work_schemas import MissionsOut, MissionStartIn, QueueEntryOut, TaskIn, TaskOut
+from rosic.api.work_schemas import (
+    MissionsOut,
+    MissionStartIn,
+    QueueEntryOut,
+    TaskIn,
+    TaskOut,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -106,64 +98,16 @@ class ResourceCalls:
         """Give a robot back."""
         return await self._once(f"robots/{part(robot)}/release", AnswerOut, None)
 
-    # ---- people and rights ----
-
-    async def people(self) -> list[PersonOut]:
-        """Return who is known here."""
-        return await self._look("people", list[PersonOut])
-
-    async def invitations(self) -> list[InvitationOut]:
-        """Return the invitations that are open."""
-        return await self._look("invitations", list[InvitationOut])
-
-    async def invite(self, rights: str, *, name: str = "") -> NewInvitationOut:
-        """Invite somebody: ``operator on kuka1 for 2 hours``. The code is told this once."""
-        return await self._once("invitations", NewInvitationOut, InvitationIn(rights, name))
-
-    async def withdraw(self, invitation: str) -> AnswerOut:
-        """Take an invitation back."""
-        return await self._once(f"invitations/{part(invitation)}", AnswerOut, None, method="DELETE")
+    # ---- a right for a while ----
 
     async def access_requests(self) -> list[AccessRequestOut]:
-        """Return who waits for my answer, and what I wait for."""
+        """Return what I have asked for and wait for."""
         return await self._look("access-requests", list[AccessRequestOut])
 
     async def ask_for(self, robot: str, right: str, minutes: int) -> AnswerOut:
         """Ask whoever may give a right for it."""
         body = AccessRequestIn(robot, right, minutes)
         return await self._once("access-requests", AnswerOut, body)
-
-    async def allow(self, request: str, *, minutes: int = 0) -> AnswerOut:
-        """Say yes; for so long instead of what was asked for, if it is said."""
-        return await self._once(
-            f"access-requests/{part(request)}/allow", AnswerOut, AllowIn(minutes)
-        )
-
-    async def deny(self, request: str) -> AnswerOut:
-        """Say no."""
-        return await self._once(f"access-requests/{part(request)}/deny", AnswerOut, None)
-
-    async def roles(self) -> list[RoleOut]:
-        """Return which roles there are."""
-        return await self._look("roles", list[RoleOut])
-
-    async def make_role(self, name: str, gives: str) -> AnswerOut:
-        """Make a role: ``omni:move, viewer with speed <= 0.2 m/s``. It is asked first."""
-        return await self._once(f"roles/{part(name)}", AnswerOut, RoleIn(gives), method="PUT")
-
-    async def take_role(self, name: str) -> AnswerOut:
-        """Take a role back."""
-        return await self._once(f"roles/{part(name)}", AnswerOut, None, method="DELETE")
-
-    async def give(self, person: str, rights: str) -> AnswerOut:
-        """Give somebody, by their id, rights: ``operator on kuka1 for 2 hours``."""
-        return await self._once(f"people/{part(person)}/rights", AnswerOut, GrantIn(rights))
-
-    async def explain(self, person: str, line: str) -> list[RightsDecisionOut]:
-        """Return what would be decided if somebody said a line now, and why; for each robot."""
-        return await self._once(
-            "rights/check", list[RightsDecisionOut], RightsCheckIn(person, line)
-        )
 
     # ---- tasks and missions ----
 
@@ -210,10 +154,6 @@ class ResourceCalls:
     async def seen(self, robot: str) -> AnswerOut:
         """Say that I have seen the alarms of a robot."""
         return await self._once(f"robots/{part(robot)}/alerts/seen", AnswerOut, None)
-
-    async def health(self) -> list[HealthFindingOut]:
-        """Return what the doctor finds, for whoever looks after people."""
-        return await self._look("health", list[HealthFindingOut])
 
     async def history(
         self, robot: str = "", *, text: str = "", since_s: float = 86_400.0, limit: int = 100
