@@ -21,6 +21,7 @@ from rosic.api.work_schemas import (
     QueueEntryOut,
     TaskIn,
     TaskOut,
+    UsageOut,
 )
 
 if TYPE_CHECKING:
@@ -146,6 +147,10 @@ class ResourceCalls:
         """Return how a value of a robot was lately; without a value, which there are."""
         params = {**query(value=value), "since_s": since_s}
         return await self._look(f"robots/{part(robot)}/telemetry", TelemetryOut, params=params)
+
+    async def utilisation(self) -> list[UsageOut]:
+        """Return for how long each robot was at work today, and in seven days."""
+        return await self._look("utilisation", list[UsageOut])
 
     async def alerts(self) -> list[AlertOut]:
         """Return the alarms that are open, the newest first."""
