@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from importlib import import_module
+from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -17,11 +18,64 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
 INTERRUPTED: Final = 130
+MOST: Final = 100_000
 CTRL_C: Final = "It was interrupted: what was measured until then is above."
 TROUBLE: Final = "It ended early: {why}. What was measured until then is above."
 
 
 def _no_options(_parser: argparse.ArgumentParser) -> None: ...
+
+
+def _account_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--over",
+        choices=("stand-in", "bot", "account"),
+        default="stand-in",
+        help="by what messages go; a real bot needs ROSIC_BENCH_TOKEN and ROSIC_BENCH_CHAT in the "
+        "environment, a real account ROSIC_BENCH_API_ID and ROSIC_BENCH_API_HASH, and the extra "
+        "account",
+    )
+
+
+def _latency_options(parser: argparse.ArgumentParser) -> None:
+    _account_options(parser)
+    parser.add_argument("--messages", type=_count, default=0, help="of Algorithm 9; else 100")
+    parser.add_argument("--runs", type=_count, default=0, help="else 10")
+    parser.add_argument(
+        "--out", type=Path, default=Path(), metavar="FOLDER", help="where the workbooks go"
+    )
+
+
+def _throughput_options(parser: argparse.ArgumentParser) -> None:
+    _account_options(parser)
+    parser.add_argument("--duration", type=_seconds, default=0.0, metavar="S", help="else 10")
+    parser.add_argument("--interval", type=_seconds, default=0.1, metavar="S", help="else 0.1")
+
+
+def _message_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--group", required=True, help="its link, name or id")
+    parser.add_argument("--file", type=Path, default=Path("messages.txt"), help="messages.txt")
+    parser.add_argument("--seconds", type=_seconds, default=0.0, metavar="S", help="else 60")
+
+
+def _scale_options(parser: argparse.ArgumentParser) -> None:
+    _account_options(parser)
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or not 0 < int(text) <= MOST:
+        raise argparse.ArgumentTypeError(f"a number from 1 to {MOST}")
+    return int(text)
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = nan
+    if not 0 < value <= MOST:
+        raise argparse.ArgumentTypeError(f"seconds, above 0 and at most {MOST}")
+    return value
 
 
 def _api_options(parser: argparse.ArgumentParser) -> None:
@@ -59,12 +113,22 @@ BENCHES: Final[dict[str, BenchEntry]] = {
     "fleet": BenchEntry("choosing robots for tasks, and gateways of up to 5,000 robots"),
     "idle": BenchEntry("what a gateway needs of a processor while nobody does anything"),
     "language": BenchEntry("what reading a line costs"),
+    "latency": BenchEntry("Algorithm 9 of the paper, and an order hop by hop", _latency_options),
+    "messages": BenchEntry(
+        "Algorithm 6 of the paper: a group's messages into a file, by a real account",
+        _message_options,
+        in_report=False,
+    ),
     "pipeline": BenchEntry("orders a second through a whole gateway, in memory and on disk"),
     "schedule": BenchEntry("proposed plans beside first come, first served"),
     "start": BenchEntry("how far apart robots begin that are to begin together"),
     "stop": BenchEntry("how soon a stop is handed over, behind a queue"),
     "strangers": BenchEntry("how soon a stop takes effect behind a flood"),
+    "scale": BenchEntry(
+        "Algorithm 11 of the paper, and people, robots and rates without end", _scale_options
+    ),
     "telegram": BenchEntry("batches under Telegram's limits, and what receiving costs"),
+    "throughput": BenchEntry("Algorithm 10 of the paper: success and bytes", _throughput_options),
 }
 
 

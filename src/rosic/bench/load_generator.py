@@ -19,7 +19,7 @@ import msgspec
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    Make: TypeAlias = Callable[[], tuple[bytes, int]]
+    Make: TypeAlias = Callable[[int], tuple[bytes, int]]
 
 BEATS_PER_S = 5
 TICK_S = 0.01
@@ -46,7 +46,8 @@ class FeedRequest(msgspec.Struct, array_like=True, tag=2, frozen=True, gc=False)
     """What a person sends.
 
     Attributes:
-        sent_ns: On the clock of ``perf_counter_ns``, which all processes of a machine share.
+        sent_ns: When it was due, on the clock of ``perf_counter_ns``, which all processes of a
+            machine share. Whoever cannot send in time waits, and that counts (open loop).
         spent_ns: What the gateway's process has had of processors until then.
     """
 
@@ -116,7 +117,7 @@ def _robots(robots: int) -> Iterator[tuple[float, Make]]:
             yield tick * TICK_S, partial(_tick, beats, reporting, tick // TICKS_PER_S)
 
 
-def _tick(beats: list[bytes], reporting: list[int], round_: int) -> tuple[bytes, int]:
+def _tick(beats: list[bytes], reporting: list[int], round_: int, _due_ns: int) -> tuple[bytes, int]:
     said = b"".join((*beats, *(reports(number, round_) for number in reporting)))
     return said, len(beats) + len(reporting)
 
@@ -129,9 +130,9 @@ def _people(people: int, robots: int, per_s: int, gateway: int) -> Iterator[tupl
         yield number / per_s, partial(_wish, number, number % people, robot, spent)
 
 
-def _wish(number: int, person: int, robot: str, spent: int) -> tuple[bytes, int]:
+def _wish(number: int, person: int, robot: str, spent: int, due_ns: int) -> tuple[bytes, int]:
     spent_ns = time.clock_gettime_ns(spent)
-    return frame(FeedRequest(number, person, robot, time.perf_counter_ns(), spent_ns)), 1
+    return frame(FeedRequest(number, person, robot, due_ns, spent_ns)), 1
 
 
 def send(path: str, said: Iterator[tuple[float, Make]]) -> SendFigures:
@@ -148,7 +149,7 @@ def send(path: str, said: Iterator[tuple[float, Make]]) -> SendFigures:
                 if wait_s > 0:
                     time.sleep(wait_s)
                 late_s = max(late_s, -wait_s)
-                words, number = make()
+                words, number = make(int((began + due_s) * 1e9))
                 line.sendall(words)
                 messages += number
     return SendFigures(messages, time.perf_counter() - began, time.process_time() - cpu_s, late_s)

@@ -52,17 +52,26 @@ def pace_us() -> float:
 class BenchTurn:
     """One turn of one case.
 
+    Args:
+        pace_us: What the calibration loop takes at its beginning.
+
     Attributes:
         pace_us: What the calibration loop takes beside it; known once the turn is over.
     """
 
-    def __init__(self) -> None:
-        self.pace_us = pace_us()
+    def __init__(self, pace_us: float) -> None:
+        self.pace_us = pace_us
         self.seen: tuple[float, Sequence[float]] | None = None
 
     def saw(self, rate_per_s: float, times_ns: Sequence[float]) -> None:
         """Keep what the turn came to: it counts even if the bench is interrupted later."""
         self.seen = (rate_per_s, times_ns)
+
+    def beside(self, times_ns: Sequence[float], rate_per_s: float) -> BenchTurn:
+        """Return a turn of the same moment that saw these times."""
+        turn = BenchTurn(self.pace_us)
+        turn.saw(rate_per_s or len(times_ns) / (sum(times_ns) / 1e9), times_ns)
+        return turn
 
     def end(self) -> None:
         """Time the calibration loop once more; the pace is between both times."""
@@ -91,17 +100,38 @@ class BenchRecorder:
     def turn(self, case: str, *, of: int = 0) -> Iterator[BenchTurn]:
         """Time the calibration loop beside a turn of a case.
 
+        One that was cut short counts where it has said what it saw.
+
         Args:
             case: Its name.
             of: How many turns it shall have, where that is known: for the progress alone.
         """
         turns = self._turns.setdefault(case, [])
         self._tell(case, len(turns) + 1, of)
-        turn = BenchTurn()
-        yield turn
-        turn.end()
-        turns.append(turn)
-        self._paces_us.append(turn.pace_us)
+        turn = BenchTurn(pace_us())
+        whole = False
+        try:
+            yield turn
+            whole = True
+        finally:
+            if whole or turn.seen is not None:
+                turn.end()
+                turns.append(turn)
+                self._paces_us.append(turn.pace_us)
+
+    def keep(
+        self, case: str, *, like: str, times_ns: Sequence[float], rate_per_s: float = 0.0
+    ) -> None:
+        """Keep times that were seen in the turns of another case, as a turn of their own.
+
+        Args:
+            case: Its name.
+            like: The case in whose turns they were seen: its pace is theirs.
+            times_ns: Of each.
+            rate_per_s: How many a second there were; 0: they came one after another.
+        """
+        turns = self._turns.setdefault(case, [])
+        turns.append(self._turns[like][len(turns)].beside(times_ns, rate_per_s))
 
     def paces_us(self, case: str) -> list[float]:
         """Return what the calibration loop took beside each turn of a case so far."""

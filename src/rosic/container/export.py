@@ -126,8 +126,13 @@ def archive_as_text(found: Sequence[ArchiveRow]) -> str:
 def _line(row: ArchiveRow) -> str:
     if row.way in {"gap", "lost"}:
         return row.text
-    name, text = _one_line(row.name) or UNKNOWN, _one_line(row.text)
-    return f"Sender ID: {row.sender}, Sender Username: {name}, Message: {text}"
+    return archive_line(row.sender, row.name, row.text)
+
+
+def archive_line(sender: str, name: str, text: str) -> str:
+    """Return one message as line 7 of Algorithm 6 writes it."""
+    shown = _one_line(name) or UNKNOWN
+    return f"Sender ID: {sender}, Sender Username: {shown}, Message: {_one_line(text)}"
 
 
 def _one_line(text: str) -> str:

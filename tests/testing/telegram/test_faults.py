@@ -114,6 +114,23 @@ async def test_latency_lies_half_before_and_half_after(
     assert loop.time() - began_s > 0.99
 
 
+async def test_a_narrow_network_takes_longer_for_longer_messages(
+    server: FakeTelegram, api: Api, ada: int
+) -> None:
+    loop = asyncio.get_running_loop()
+
+    async def took_s(text: str) -> float:
+        began_s = loop.time()
+        await api.ok("sendMessage", chat_id=ada, text=text)
+        return loop.time() - began_s
+
+    server.set_latency(0.0, bits_per_s=80_000)  # 10 kB a second, there and back
+    short_s, long_s = await took_s("."), await took_s("." * 4_000)
+    assert long_s - short_s > 0.7
+    server.calm()
+    assert await took_s("." * 4_000) < long_s / 2
+
+
 async def test_a_fault_that_there_is_not(server: FakeTelegram) -> None:
     with pytest.raises(ControlError):
         server.fail("earthquake")

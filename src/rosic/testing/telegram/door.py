@@ -224,7 +224,7 @@ class BotDoor:
         except ApiError as error:
             raw, broken = Raw(values={}, files={}), error
         entry = self._world.journal.call(method, recorded(raw))
-        await self._delay(self._faults.latency_s / 2)
+        await self._delay(self._faults.way_s(request.content_length or 0))
         fault = self._faults.next_for(method, raw.values.get("chat_id"))
         if fault is not None:
             entry["fault"] = fault.kind
@@ -235,7 +235,8 @@ class BotDoor:
         reply = await self._answer(request, method, raw, broken)
         entry["code"] = reply.status
         entry["description"] = reply.body.get("description")
-        await self._delay(self._faults.latency_s / 2)
+        if self._faults.latency_s or self._faults.bits_per_s:
+            await self._delay(self._faults.way_s(len(_encoded(reply.body))))
         if fault is not None:
             return await self._spoil(request, fault, reply)
         return _respond(reply)

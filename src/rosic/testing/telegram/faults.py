@@ -75,16 +75,24 @@ class ServerFaults:
 
     Attributes:
         latency_s: Added to every call, half before and half after it takes effect.
+        bits_per_s: How fast a body goes up and down beside that; 0 is at once.
         orders: The first that fits is used.
     """
 
     def __init__(self) -> None:
         self.latency_s = 0.0
+        self.bits_per_s = 0.0
         self.orders: list[ServerFault] = []
 
-    def slow_down(self, latency_s: float) -> None:
-        """Add this to every call from now on."""
+    def slow_down(self, latency_s: float, bits_per_s: float = 0.0) -> None:
+        """Let every call go over such a network from now on."""
         self.latency_s = latency_s
+        self.bits_per_s = bits_per_s
+
+    def way_s(self, size: int) -> float:
+        """Return how long a body of so many bytes is on its way, there or back."""
+        sending_s = size * 8 / self.bits_per_s if self.bits_per_s > 0 else 0.0
+        return self.latency_s / 2 + sending_s
 
     def next_for(self, method: str, chat_id: object) -> ServerFault | None:
         """Return the fault for this call and count it."""
@@ -95,5 +103,5 @@ class ServerFaults:
 
     def clear(self) -> None:
         """End all faults and the latency."""
-        self.latency_s = 0.0
+        self.slow_down(0.0)
         self.orders.clear()

@@ -182,9 +182,9 @@ class ServerSwitches:
         """End all faults and the latency."""
         self.faults.clear()
 
-    def set_latency(self, seconds: float) -> None:
+    def set_latency(self, seconds: float, bits_per_s: float = 0.0) -> None:
         """Add this to every call, half before and half after it takes effect."""
-        self.faults.slow_down(seconds)
+        self.faults.slow_down(seconds, bits_per_s)
 
     def set_limits(self, limits: JsonObject | Limits | None) -> None:
         """Choose other flood limits, starting anew; None switches them off."""
