@@ -26,6 +26,25 @@ PHONE: Final = {"width": 390, "height": 844}
 WALL: Final = {"width": 2560, "height": 1440}
 PICTURES: Final = Path(__file__).parents[2] / "docs" / "pictures"
 AXE: Final = (files("axe_playwright_python") / "axe.min.js").read_text()
+STICKING_OUT: Final = """async () => {
+  for (const _ of "12") await new Promise(requestAnimationFrame);  // charts follow their place
+  const found = [];
+  const named = (each, why) => found.push(`${why}: ${each.outerHTML.slice(0, 100)}`);
+  const wide = document.documentElement.scrollWidth;
+  if (wide > innerWidth) {
+    for (const each of document.querySelectorAll("body *")) {
+      if (each.getBoundingClientRect().right >= wide) named(each, `the page is ${wide} wide`);
+    }
+  }
+  for (const each of document.querySelectorAll(".scroll, .panel, .messages")) {
+    if (each.scrollWidth > each.clientWidth + 1) named(each, "is scrolled sideways");
+  }
+  for (const each of document.querySelectorAll(".panel *")) {
+    const [own, place] = [each, each.closest(".panel")].map((one) => one.getBoundingClientRect());
+    if (own.right > place.right && !each.closest("thead, .hidden")) named(each, "sticks out");
+  }
+  return found;
+}"""
 QUIET_EXIT: Final = "Failed to load resource"
 """What Chromium itself says of a status that the page asked for and understood."""
 
@@ -107,12 +126,16 @@ class OpenPage:
             if each["impact"] in {"serious", "critical"}
         ]
 
+    async def sticking_out(self, size: dict[str, int]) -> list[str]:
+        """Return what is wider than its place, or is scrolled sideways, in a window of a size."""
+        await self.page.set_viewport_size(size)  # type: ignore[arg-type]
+        found: list[str] = await self.page.evaluate(STICKING_OUT)
+        return found
+
     async def fits(self, name: str) -> None:
         """See that a part is good for everybody, at a desk and on a phone; draw both."""
         for size, where in ((PHONE, "phone"), (DESK, "desk")):
-            await self.page.set_viewport_size(size)  # type: ignore[arg-type]
-            wide = await self.page.evaluate("document.documentElement.scrollWidth")
-            assert wide <= size["width"], f"{name} is {wide} wide on a {where}"
+            assert await self.sticking_out(size) == [], f"{name} on a {where}"
             assert await self.violations() == []
             await self.picture(f"{name}-{where}")
 

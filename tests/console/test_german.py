@@ -14,7 +14,7 @@ from rosic.app.demo import fleet
 from rosic.config.plugins import catalogue
 from rosic.core.robot.profile import RobotId
 from tests.api.served import served
-from tests.console.browser import DESK, opened
+from tests.console.browser import DESK, PHONE, opened
 from tests.console.robots import DRAINED, SILENT, noting
 from tests.texts import templates
 
@@ -30,6 +30,7 @@ pytestmark = pytest.mark.limit(300)
 FIELD: Final = re.compile(r"\\\{[^}]*\\\}")
 LETTERS_LEAST: Final = 5
 """A template with fewer of its own says too little to be recognised beside what fills it."""
+SIZES: Final = (PHONE, {"width": 1280, "height": 800}, {"width": 1920, "height": 1080}, DESK)
 TABS: Final = {
     "live": ".view img",
     "drive/omni": "form.skill",
@@ -119,7 +120,7 @@ async def shown(there: OpenPage, tab: str) -> list[str]:
 
 
 @pytest.mark.asyncio(loop_scope="module")
-async def test_no_tab_says_in_english_what_has_a_german_text(browser: Browser) -> None:
+async def test_every_tab_speaks_german_and_has_room_for_its_longer_words(browser: Browser) -> None:
     DRAINED.add("omni")
     async with served(robots_of=noting) as place:
         await content(place)
@@ -129,8 +130,10 @@ async def test_no_tab_says_in_english_what_has_a_german_text(browser: Browser) -
         async with opened(browser, place, DESK, locale="de-DE") as there:
             await there.page.goto(f"{place.url}/#code={place.code('Ada')}")
             await expect(there.page.get_by_text("Gateway verbunden")).to_be_visible()
-            left = {tab: left_in_english(await shown(there, tab)) for tab in TABS}
-            assert left == {tab: [] for tab in TABS}
+            for tab in TABS:
+                assert left_in_english(await shown(there, tab)) == [], tab
+                for size in SIZES:
+                    assert await there.sticking_out(size) == [], (tab, size)
             told = " ".join(await shown(there, "drive/omni"))
             assert "Grundstellung" in told
             assert "carry" not in told

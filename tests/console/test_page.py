@@ -179,6 +179,7 @@ async def test_a_cut_link_of_the_page_is_said_within_two_seconds_and_comes_back(
     await expect(card).to_contain_text("unknown: no connection to the gateway")
     assert await there.violations() == []
     await there.picture("cut-off")
+    assert await there.sticking_out(PHONE) == []
     await page.evaluate("window.cut = false")
     await there.connected()
     await expect(page.get_by_text("The connection is back.")).to_be_visible()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.i18n import capital, figure, filled, joined, said, said_n, titled
-from rosic.core.language.common_names import shown_name
+from rosic.core.language.common_names import known_name, shown_name
 from rosic.core.language.sanitise import echo
 from rosic.core.policy.scope import RESUME
 from rosic.core.time_units import DAY_S, HOUR_S, MINUTE_S
@@ -111,10 +111,10 @@ def button_label(skill: Skill) -> str:
 
 def parameter_label(name: str, parameter: Parameter) -> str:
     """Return a parameter's name as a form shows it: its title, or the common name that it has."""
-    common = capital(shown_name(name))
-    if parameter.title.casefold() in {"", common.casefold()} and not parameter.titles:
-        return common
-    return titled(parameter.title or common, parameter.titles)
+    title, common = parameter.title, known_name(name)
+    if not title or (common is not name and title.casefold() == common and not parameter.titles):
+        title = capital(shown_name(name))
+    return titled(title, parameter.titles)
 
 
 def parameter_hint(name: str, parameter: Parameter) -> str:

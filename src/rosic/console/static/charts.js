@@ -146,7 +146,7 @@ export function Camera({ robot }) {
     };
   }, [robot.id, offers]);
   if (!offers) return html`<p class="quiet">${t("{robot} has no camera.", { robot: robot.name })}</p>`;
-  if (!shown.url) return html`<p class="quiet">${shown.why || t("One moment …")}</p>`;
+  if (!shown.url) return html`<p class="quiet ${shown.why ? "" : "camera"}">${shown.why || t("One moment …")}</p>`;
   return html`<figure>
     <img class="camera" src=${shown.url} alt=${t("What {robot} sees now", { robot: robot.name })} />
     ${shown.taken && html`<figcaption class="quiet small">${t("Taken at {time}.", { time: clock(shown.taken) })}</figcaption>`}

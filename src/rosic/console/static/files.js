@@ -1,7 +1,7 @@
 // Files: what somebody keeps here, to save and to delete.
 
 import { dayAndTime, Nothing, Said, useAsked, useDeed } from "./asked.js";
-import { html, useState } from "./lib.js";
+import { html, Table, useState } from "./lib.js";
 import { ask, upload } from "./store.js";
 import { number, t } from "./texts.js";
 
@@ -74,25 +74,18 @@ export function Files() {
       <${Upload} act=${act} waits=${waits} again=${asked.again} />
     </div>
     ${files.length
-      ? html`<div class="scroll" tabindex="0" role="region" aria-label=${t("My files")}>
-          <table class="stacked">
-            <thead>
-              <tr>
-                <th scope="col">${t("Name")}</th>
-                <th scope="col">${t("Size")}</th>
-                <th scope="col">${t("Kind")}</th>
-                <th scope="col">${t("Since")}</th>
-                <th scope="col"><span class="hidden">${t("What can be done")}</span></th>
-              </tr>
-            </thead>
-            <tbody>
-              ${files.map(
-                (each) =>
-                  html`<${File} key=${each.id} file=${each} act=${act} waits=${waits} again=${asked.again} />`,
-              )}
-            </tbody>
-          </table>
-        </div>`
+      ? html`<${Table}
+          label=${t("My files")}
+          kind="stacked"
+          heads=${[t("Name"), t("Size"), t("Kind"), t("Since"), html`<span class="hidden">${t("What can be done")}</span>`]}
+        >
+          <tbody>
+            ${files.map(
+              (each) =>
+                html`<${File} key=${each.id} file=${each} act=${act} waits=${waits} again=${asked.again} />`,
+            )}
+          </tbody>
+        <//>`
       : html`<${Nothing} asked=${asked} none=${t("You keep no files here yet.")} />`}
     <${Said} said=${said} />
   </section>`;

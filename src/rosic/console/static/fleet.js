@@ -2,7 +2,7 @@
 
 import { dayAndTime, Nothing, Said, useAsked, useDeed } from "./asked.js";
 import { asked } from "./invite.js";
-import { html, useState } from "./lib.js";
+import { html, Table, useState } from "./lib.js";
 import { Pill } from "./robots.js";
 import { useStore } from "./store.js";
 import { t } from "./texts.js";
@@ -156,12 +156,14 @@ function hours(seconds) {
   return t("{hours} h {minutes} min", { hours: Math.floor(minutes / 60), minutes: minutes % 60 });
 }
 
-function Busy({ time, of }) {
+function Busy({ time, head, of }) {
   const percent = Math.round(time.share * 100);
-  return html`<td>
-    <meter min="0" max="1" value=${time.share} aria-label=${of}></meter>
-    <span class="number">${percent} %</span>
-    <span class="quiet small">${hours(time.worked_s)}</span>
+  return html`<td data-head=${head}>
+    <span>
+      <meter min="0" max="1" value=${time.share} aria-label=${of}></meter>
+      <span class="number">${percent}\u00a0%</span>
+      <span class="quiet small">${hours(time.worked_s)}</span>
+    </span>
   </td>`;
 }
 
@@ -173,28 +175,23 @@ function Utilisation() {
   return html`<section class="panel busy-robots" aria-labelledby="h-busy">
     <h2 id="h-busy">${t("How busy robots were")}</h2>
     ${found.length
-      ? html`<div class="scroll" tabindex="0" role="region" aria-labelledby="h-busy">
-          <table class="busy">
-            <thead>
-              <tr>
-                <th scope="col">${t("Robot")}</th>
-                <th scope="col">${t("Today")}</th>
-                <th scope="col">${t("Last 7 days")}</th>
-              </tr>
-            </thead>
-            <tbody>
-              ${found.map(
-                (each) => html`<tr key=${each.robot}>
-                  <th scope="row">
-                    ${named(each)} ${each.at_work && html`<${Pill} kind="good">${t("at work")}<//>`}
-                  </th>
-                  <${Busy} time=${each.today} of=${t("{robot}, today", { robot: named(each) })} />
-                  <${Busy} time=${each.week} of=${t("{robot}, last 7 days", { robot: named(each) })} />
-                </tr>`,
-              )}
-            </tbody>
-          </table>
-        </div>`
+      ? html`<${Table}
+          label=${t("How busy robots were")}
+          kind="busy stacked"
+          heads=${[t("Robot"), t("Today"), t("Last 7 days")]}
+        >
+          <tbody>
+            ${found.map(
+              (each) => html`<tr key=${each.robot}>
+                <th scope="row" data-head=${t("Robot")}>
+                  <span>${named(each)} ${each.at_work && html`<${Pill} kind="good">${t("at work")}<//>`}</span>
+                </th>
+                <${Busy} time=${each.today} head=${t("Today")} of=${t("{robot}, today", { robot: named(each) })} />
+                <${Busy} time=${each.week} head=${t("Last 7 days")} of=${t("{robot}, last 7 days", { robot: named(each) })} />
+              </tr>`,
+            )}
+          </tbody>
+        <//>`
       : html`<${Nothing} asked=${asked} none=${t("You may see no robot here.")} />`}
   </section>`;
 }

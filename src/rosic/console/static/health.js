@@ -1,7 +1,7 @@
 // Health: what the doctor finds of the record, the disk, messengers and robots; what is measured.
 
 import { Nothing, useAsked } from "./asked.js";
-import { html } from "./lib.js";
+import { html, Table } from "./lib.js";
 import { stageWord } from "./orders.js";
 import { Pill } from "./robots.js";
 import { state } from "./store.js";
@@ -38,32 +38,27 @@ function Metrics() {
   return html`<section class="panel" aria-labelledby="h-metrics">
     <h2 id="h-metrics">${t("What is measured")}</h2>
     ${found.length
-      ? html`<div class="scroll" tabindex="0" role="region" aria-labelledby="h-metrics">
-          <table class="figures">
-            <thead>
-              <tr>
-                <th scope="col">${t("Measure")}</th>
-                <th scope="col">${t("Of what")}</th>
-                <th scope="col" class="number">${t("Value")}</th>
-              </tr>
-            </thead>
-            ${found.map(
-              (each) => html`<tbody key=${each.name}>
-                ${each.figures.map(
-                  (figure, at) => html`<tr key=${JSON.stringify(figure.labels)}>
-                    ${at === 0 &&
-                    html`<th scope="rowgroup" rowspan=${each.figures.length}>${each.about}<code class="quiet small">${each.name}</code></th>`}
-                    <td>${Object.entries(figure.labels).map(labelWord).join(", ") || "—"}</td>
-                    <td class="number">
-                      ${number(figure.value, each.kind)}
-                      ${figure.count !== null && html`<span class="quiet small">${t("{count} times", { count: figure.count })}</span>`}
-                    </td>
-                  </tr>`,
-                )}
-              </tbody>`,
-            )}
-          </table>
-        </div>`
+      ? html`<${Table}
+          label=${t("What is measured")}
+          kind="figures"
+          heads=${[t("Measure"), t("Of what"), t("Value")]}
+        >
+          ${found.map(
+            (each) => html`<tbody key=${each.name}>
+              ${each.figures.map(
+                (figure, at) => html`<tr key=${JSON.stringify(figure.labels)}>
+                  ${at === 0 &&
+                  html`<th scope="rowgroup" rowspan=${each.figures.length}>${each.about}<code class="quiet small">${each.name}</code></th>`}
+                  <td>${Object.entries(figure.labels).map(labelWord).join(", ") || "—"}</td>
+                  <td class="number">
+                    ${number(figure.value, each.kind)}
+                    ${figure.count !== null && html`<span class="quiet small">${t("{count} times", { count: figure.count })}</span>`}
+                  </td>
+                </tr>`,
+              )}
+            </tbody>`,
+          )}
+        <//>`
       : html`<${Nothing} asked=${asked} none=${t("Nothing was looked at.")} />`}
   </section>`;
 }

@@ -1,7 +1,7 @@
 // History: what was asked before and what came of it; searched, and saved as a table.
 
 import { dayAndTime, Nothing, RobotChoice, useAsked } from "./asked.js";
-import { html, useEffect, useState } from "./lib.js";
+import { html, Table, useEffect, useState } from "./lib.js";
 import { stageWord } from "./orders.js";
 import { Pill } from "./robots.js";
 import { useStore } from "./store.js";
@@ -79,23 +79,16 @@ export function History() {
         : t("The newest {count} are shown; the table has more.", { count: MOST }))}
     </p>
     ${found.length
-      ? html`<div class="scroll tall" tabindex="0" role="region" aria-label=${t("History")}>
-          <table class="stacked">
-            <thead>
-              <tr>
-                <th scope="col">${t("Time")}</th>
-                <th scope="col">${t("Who")}</th>
-                <th scope="col">${t("Robot")}</th>
-                <th scope="col">${t("Asked")}</th>
-                <th scope="col">${t("Kind")}</th>
-                <th scope="col">${t("How it ended")}</th>
-              </tr>
-            </thead>
-            <tbody>
-              ${found.map((each, index) => html`<${Entry} key=${`${each.at} ${index}`} entry=${each} />`)}
-            </tbody>
-          </table>
-        </div>`
+      ? html`<${Table}
+          label=${t("History")}
+          kind="stacked"
+          tall
+          heads=${[t("Time"), t("Who"), t("Robot"), t("Asked"), t("Kind"), t("How it ended")]}
+        >
+          <tbody>
+            ${found.map((each, index) => html`<${Entry} key=${`${each.at} ${index}`} entry=${each} />`)}
+          </tbody>
+        <//>`
       : html`<${Nothing} asked=${asked} none=${t("Nothing is found. Look further back, or for something else.")} />`}
   </section>`;
 }

@@ -8,6 +8,23 @@ import htm from "./vendor/htm.module.js";
 export const html = htm.bind(h);
 export { render, useEffect, useLayoutEffect, useRef, useState };
 
+/** A table, scrolled also by the keyboard where it is larger than its place. */
+export const Table = ({ label, kind, tall = false, heads, children }) => html`<div
+  class=${tall ? "scroll tall" : "scroll"}
+  tabindex="0"
+  role="region"
+  aria-label=${label}
+>
+  <table class=${kind}>
+    <thead>
+      <tr>
+        ${heads.map((head) => html`<th scope="col">${head}</th>`)}
+      </tr>
+    </thead>
+    ${children}
+  </table>
+</div>`;
+
 /** The moment, again and again: for what is told by how long it has lasted. */
 export function useNow(everyMs) {
   const [now, setNow] = useState(() => performance.now());

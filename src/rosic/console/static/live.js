@@ -1,51 +1,46 @@
 // Live: the panel of rates, connections, commands sent and commands received, as they happen.
 
 import { Camera, Telemetry } from "./charts.js";
-import { html } from "./lib.js";
+import { html, Table } from "./lib.js";
 import { PoseMap } from "./map.js";
 import { Orders } from "./orders.js";
 import { RobotCard } from "./robots.js";
 import { useStore } from "./store.js";
 import { number, t } from "./texts.js";
 
-const rate = (value) => (value === undefined ? "—" : number(value, 1));
+const rate = (value) => `${number(value, 1)}\u00a0/s`;
 
 function bytes(value) {
   if (value === undefined) return "—";
-  return value < 1000 ? `${number(value, 0)} B/s` : `${number(value / 1000, 1)} kB/s`;
+  return value < 1000 ? `${number(value, 0)}\u00a0B/s` : `${number(value / 1000, 1)}\u00a0kB/s`;
 }
 
 function Rates() {
   const { rates, robots } = useStore();
   const messengers = rates ? rates.messengers : [];
-  return html`<div class="scroll" tabindex="0" role="region" aria-label=${t("Data rate")}>
-    <table class="rates">
-      <thead>
-        <tr>
-          <th scope="col">${t("Messenger or robot")}</th>
-          <th scope="col">${t("Sent")}</th>
-          <th scope="col">${t("Received")}</th>
-        </tr>
-      </thead>
-      <tbody>
-        ${messengers.map(
-          (each) => html`<tr key=${`m ${each.name}`}>
-            <th scope="row">${each.name}</th>
-            <td>${rate(each.out_per_s)} /s · ${bytes(each.out_bytes_s)}</td>
-            <td>${rate(each.in_per_s)} /s · ${bytes(each.in_bytes_s)}</td>
-          </tr>`,
-        )}
-        ${[...robots.values()].map((robot) => {
-          const each = rates?.robots.get(robot.id);
-          return html`<tr key=${`r ${robot.id}`}>
-            <th scope="row">${robot.name}</th>
-            <td>${each ? `${rate(each.sent_per_s)} /s` : "—"}</td>
-            <td>${each ? `${rate(each.received_per_s)} /s` : "—"}</td>
-          </tr>`;
-        })}
-      </tbody>
-    </table>
-  </div>`;
+  return html`<${Table}
+    label=${t("Data rate")}
+    kind="rates"
+    heads=${[t("Messenger or robot"), t("Sent"), t("Received")]}
+  >
+    <tbody>
+      ${messengers.map(
+        (each) => html`<tr key=${`m ${each.name}`}>
+          <th scope="row">${each.name}</th>
+          <td>${rate(each.out_per_s)} <small>${bytes(each.out_bytes_s)}</small></td>
+          <td>${rate(each.in_per_s)} <small>${bytes(each.in_bytes_s)}</small></td>
+        </tr>`,
+      )}
+      ${[...robots.values()].map((robot) => {
+        const each = rates?.robots.get(robot.id);
+        return html`<tr key=${`r ${robot.id}`}>
+          <th scope="row">${robot.name}</th>
+          <td>${each ? rate(each.sent_per_s) : "—"}</td>
+          <td>${each ? rate(each.received_per_s) : "—"}</td>
+        </tr>`;
+      })}
+    </tbody>
+  <//>`;
 }
 
 /** The page on the wall. */

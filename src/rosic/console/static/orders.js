@@ -1,6 +1,6 @@
 // Commands that were sent beside commands that were received: a difference stands out.
 
-import { html, useNow } from "./lib.js";
+import { html, Table, useNow } from "./lib.js";
 import { Pill } from "./robots.js";
 import { state, useStore } from "./store.js";
 import { clock, number, t } from "./texts.js";
@@ -90,7 +90,7 @@ function Row({ order, now }) {
 }
 
 /** The newest orders, whoever gave them. */
-export function Orders({ robot = "", most = SHOWN, brief = false }) {
+export function Orders({ robot = "", most = SHOWN }) {
   const { orders } = useStore();
   const now = useNow(500);
   const shown = [...orders.values()]
@@ -98,21 +98,13 @@ export function Orders({ robot = "", most = SHOWN, brief = false }) {
     .reverse()
     .slice(0, most);
   if (!shown.length) return html`<p class="quiet">${t("Nothing was sent yet.")}</p>`;
-  return html`<div class="scroll" tabindex="0" role="region" aria-label=${t("Commands")}>
-    <table class=${`orders ${brief ? "brief" : ""}`}>
-      <thead>
-        <tr>
-          <th scope="col">${t("Time")}</th>
-          <th scope="col">${t("Robot")}</th>
-          <th scope="col">${t("Sent to the robot")}</th>
-          <th scope="col">${t("Received by the robot")}</th>
-          <th scope="col">${t("Now")}</th>
-          <th scope="col">${t("Hops")}</th>
-        </tr>
-      </thead>
-      <tbody>
-        ${shown.map((order) => html`<${Row} key=${order.id} order=${order} now=${now} />`)}
-      </tbody>
-    </table>
-  </div>`;
+  return html`<${Table}
+    label=${t("Commands")}
+    kind="orders"
+    heads=${[t("Time"), t("Robot"), t("Sent to the robot"), t("Received by the robot"), t("Now"), t("Hops")]}
+  >
+    <tbody>
+      ${shown.map((order) => html`<${Row} key=${order.id} order=${order} now=${now} />`)}
+    </tbody>
+  <//>`;
 }

@@ -2,7 +2,7 @@
 
 import { command, Nothing, Said, useAsked, useDeed } from "./asked.js";
 import { Invitations, Requests } from "./invite.js";
-import { html, useState } from "./lib.js";
+import { html, Table, useState } from "./lib.js";
 import { Passkeys } from "./passkeys.js";
 import { Pill } from "./robots.js";
 import { useStore } from "./store.js";
@@ -16,7 +16,7 @@ function Person({ person, me, act, waits, again }) {
   const say = (line) => act(() => command(line)).then(again);
   return html`<tr>
     <th scope="row" data-head=${t("Name")}>
-      ${person.name}${own && html` <span class="quiet">${t("(you)")}</span>`}
+      <span>${person.name}${own && html` <span class="quiet">${t("(you)")}</span>`}</span>
     </th>
     <td data-head=${t("Kind")}>${person.kind === "program" ? t("program") : t("person")}</td>
     <td data-head=${t("Roles")}>${person.named.join(", ") || "—"}</td>
@@ -55,25 +55,19 @@ function Known({ asked }) {
   const { me } = useStore();
   const { said, waits, act } = useDeed();
   if (!asked.data) return html`<${Nothing} asked=${asked} none="" />`;
-  return html`<div class="scroll tall" tabindex="0" role="region" aria-label=${t("Who is known here")}>
-      <table class="stacked">
-        <thead>
-          <tr>
-            <th scope="col">${t("Name")}</th>
-            <th scope="col">${t("Kind")}</th>
-            <th scope="col">${t("Roles")}</th>
-            <th scope="col">${t("Access")}</th>
-            <th scope="col"><span class="hidden">${t("What can be done")}</span></th>
-          </tr>
-        </thead>
-        <tbody>
-          ${asked.data.map(
-            (each) =>
-              html`<${Person} key=${each.id} person=${each} me=${me} act=${act} waits=${waits} again=${asked.again} />`,
-          )}
-        </tbody>
-      </table>
-    </div>
+  return html`<${Table}
+    label=${t("Who is known here")}
+    kind="stacked"
+    tall
+    heads=${[t("Name"), t("Kind"), t("Roles"), t("Access"), html`<span class="hidden">${t("What can be done")}</span>`]}
+  >
+    <tbody>
+      ${asked.data.map(
+        (each) =>
+          html`<${Person} key=${each.id} person=${each} me=${me} act=${act} waits=${waits} again=${asked.again} />`,
+      )}
+    </tbody>
+  <//>
     <${Said} said=${said} />`;
 }
 

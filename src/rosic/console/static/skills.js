@@ -42,7 +42,7 @@ function Field({ id, name, skill, required, value, onInput }) {
         </span>`}
     ${bounded &&
     html`<small id=${`${id}-range`} class="quiet">
-      ${t("{least} to {most}", { least: number(schema.minimum, 3), most: number(schema.maximum, 3) })}${" "}${unit}
+      ${t("{least} to {most}", { least: number(schema.minimum, 3), most: number(schema.maximum, 3) })}${unit.startsWith("°") ? "" : "\u00a0"}${unit}
     </small>`}
   </div>`;
 }
