@@ -25,7 +25,6 @@ OF_EVERY_FEATURE = re.compile(r"rosic\.features\.\w+\.(?:commands|messages)")
 FOREIGN = frozenset(
     f"{module} {name}"
     for module, names in {
-        "rosic.bench.output": "sheet",
         "rosic.container.export": "sheet",
         "rosic.robots.ros2.client.topics": "message",
         "rosic.robots.ros2.messages.encode": "message",

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import io
 import os
 from contextlib import suppress
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Final
 
 from rosic.bench.charts import drawn
 from rosic.bench.report import as_csv, tables_of
+from rosic.container.export import WorkbookSheet, as_workbook
 from rosic.errors import ConfigurationError, how_to_install
 
 if TYPE_CHECKING:
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
     from rosic.bench.report import BenchReport, BenchTable
 
 NO_WORKBOOK: Final = "A workbook needs openpyxl, which is not installed."
-LONGEST_TITLE: Final = 31
-"""Of a sheet: https://support.microsoft.com/office (specifications and limits of Excel)."""
 CHART_KINDS: Final = ("png", "svg")
 WIDEST: Final = 60
 
@@ -30,10 +29,8 @@ def require_workbooks() -> None:
     Raises:
         ConfigurationError: The extra is not installed; says how to.
     """
-    try:
-        import openpyxl  # noqa: F401, PLC0415 - an extra
-    except ImportError:
-        raise ConfigurationError(NO_WORKBOOK, hint=f"Run: {how_to_install('bench')}") from None
+    if find_spec("openpyxl") is None:
+        raise ConfigurationError(NO_WORKBOOK, hint=f"Run: {how_to_install('bench')}")
 
 
 def as_xlsx(tables: Sequence[BenchTable]) -> bytes:
@@ -42,28 +39,20 @@ def as_xlsx(tables: Sequence[BenchTable]) -> bytes:
     Raises:
         ConfigurationError: openpyxl is not installed.
     """
-    require_workbooks()
-    from openpyxl import Workbook  # noqa: PLC0415 - an extra, and slow to load
-    from openpyxl.utils import get_column_letter  # noqa: PLC0415 - the same
+    return as_workbook(
+        WorkbookSheet(
+            f"{number} {table.title}" if number > 1 else table.title,
+            {name: _width(table, at) for at, name in enumerate(table.columns)},
+            table.rows,
+        )
+        for number, table in enumerate(tables, start=1)
+    )
 
-    book = Workbook()
-    book.remove(book.worksheets[0])
-    for number, table in enumerate(tables):
-        title = f"{number + 1} {table.title}" if number else table.title
-        sheet = book.create_sheet(title[:LONGEST_TITLE])
-        sheet.append(table.columns)
-        sheet.freeze_panes = "A2"
-        for at, row in enumerate(table.rows, start=2):
-            for place, value in enumerate(row, start=1):
-                cell = sheet.cell(at, place, value)
-                if isinstance(value, str):
-                    cell.data_type = "s"
-        for place, column in enumerate(table.columns, start=1):
-            longest = max(len(str(row[place - 1])) for row in ((column,) * place, *table.rows))
-            sheet.column_dimensions[get_column_letter(place)].width = min(longest + 2, WIDEST)
-    file = io.BytesIO()
-    book.save(file)
-    return file.getvalue()
+
+def _width(table: BenchTable, column: int) -> int:
+    """Return how wide a column is, in characters."""
+    cells = (table.columns[column], *(str(row[column]) for row in table.rows))
+    return min(max(map(len, cells)) + 2, WIDEST)
 
 
 def write(path: Path, content: bytes) -> None:

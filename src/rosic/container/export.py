@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import io
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import msgspec
 
@@ -36,6 +36,8 @@ COLUMNS: Final[Mapping[str, int]] = {
 THINGS: Final[Mapping[str, int]] = {"Kind": 16, "ID": 24, "Known": 60, "Sealed": 80}
 """Headings of spreadsheets, and how wide their columns are."""
 LONGEST_CELL: Final = 32_767
+LONGEST_TITLE: Final = 31
+"""Of a sheet; both as Excel has them."""
 
 SECRET: Final = frozenset({"totp", "code-key"})
 """Kinds of facts whose letter is a secret: that there is one is said, what it says is not."""
@@ -156,31 +158,48 @@ def archive_as_xlsx(found: Iterable[ArchiveRow]) -> bytes:
         ConfigurationError: openpyxl is not installed.
     """
     cells = ((row.n, row.time, row.way, row.sender, row.name, row.text, row.note) for row in found)
-    return _workbook("Messages", COLUMNS, cells)
+    return as_workbook([WorkbookSheet("Messages", COLUMNS, cells)])
 
 
-def _workbook(
-    title: str, columns: Mapping[str, int], lines: Iterable[tuple[int | str, ...]]
-) -> bytes:
-    """Return a workbook. Every cell but a number is a text: none is taken for a formula."""
+class WorkbookSheet(NamedTuple):
+    """A sheet of a workbook.
+
+    Attributes:
+        title: `LONGEST_TITLE` characters of it are shown.
+        columns: Their names, and how wide they are, in characters.
+        lines: Cells, as many as columns.
+    """
+
+    title: str
+    columns: Mapping[str, int]
+    lines: Iterable[Sequence[float | str | None]]
+
+
+def as_workbook(sheets: Iterable[WorkbookSheet]) -> bytes:
+    """Return a workbook. Every cell but a number is a text: none is taken for a formula.
+
+    Raises:
+        ConfigurationError: openpyxl is not installed.
+    """
     try:
         from openpyxl import Workbook  # noqa: PLC0415 - an extra, and slow to load
         from openpyxl.utils import get_column_letter  # noqa: PLC0415 - the same
     except ImportError as missing:
         raise ConfigurationError(words.NO_SPREADSHEET) from missing
     book = Workbook()
-    sheet = book.worksheets[0]
-    sheet.title = title
-    sheet.append(tuple(columns))
-    sheet.freeze_panes = "A2"
-    for place, width in enumerate(columns.values(), start=1):
-        sheet.column_dimensions[get_column_letter(place)].width = width
-    for number, line in enumerate(lines, start=2):
-        for place, value in enumerate(line, start=1):
-            shown = value if isinstance(value, int) else clean(value)[:LONGEST_CELL]
-            cell = sheet.cell(number, place, shown)
-            if not isinstance(value, int):
-                cell.data_type = "s"
+    book.remove(book.worksheets[0])
+    for one in sheets:
+        sheet = book.create_sheet(one.title[:LONGEST_TITLE])
+        sheet.append(tuple(one.columns))
+        sheet.freeze_panes = "A2"
+        for place, width in enumerate(one.columns.values(), start=1):
+            sheet.column_dimensions[get_column_letter(place)].width = width
+        for number, line in enumerate(one.lines, start=2):
+            for place, value in enumerate(line, start=1):
+                shown = clean(value)[:LONGEST_CELL] if isinstance(value, str) else value
+                cell = sheet.cell(number, place, shown)
+                if isinstance(value, str):
+                    cell.data_type = "s"
     file = io.BytesIO()
     book.save(file)
     return file.getvalue()
@@ -244,7 +263,7 @@ def container_as(form: str, things: Iterable[ContainedItem]) -> str | bytes:
         ConfigurationError: No spreadsheet can be made on this computer.
     """
     if form == "xlsx":
-        return _workbook("Container", THINGS, map(_cells, things))
+        return as_workbook([WorkbookSheet("Container", THINGS, map(_cells, things))])
     as_line = _thing_line if form == "text" else thing_as_json
     return "\n".join(map(as_line, things))
 
