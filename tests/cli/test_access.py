@@ -144,6 +144,23 @@ def test_without_the_robots_of_a_file_an_invitation_to_one_says_so(
     assert "a data folder alone does not say which robots" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("command", ["key list", "key revoke Bob", "revoke Bob", "container list"])
+def test_what_asks_no_gateway_elsewhere_says_so_and_does_nothing_here(
+    place: Place, command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place.begun()
+    place.good("key rotate", "Ada")
+    monkeypatch.chdir(place.folder)
+    monkeypatch.setenv("ROSIC_URL", "https://robots.example.org")
+    assert main(command.split()) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert "ROSIC_URL names a gateway elsewhere, and this command asks none" in told.err
+    assert "with -c rosic.toml or --data, or unset ROSIC_URL" in told.err
+    assert "Bob: as operator" in place.good("people")
+    assert main([*command.split(), "-c", str(place.config)]) == 0, capsys.readouterr().err
+
+
 # ---- keys ----
 
 
@@ -153,7 +170,9 @@ def test_a_key_is_replaced_and_the_old_one_ends(place: Place) -> None:
     )
     new, old = place.good("key list", "Bob").splitlines()
     assert new.endswith("  Bob  until taken back")
-    assert old.endswith("  Bob  for 10 minutes")
+    assert old.endswith("  Bob  replaced by a newer key, good for another 10 minutes")
+    found = json.loads(place.good("key list", "Bob", "--json"))
+    assert [one["replaced"] for one in found] == [False, True]
     assert "Bob, key k" in place.good("security report")
 
     assert (

@@ -156,7 +156,13 @@ class KeyRing:
         if ends_ns is None:
             return words.ends_in(None)
         left_s = (ends_ns - self.time.wall_ns()) / 1e9
-        return words.ends_in(left_s) if left_s > 0 else said("ended")
+        if left_s <= 0:
+            return said("ended")
+        return words.replaced_for(left_s) if self.is_replaced(key.id) else words.ends_in(left_s)
+
+    def is_replaced(self, key_id: KeyId) -> bool:
+        """Whether a newer key took the place of this one, beside which it is good for a while."""
+        return key_id in self._ends
 
     # ---- decisions: nothing changes until the records are applied ----
 

@@ -140,6 +140,11 @@ def ends_in(seconds: float | None) -> str:
     )
 
 
+def replaced_for(seconds: float) -> str:
+    """Return how long a key is good beside the one that took its place."""
+    return said("replaced by a newer key, good for another {lasting}", lasting=lasting(seconds))
+
+
 def misuse_person(what: str) -> str:
     """Return what somebody reads whose key was invalidated by rule."""
     return said("Your access has ended, because there were {what}. Ask an admin.", what=what)

@@ -55,16 +55,27 @@ def elsewhere(options: argparse.Namespace) -> str:
     Raises:
         OutOfBounds: One here and one elsewhere are named.
     """
-    named = options.data is not None or not isinstance(options.config, AssumedFile)
-    return remote.url_of(options, here=named)
+    return remote.url_of(options, here=_is_named(options))
+
+
+def _is_named(options: argparse.Namespace) -> bool:
+    """Whether a gateway of this machine is named."""
+    return options.data is not None or not isinstance(options.config, AssumedFile)
 
 
 def data_of(options: argparse.Namespace) -> Path:
     """Return the data folder. Nothing else of the file has to be right: a stop must get through.
 
     Raises:
-        ConfigurationError: The file cannot be read, or its data folder is no text.
+        ConfigurationError: The file cannot be read, or its data folder is no text; or a gateway
+            elsewhere is meant, by ROSIC_URL, that the command does not ask.
     """
+    if not _is_named(options) and "url" not in options and os.environ.get(remote.URL):
+        raise ConfigurationError(
+            f"{remote.URL} names a gateway elsewhere, and this command asks none: it looks at a "
+            "gateway of this machine, or at its files. Nothing was done.",
+            hint=f"Name the one of this machine with -c {CONFIG} or --data, or unset {remote.URL}.",
+        )
     if options.data is not None:
         return Path(options.data).absolute()
     path = Path(options.config)

@@ -112,7 +112,12 @@ async def test_a_new_key_takes_the_place_of_the_old_one_which_stays_good_for_a_w
         assert told.startswith("Hal has a new key. The old one is good for another 60 minutes.")
         new = secret_in(told)
         assert programs.identify(old) == programs.identify(new)
+        assert (await house.line(ADA, "/key list")).splitlines() == [
+            "Hal: operator on omni, for 30 days; by Ada",
+            "Hal, the older key: replaced by a newer key, good for another 60 minutes",
+        ]
         await house.clock.advance(3_601)
+        assert len((await house.line(ADA, "/key list")).splitlines()) == 1
         with pytest.raises(Unrecognised):
             programs.identify(old)
         programs.identify(new)

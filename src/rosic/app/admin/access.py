@@ -208,6 +208,7 @@ class AccessAdmin:
                     "name": self._books.name(key.principal),
                     "state": ended if key.revoked_ns is None else "taken back",
                     "until": utc(ends_ns),
+                    "replaced": ring.is_replaced(key.id),
                     "taken_back": utc(key.revoked_ns),
                 }
             )

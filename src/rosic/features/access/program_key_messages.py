@@ -71,6 +71,11 @@ def line(name: str, what: str, ends: str, issuer: str) -> str:
     )
 
 
+def older(name: str, ends: str) -> str:
+    """Return one key of a list that a newer one of the same program has replaced."""
+    return said("{name}, the older key: {ends}", name=name, ends=ends)
+
+
 def revoke_question(name: str) -> str:
     """Return the question before the keys of a program end."""
     return said(

@@ -178,7 +178,13 @@ class ProgramKeyCommands:
             return words.line(program.name, "-", words.revoked(program.name), "-")
         what = messages.held(self._held(program.id), now_ns) or "-"
         issuer = self._registry.name(key.issuer)
-        return words.line(program.name, what, self._keys.state(key), issuer)
+        lines = [words.line(program.name, what, self._keys.state(key), issuer)]
+        lines += [
+            words.older(program.name, self._keys.state(other))
+            for other in self._keys.of(program.id)
+            if other.id != key.id and self._keys.good(other.id)
+        ]
+        return joined("\n", lines)
 
     def _mine(self, by: PrincipalId) -> list[Principal]:
         """Return the programs that somebody looks after and that are let in, by their names."""
