@@ -136,7 +136,7 @@ async def move(
     slot, start_ns = _known(api, caller, booking), _minute(data.start)
     calendar = api.kernel.rooms.organiser.calendar
     when = moment_typed(start_ns, data.minutes * 60, calendar.zone(caller.principal))
-    answer = await speech.command(caller, f"/rebook {slot.id} {when}")
+    answer = await speech.settled(caller, f"/rebook {slot.id} {when}")
     moved = calendar.slot(slot.id)
     if moved is None or moved.start_ns != start_ns:
         raise NotUnderstood(answer.text)
