@@ -200,6 +200,44 @@ async def test_a_websocket_is_opened_for_nobody_who_must_not() -> None:
                         assert not await opened.recv(), (name, path)
 
 
+async def test_what_no_route_takes_is_said_in_the_language_of_whoever_asks() -> None:
+    german = "Unter dieser Adresse gibt es nichts."
+    english = "There is nothing at this address."
+    async with served() as place:
+        ada = await place.person("Ada")
+        await ada.post("/v1/chat", json={"text": "/language de"})
+        for accepted, expected in {
+            "de": german,
+            "de-AT,en;q=0.8": german,
+            "fr, en;q=0.2, de;q=0.5": german,
+            "en-GB, de;q=0.9": english,
+            "de;q=0, en": english,
+            "": english,
+            "tlh": english,
+            ",;q=x,de;q=nan": english,
+        }.items():
+            there = {"Accept-Language": accepted}
+            assert problem(await place.http.get("/v1/nothing", headers=there))[2] == expected
+            known = await ada.get("/v1/nothing", headers=there)
+            assert problem(known) == (404, "not-found", german)
+        german_only = {"Accept-Language": "de"}
+        anybody = place.client(german_only)
+        assert problem(await anybody.put("/v1/stop")) == (
+            *(405, "not-allowed"),
+            "Das geht unter dieser Adresse nicht.",
+        )
+        assert problem(await anybody.get("/v1/me", headers={"Host": "evil.example"})) == (
+            *(421, "wrong-host"),
+            "Unter diesem Namen ist dieses Gateway nicht zu erreichen.",
+        )
+        foreign = await anybody.post("/v1/stop", headers={"Origin": "http://evil.example"})
+        assert problem(foreign)[2].startswith("Eine Seite von anderswo darf das nicht verlangen.")
+        unknown = await anybody.get("/v1/me")
+        assert problem(unknown)[2].startswith("Zeige einen Schlüssel")
+        odd = await ada.post("/v1/robots/omni/orders", json={"skill": 7})
+        assert problem(odd)[2].startswith("Das passt hier nicht: skill")
+
+
 async def revoke(place: ServedGateway, secret: str) -> None:
     access = place.gateway.access
     key = secret.split("_")[1]

@@ -176,7 +176,7 @@ async def test_orders_and_stops_of_a_gateway_are_told_signed_and_in_order() -> N
 async def test_a_stop_is_told_at_once_of_its_moment_and_before_the_order_that_it_ended() -> None:
     async with receiving() as (receiver, url), served() as place:
         watcher = WebhookWatcher(place.gateway.kernel, (hook(url),))  # which never looks
-        hal = await place.program("operator", "admin")
+        hal = await place.program("operator", "senior")
         order = {"skill": "move", "arguments": {"distance": 5}}
         await hal.post("/v1/robots/omni/orders", json=order)
         await place.until(lambda: place.gateway.rooms.linker.presence("omni").doing)

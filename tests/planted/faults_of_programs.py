@@ -39,8 +39,8 @@ OF_PROGRAMS = (
     Fault(
         name="a program that asks too much waits for an answer that never comes",
         file="gateway/replies.py",
-        guard="            if message.caller.is_program:",
-        without="            if not message.caller:",
+        guard="            if message.caller.is_program or message.agreed:",
+        without="            if message.agreed:",
         caught_by=(f"{PROGRAMS}::test_a_program_is_told_each_time_that_it_asks_too_much",),
     ),
     Fault(
