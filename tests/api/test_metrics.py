@@ -175,3 +175,21 @@ def test_where_it_listens_is_said_or_refused(tmp_path: Path, table: str, refused
     told = ("encrypted", "no address and port", "nothing listens", "not known here")
     assert refused in errors
     assert bool(refused) == any(sentence in errors for sentence in told)
+
+
+async def test_tasks_and_descriptors_are_counted_as_they_come_and_go(tmp_path: Path) -> None:
+    async with Place().open() as place, measured(place) as client:
+        before = await values(client)
+        waiting = [asyncio.create_task(asyncio.Event().wait()) for _ in range(50)]
+        files = [(tmp_path / f"{number}").open("wb") for number in range(60)]
+        after = await values(client)
+        for file in files:
+            file.close()
+        for task in waiting:
+            task.cancel()
+        await asyncio.gather(*waiting, return_exceptions=True)
+        again = await values(client)
+
+    for name, more in (("rosic_loop_tasks", 50), ("process_open_fds", 60)):
+        assert after[name] == pytest.approx(before[name] + more, abs=5)
+        assert again[name] == pytest.approx(before[name], abs=5)

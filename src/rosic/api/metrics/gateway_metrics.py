@@ -242,6 +242,11 @@ class GatewayMetrics:
                 if link is not None
             ),
         )
+        about = said("Tasks of the event loop that are not over.")
+        yield _value("rosic_loop_tasks", about, len(asyncio.all_tasks()))
+        descriptors = _open_descriptors()
+        if descriptors:
+            yield _value("process_open_fds", said("Open file descriptors."), descriptors)
         resident = _resident_bytes()
         if resident:
             yield _value("process_resident_memory_bytes", said("Memory in use."), resident)
@@ -249,6 +254,15 @@ class GatewayMetrics:
 
 def _value(name: str, about: str, value: float) -> Metric:
     return Metric(name, GAUGE, about, (Sample({}, value),))
+
+
+def _open_descriptors() -> int:
+    """Return how many descriptors are open; 0 where it is not told."""
+    try:
+        with os.scandir("/proc/self/fd") as found:
+            return sum(1 for _ in found) - 1  # that of the list itself
+    except OSError:
+        return 0
 
 
 def _resident_bytes() -> int:
