@@ -87,6 +87,12 @@ def _api_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _resource_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--hours", type=float, metavar="HOURS", help="a soak with faults; 2 is a whole one"
+    )
+
+
 class BenchEntry(NamedTuple):
     """A bench as the command knows it: its module is imported when it runs.
 
@@ -120,6 +126,7 @@ BENCHES: Final[dict[str, BenchEntry]] = {
         in_report=False,
     ),
     "pipeline": BenchEntry("orders a second through a whole gateway, in memory and on disk"),
+    "resources": BenchEntry("what a gateway uses over time; a soak of hours", _resource_options),
     "schedule": BenchEntry("proposed plans beside first come, first served"),
     "start": BenchEntry("how far apart robots begin that are to begin together"),
     "stop": BenchEntry("how soon a stop is handed over, behind a queue"),

@@ -7,10 +7,13 @@ import socket
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final
 
+from rosic.errors import ConfigurationError
+
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
     from pathlib import Path
 
 LOCAL: Final = "127.0.0.1"
@@ -41,6 +44,37 @@ def is_listening(port: int, runs: Callable[[], bool]) -> bool:
 def busy_s(pid: int) -> float:
     """Return how much of a processor a process has used so far."""
     return time.clock_gettime((~pid << 3) | CPU_CLOCK)
+
+
+@contextmanager
+def gateway_process(folder: Path, config: str, port: int) -> Iterator[subprocess.Popen[bytes]]:
+    """Run ``rosic run`` while inside.
+
+    Args:
+        folder: Where its configuration, its record and what it says are.
+        config: Written there as ``rosic.toml``.
+        port: One that it listens on once it works.
+
+    Raises:
+        ConfigurationError: It does not start; says its last words.
+    """
+    file, words = folder / "rosic.toml", folder / "said"
+    file.write_text(config, encoding="utf-8")
+    with words.open("wb") as said:
+        process = subprocess.Popen(  # noqa: S603 - our own command
+            (sys.executable, "-m", "rosic", "run", "-c", str(file)),
+            stdin=subprocess.DEVNULL,
+            stdout=said,
+            stderr=subprocess.STDOUT,
+        )
+    try:
+        if not is_listening(port, lambda: process.poll() is None):
+            last = words.read_text(encoding="utf-8", errors="replace")[-400:]
+            raise ConfigurationError(f"The gateway of the bench did not start: {last}")
+        yield process
+    finally:
+        process.terminate()
+        process.wait(STARTED_WITHIN_S)
 
 
 def key_headers(config: Path) -> dict[str, str]:

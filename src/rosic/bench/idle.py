@@ -7,8 +7,6 @@ beside each window: what it took longer than the quickest of them is taken out.
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import time
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,16 +20,15 @@ from websockets.sync.client import connect
 
 from rosic.bench.gateway_process import (
     LOCAL,
-    STARTED_WITHIN_S,
     busy_s,
     free_port,
-    is_listening,
+    gateway_process,
     key_headers,
 )
 from rosic.bench.report import BenchCase, BenchReport, machine
-from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
+    import subprocess
     from collections.abc import Iterator
 
     from websockets.sync.client import ClientConnection
@@ -197,32 +194,7 @@ def _listen(page: ClientConnection) -> None:
 def _gateway(folder: Path) -> Iterator[tuple[subprocess.Popen[bytes], str, dict[str, str]]]:
     """Run one; yield its process, the address of its events and the headers of a key."""
     port = free_port()
-    config = folder / "rosic.toml"
-    text = CONFIG.format(listen=f"{LOCAL}:{port}")
-    text += "".join(ROBOT.format(name=name) for name in ROBOTS)
-    config.write_text(text, encoding="utf-8")
-    with (folder / "said").open("wb") as said:
-        process = subprocess.Popen(  # noqa: S603 - our own command
-            (sys.executable, "-m", "rosic", "run", "-c", str(config)),
-            stdin=subprocess.DEVNULL,
-            stdout=said,
-            stderr=subprocess.STDOUT,
-        )
-    try:
-        _await_port(process, port, folder / "said")
-        yield process, f"ws://{LOCAL}:{port}/v1/events", key_headers(config)
-    finally:
-        process.terminate()
-        process.wait(STARTED_WITHIN_S)
-
-
-def _await_port(process: subprocess.Popen[bytes], port: int, said: Path) -> None:
-    """Wait until it listens.
-
-    Raises:
-        ConfigurationError: It ended; says its last words.
-    """
-    if is_listening(port, lambda: process.poll() is None):
-        return
-    last = said.read_text(encoding="utf-8", errors="replace")[-400:]
-    raise ConfigurationError(f"The gateway of the bench did not start: {last}")
+    config = CONFIG.format(listen=f"{LOCAL}:{port}")
+    config += "".join(ROBOT.format(name=name) for name in ROBOTS)
+    with gateway_process(folder, config, port) as process:
+        yield process, f"ws://{LOCAL}:{port}/v1/events", key_headers(folder / "rosic.toml")

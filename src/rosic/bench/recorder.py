@@ -20,7 +20,7 @@ from rosic import __version__
 from rosic.bench.report import BenchCase, BenchReport, case_of, machine, versions
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
 LOOPS: Final = 40
 """Together some 35 ms, so that a processor that is shared is seen to be: the system lets others
@@ -95,6 +95,7 @@ class BenchRecorder:
         self._begun_s = perf_counter()
         self._started = datetime.now(UTC)
         self._paces_us = [pace_us()]
+        self._so_far: Callable[[], BenchReport] | None = None
 
     @contextmanager
     def turn(self, case: str, *, of: int = 0) -> Iterator[BenchTurn]:
@@ -171,8 +172,16 @@ class BenchRecorder:
             pace_us=round(median([*self._paces_us, pace_us()]), 2),
         )
 
+    def report_by(self, so_far: Callable[[], BenchReport]) -> None:
+        """Let this make the report of what was seen, where the bench does not come to its end."""
+        self._so_far = so_far
+
     def partial(self, why: str) -> BenchReport:
         """Return what was seen until now, and why there is no more."""
+        if self._so_far is not None:
+            found = self._so_far()
+            failures = (*found.failures, why)
+            return self.finished(msgspec.structs.replace(found, failures=failures))
         return self.finished(
             BenchReport(
                 machine=machine(),

@@ -126,9 +126,11 @@ class Control:
         seen: JsonObject = await self.call("message", chat=chat, message=message)
         return seen
 
-    async def messages(self, chat: int, *, by_bot: bool = False) -> list[JsonObject]:
+    async def messages(
+        self, chat: int, *, by_bot: bool = False, after: int = 0
+    ) -> list[JsonObject]:
         """See `FakeTelegram.messages`."""
-        seen: list[JsonObject] = await self.call("messages", chat=chat, by_bot=by_bot)
+        seen: list[JsonObject] = await self.call("messages", chat=chat, by_bot=by_bot, after=after)
         return seen
 
     async def presses(self, chat: int) -> list[JsonObject]:

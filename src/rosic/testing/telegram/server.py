@@ -61,10 +61,11 @@ class ServerRecord:
             raise ControlError(f"there is no message {message} in chat {chat}")
         return self._seen(found)
 
-    def messages(self, chat: int, *, by_bot: bool = False) -> list[JsonObject]:
-        """Return all messages of a chat, oldest first, or only the bot's own."""
+    def messages(self, chat: int, *, by_bot: bool = False, after: int = 0) -> list[JsonObject]:
+        """Return the messages of a chat after one, oldest first, or only the bot's own."""
         kept = self.world.state.messages.get(chat, {}).values()
-        return [self._seen(m) for m in kept if not by_bot or self._by_bot(m)]
+        later = (m for m in kept if m.message_id > after)
+        return [self._seen(m) for m in later if not by_bot or self._by_bot(m)]
 
     def press(self, query_id: str) -> JsonObject:
         """Return one press of a button and every answer the bot gave."""
