@@ -111,6 +111,7 @@ def test_descriptors_that_a_process_leaks_are_seen_and_judged() -> None:
         ("omni: move\nsent 14:07:09\nstopped before it ended 14:07:10", True),
         ("omni: move\nsent 14:07:09\nnot known whether it was carried out (14:07:10).", True),
         ("omni is stopped. Say: resume omni", True),
+        ("cf1: takeoff\nsent 14:07:09\nalready flying. Nothing was done.", True),
     ],
 )
 def test_an_end_is_told_or_not(text: str, told: bool) -> None:

@@ -82,6 +82,8 @@ STILL_S: Final = 1.5
 FORGETS_S: Final = 60.0
 ABSENCE: Final = re.compile(r"While .*?(\d+) commands? came in here")
 STEPS: Final = ("accepted", "waiting its turn", "sent ", "received", "running")
+DECLINED: Final = "Nothing was done."
+"""By this ends what a robot says that refuses an order which was sent to it."""
 ENDS: Final = tuple(ended_as(ending.value) for ending in OrderEnding)
 
 
@@ -89,7 +91,7 @@ def is_told(text: str) -> bool:
     """Return whether a reply to an order says its end: that of a life, or a refusal."""
     lines = text.split("\n")[1:]
     alive = any(line.startswith(STEPS) for line in lines[:1])
-    return not alive or any(line.startswith(ENDS) for line in lines)
+    return not alive or any(line.startswith(ENDS) or line.endswith(DECLINED) for line in lines)
 
 
 class SoakPerson(NamedTuple):
