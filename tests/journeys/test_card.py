@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from rosic.features.dashboard.dashboard import PRIVATE
 from rosic.features.dashboard.dashboards import LOOK_S
+from rosic.testing.telegram.newcomer import BOT
 from rosic.testing.telegram.transcript import TranscriptView, transcript
 from tests.journeys.lab import Lab, lab
-from tests.journeys.newcomer import BOT
 from tests.journeys.pictures import check_picture
 from tests.pace import patience
 

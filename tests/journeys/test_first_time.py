@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
+from rosic.testing.telegram.newcomer import Newcomer
 from rosic.testing.telegram.picture import draw, in_picture
 from rosic.testing.telegram.transcript import ENGLISH as IN_ENGLISH
 from rosic.testing.telegram.transcript import App
 from tests.journeys.lab import Lab, lab
-from tests.journeys.newcomer import Newcomer
 from tests.journeys.pictures import (
     ASKED_TO_DRAW,
     FOLDER,

@@ -128,6 +128,7 @@ BENCHES: Final[dict[str, BenchEntry]] = {
     "pipeline": BenchEntry("orders a second through a whole gateway, in memory and on disk"),
     "resources": BenchEntry("what a gateway uses over time; a soak of hours", _resource_options),
     "schedule": BenchEntry("proposed plans beside first come, first served"),
+    "security": BenchEntry("time of authentication, and attempts that are refused"),
     "start": BenchEntry("how far apart robots begin that are to begin together"),
     "stop": BenchEntry("how soon a stop is handed over, behind a queue"),
     "strangers": BenchEntry("how soon a stop takes effect behind a flood"),
@@ -136,6 +137,7 @@ BENCHES: Final[dict[str, BenchEntry]] = {
     ),
     "telegram": BenchEntry("batches under Telegram's limits, and what receiving costs"),
     "throughput": BenchEntry("Algorithm 10 of the paper: success and bytes", _throughput_options),
+    "usability": BenchEntry("taps, words and seconds of first times, by scripted people"),
 }
 
 

@@ -77,12 +77,18 @@ def gateway_process(folder: Path, config: str, port: int) -> Iterator[subprocess
         process.wait(STARTED_WITHIN_S)
 
 
-def key_headers(config: Path) -> dict[str, str]:
-    """Make a key of the role ``bench`` at a gateway that runs; return what shows it."""
+def key_headers(config: Path, name: str = "bench", *more: str) -> dict[str, str]:
+    """Make a key of the role ``bench`` at a gateway that runs; return what shows it.
+
+    Args:
+        config: Of the gateway.
+        name: Of the program that it is for.
+        more: Options of ``rosic key create``.
+    """
     made = subprocess.run(  # noqa: S603 - our own command
         (
-            *(sys.executable, "-m", "rosic", "key", "create", "bench"),
-            *("--role", "bench", "-c", str(config)),
+            *(sys.executable, "-m", "rosic", "key", "create", name),
+            *("--role", "bench", *more, "-c", str(config)),
         ),
         capture_output=True,
         text=True,
