@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 from contextlib import asynccontextmanager, suppress
 from importlib.resources import files
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from PIL import Image
 from playwright.async_api import Error, async_playwright, expect
 
-from tests.pace import pace
+from tests.pace import patience
 from tests.servers import needed
 
 if TYPE_CHECKING:
@@ -45,6 +48,9 @@ STICKING_OUT: Final = """async () => {
   }
   return found;
 }"""
+ACTED_MS: Final = 30_000
+SEEN_MS: Final = 15_000
+"""So long is waited for what somebody does, and for what shall be seen, on a free machine."""
 QUIET_EXIT: Final = "Failed to load resource"
 """What Chromium itself says of a status that the page asked for and understood."""
 
@@ -53,6 +59,7 @@ QUIET_EXIT: Final = "Failed to load resource"
 async def chromium() -> AsyncIterator[Browser]:
     """Yield the distribution's browser."""
     executable = needed("chromium")
+    expect.set_options(timeout=SEEN_MS * patience())
     async with async_playwright() as playwright:
         browser = await playwright.chromium.launch(
             executable_path=executable, args=["--no-sandbox", "--disable-gpu"]
@@ -71,13 +78,15 @@ class OpenPage:
         url: Where it is reached by this browser.
         wrong: What the browser complained of.
         elsewhere: Addresses that were asked for and are not the gateway's.
+        pictures: What was seen, by name, to be drawn into the docs once nobody uses the page.
     """
 
     def __init__(self, page: Page, place: ServedGateway, url: str) -> None:
         self.page, self.place, self.url = page, place, url
         self.wrong: list[str] = []
         self.elsewhere: list[str] = []
-        page.set_default_timeout(30_000 * pace())
+        self.pictures: dict[str, bytes] = {}
+        page.set_default_timeout(ACTED_MS * patience())
         page.on("pageerror", lambda error: self.wrong.append(str(error)))
         page.on("console", lambda said: self._complained(said.type, said.text))
         page.on("request", lambda asked: self._asked(asked.url))
@@ -111,6 +120,12 @@ class OpenPage:
         await self.page.get_by_label("Message").fill(line)
         await self.page.get_by_role("button", name="Send").click()
 
+    async def becomes(self, holds: str) -> None:
+        """Wait until an expression holds; Playwright's own wait is refused by the page's rules."""
+        async with asyncio.timeout(ACTED_MS / 1000 * patience()):
+            while not await self.page.evaluate(holds):
+                pass
+
     async def kill(self) -> None:
         """End the process that draws it, as a crash would: it can say nothing more."""
         with suppress(Error):
@@ -137,12 +152,26 @@ class OpenPage:
         for size, where in ((PHONE, "phone"), (DESK, "desk")):
             assert await self.sticking_out(size) == [], f"{name} on a {where}"
             assert await self.violations() == []
+            await self.as_usual()
             await self.picture(f"{name}-{where}")
 
+    async def as_usual(self) -> None:
+        """Wait until nothing is left of how long the look took: axe stops a page for a while."""
+        await self.connected()
+        for notice in await self.page.get_by_role("button", name="Dismiss").all():
+            await notice.click()
+        await self.page.evaluate("scrollTo(0, 0)")
+
     async def picture(self, name: str, *, whole: bool = False) -> None:
-        """Draw what is seen into the docs, where they are drawn anew."""
+        """Keep what is seen for the docs, where they are drawn anew."""
         if os.environ.get("ROSIC_PICTURES") == "draw":
-            await self.page.screenshot(path=PICTURES / f"console-{name}.png", full_page=whole)
+            self.pictures[name] = await self.page.screenshot(full_page=whole)
+
+    def draw(self) -> None:
+        """Draw what was kept, in few colours. The gateway beside it stands still meanwhile."""
+        for name, seen in self.pictures.items():
+            few = Image.open(BytesIO(seen)).convert("RGB").quantize(256, dither=Image.Dither.NONE)
+            few.save(PICTURES / f"console-{name}.png", optimize=True)
 
 
 @asynccontextmanager
@@ -166,5 +195,6 @@ async def opened(
         yield there
         assert there.wrong == [], there.wrong
         assert there.elsewhere == []
+        there.draw()
     finally:
         await context.close()

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from tests.console.browser import OpenPage
 
 pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.limit(300)]
-expect.set_options(timeout=15_000)
 ON_A_PHONE = pytest.mark.parametrize("there", [PHONE], ids=["phone"], indirect=True)
 
 

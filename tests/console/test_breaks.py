@@ -26,10 +26,13 @@ if TYPE_CHECKING:
 pytestmark = [pytest.mark.asyncio(loop_scope="module"), pytest.mark.limit(300)]
 PAD = """
 window.pad = [0, 0];
-navigator.getGamepads = () => [{ connected: true, axes: window.pad }];
+navigator.getGamepads = () => {
+  window.looked += 1;
+  return [{ connected: true, axes: window.pad }];
+};
 """
 """A gamepad of which a test moves the stick: [to the right, back]."""
-AHEAD, FREE = "window.pad = [0, -0.8]", "window.pad = [0, 0]"
+AHEAD, FREE = "window.pad = [0, -0.8]", "window.pad = [0, 0]; window.looked = 0"
 STILL_S = 0.5
 
 
@@ -58,7 +61,7 @@ async def test_a_gamepad_steers_and_what_is_held_over_a_break_does_not(
         await expect(page.get_by_role("application")).to_be_visible()
         await stays_at_rest(place)  # it was held before the page was there
         await page.evaluate(FREE)
-        await asyncio.sleep(STILL_S)
+        await there.becomes("window.looked > 1")
         await page.evaluate(AHEAD)
         await place.until(lambda: moves(place))
         link.whole.clear()
@@ -68,7 +71,7 @@ async def test_a_gamepad_steers_and_what_is_held_over_a_break_does_not(
         await there.connected()
         await stays_at_rest(place)
         await page.evaluate(FREE)
-        await asyncio.sleep(STILL_S)
+        await there.becomes("window.looked > 1")
         await page.evaluate(AHEAD)
         await place.until(lambda: moves(place))
         await page.evaluate(FREE)

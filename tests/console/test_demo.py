@@ -13,7 +13,7 @@ from playwright.async_api import expect
 
 from rosic.api.settings import LISTEN, parse_listen
 from tests.cli.running import ROSIC, environment
-from tests.pace import pace
+from tests.pace import patience
 
 if TYPE_CHECKING:
     from playwright.async_api import Browser
@@ -41,13 +41,12 @@ async def test_its_link_leads_to_robots_also_where_the_usual_port_is_taken(
         page = await browser.new_page(locale="en-GB")
         try:
             assert demo.stdout is not None
-            async with asyncio.timeout(60 * pace()):
+            async with asyncio.timeout(60 * patience()):
                 while (link := LINK.search(await demo.stdout.readline())) is None:
                     assert not demo.stdout.at_eof()
             await page.goto(link[0].decode())
-            patient_ms = 30_000 * pace()
-            await expect(page.get_by_text("Gateway connected")).to_be_visible(timeout=patient_ms)
-            await expect(page.locator(".robot")).to_have_count(6, timeout=patient_ms)
+            await expect(page.get_by_text("Gateway connected")).to_be_visible()
+            await expect(page.locator(".robot")).to_have_count(6)
             await expect(page.locator(".me")).to_contain_text("Guest")
         finally:
             await page.close()

@@ -15,6 +15,7 @@ from rosic.api.settings import ApiSettings, HostPort
 from tests.api.served import ANYWHERE, served
 from tests.console.browser import DESK, PHONE, opened
 from tests.console.robots import DRAINED, noting
+from tests.pace import patience
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -143,9 +144,7 @@ async def test_a_finger_taps_an_hour_drags_it_and_scrolls_the_rest(
         before = await week.evaluate("week => week.scrollTop")
         await finger(*[await at(11.5 - step / 4) for step in range(6)])
         await expect(chosen).to_contain_text(f"12:30{TO}14:00")
-        await page.wait_for_function(
-            "before => document.querySelector('.week').scrollTop !== before", arg=before
-        )
+        await there.becomes(f"document.querySelector('.week').scrollTop !== {before}")
         await page.get_by_role("button", name="Book YuMi").click()
         await expect(own(there)).to_contain_text(f"12:30{TO}14:00 Bo")
 
@@ -257,7 +256,7 @@ async def test_an_alarm_shows_on_the_tab_and_is_seen(site: Site) -> None:
     page = there.page
     await there.go("alerts")
     alarm = page.locator(".alert")
-    await expect(alarm).to_contain_text("7", timeout=60_000)
+    await expect(alarm).to_contain_text("7", timeout=60_000 * patience())
     await there.fits("alerts")
     await alarm.get_by_role("button", name="I have seen it").click()
     await expect(alarm).to_contain_text("seen by Ada")
