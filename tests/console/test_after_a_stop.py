@@ -51,6 +51,44 @@ async def test_a_robot_goes_on_by_its_own_button_and_what_was_said_of_the_stop_g
     assert await there.violations() == []
 
 
+async def test_that_there_is_no_robot_is_said_once_one_would_have_been_heard_of(
+    there: OpenPage,
+) -> None:
+    await there.page.add_init_script(WITHOUT_ROBOTS)
+    await there.sign_in()
+    await expect(there.page.get_by_text("You may see no robot here.")).to_be_visible()
+    assert await there.page.evaluate("window.read") == [
+        "One moment …",
+        "You may see no robot here.",
+    ]
+
+
+WITHOUT_ROBOTS = """
+const parse = JSON.parse;
+JSON.parse = (text) => {
+  const found = parse(text);
+  return found?.event === "robot" ? { event: "pong" } : found;
+};
+window.read = [];
+new MutationObserver(() => {
+  const said = document.querySelector("section.robots .quiet")?.textContent;
+  if (said && window.read.at(-1) !== said) window.read.push(said);
+}).observe(document, { childList: true, subtree: true, characterData: true });
+"""
+"""Nothing is heard of robots, and what stands in their place is noted."""
+
+
+async def test_the_chosen_tab_stays_in_view_in_a_window_that_becomes_narrow(
+    there: OpenPage,
+) -> None:
+    await there.sign_in()
+    await there.go("health")
+    chosen = there.page.locator("nav a[aria-current]")
+    await expect(chosen).to_be_in_viewport(ratio=1)
+    await there.page.set_viewport_size(PHONE)  # type: ignore[arg-type]
+    await expect(chosen).to_be_in_viewport(ratio=1)
+
+
 async def test_the_map_waits_for_the_first_robot_that_says_where_it_is(there: OpenPage) -> None:
     await there.page.add_init_script(WITHOUT_PLACES)
     await there.sign_in()

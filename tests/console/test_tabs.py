@@ -241,6 +241,10 @@ async def test_every_right_is_taken_once_the_question_on_the_tab_is_answered(sit
         await questions.get_by_role("button", name=answer).click()
         await expect(questions.get_by_role("button")).to_have_count(0)
     await place.until(lambda: not directory.has_good_key(hal))
+    await expect(questions.locator(".said")).not_to_have_text("")
+    await there.go("fleet")
+    await expect(page.locator("#h-busy")).to_be_visible()
+    await expect(questions).to_have_count(0)  # what came of it stands where it was done
 
 
 async def test_who_looks_after_nobody_reads_why(site: Site, browser: Browser) -> None:

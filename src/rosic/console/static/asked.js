@@ -94,9 +94,10 @@ export function Questions() {
     });
   if (!open.length && !said.text) return null;
   return html`<section class="panel questions" aria-label=${t("Questions")}>
-    <ul class="messages-few">
+    ${open.length > 0 &&
+    html`<ul class="messages-few">
       ${open.slice(-2).map((each) => html`<${Message} key=${each.id} message=${each} onTap=${tap} />`)}
-    </ul>
+    </ul>`}
     <${Said} said=${said} />
   </section>`;
 }

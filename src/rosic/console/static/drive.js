@@ -4,7 +4,7 @@ import { Chat } from "./chat.js";
 import { Jog } from "./jog.js";
 import { html, useEffect, useState } from "./lib.js";
 import { Orders } from "./orders.js";
-import { connection, doing, isOld, Pill } from "./robots.js";
+import { connection, doing, isOld, NoRobot, Pill } from "./robots.js";
 import { Resume } from "./resume.js";
 import { Skills } from "./skills.js";
 import { state, useStore } from "./store.js";
@@ -14,7 +14,7 @@ import { t } from "./texts.js";
 function Missing({ chosen, all, onRobot }) {
   const name = state.gone.get(chosen) || chosen;
   if (!all.length) {
-    return html`<section class="panel"><p class="quiet">${t("You may see no robot here.")}</p></section>`;
+    return html`<section class="panel"><${NoRobot} /></section>`;
   }
   return html`<section class="panel gone" role="alert">
     <p>${chosen && t("{robot} is not here any more, or you may not see it. Choose another one.", { robot: name })}</p>

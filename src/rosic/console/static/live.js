@@ -4,7 +4,7 @@ import { Camera, Telemetry } from "./charts.js";
 import { html, Table } from "./lib.js";
 import { PoseMap } from "./map.js";
 import { Orders } from "./orders.js";
-import { RobotCard } from "./robots.js";
+import { NoRobot, RobotCard } from "./robots.js";
 import { useStore } from "./store.js";
 import { number, t } from "./texts.js";
 
@@ -63,7 +63,7 @@ export function Live({ robot: wanted, onRobot }) {
                 />`,
             )}
           </ul>`
-        : html`<p class="quiet">${t("You may see no robot here.")}</p>`}
+        : html`<${NoRobot} />`}
     </section>
     <section class="panel commands" aria-labelledby="h-commands">
       <h2 id="h-commands">${t("Commands sent to the robot, and received by it")}</h2>

@@ -69,7 +69,12 @@ function Link() {
 function Tabs({ part }) {
   const count = useAlertCount();
   const here = useRef(null);
-  useEffect(() => here.current?.scrollIntoView({ block: "nearest", inline: "nearest" }), [part]);
+  useEffect(() => {
+    const show = () => here.current?.scrollIntoView({ block: "nearest", inline: "nearest" });
+    show();
+    addEventListener("resize", show);
+    return () => removeEventListener("resize", show);
+  }, [part]);
   return html`<nav aria-label=${t("Parts")}>
     ${Object.entries(TABS).map(
       ([name, { word }]) =>
@@ -118,7 +123,7 @@ function Page() {
       html`<p class="notice lost" role="alert">
         ${t("No connection to the gateway: nothing here is of now. It is tried again by itself.")}
       </p>`}
-      ${part !== "drive" && html`<${Questions} />`}
+      ${part !== "drive" && html`<${Questions} key=${`questions ${part}`} />`}
       <${Tab} key=${part} robot=${robot} onRobot=${(id) => (location.hash = `${part}/${encodeURIComponent(id)}`)} />
     </main>`;
 }

@@ -54,6 +54,10 @@ export function battery(robot) {
   return { text: `${number(value, 1)}\u00a0${unit}`.trim(), share };
 }
 
+/** What stands where no robot is: they come soon after the connection, or there is none to be seen. */
+export const NoRobot = () =>
+  html`<p class="quiet">${state.robotsTold ? t("You may see no robot here.") : t("One moment …")}</p>`;
+
 /** A robot at a glance. */
 export function RobotCard({ robot, chosen, onChoose }) {
   const [kind, words] = connection(robot);

@@ -23,6 +23,7 @@ export const state = {
   link: "connecting", // connecting, up, lost
   notice: "",
   robots: new Map(),
+  robotsTold: false, // whether one would have been heard of by now, if there is any
   words: new Map(), // robot -> what its skills and values are called, by name
   orders: new Map(),
   messages: new Map(),
@@ -178,6 +179,7 @@ function signedOut(why) {
     state[each].clear();
   }
   state.rates = null;
+  state.robotsTold = false;
   state.notice = why;
   run = ""; // whoever signs in next has lost no connection
   state.chosen = "";
@@ -277,6 +279,7 @@ const heard = {
   robot({ robot }) {
     if (!state.robots.has(robot.id)) learnWords();
     state.robots.set(robot.id, robot);
+    state.robotsTold = true;
     state.stale.delete(robot.id);
     state.gone.delete(robot.id);
     keepTrack(robot);
@@ -339,6 +342,7 @@ function forgetUnheard() {
   unheard = setTimeout(() => {
     if (state.link !== "up") return;
     for (const robot of state.stale) forget(robot);
+    state.robotsTold = true;
     changed();
   }, UNHEARD_MS);
 }

@@ -4,6 +4,7 @@ import { command, dayAndTime, heard, Nothing, RobotChoice, Said, useAsked, useDe
 import { Calendar, timeWords } from "./calendar.js";
 import { asked } from "./invite.js";
 import { html, useEffect, useState } from "./lib.js";
+import { NoRobot } from "./robots.js";
 import { ask, useStore } from "./store.js";
 import { spoken, t } from "./texts.js";
 import { dayAfter, dayIn, dayText, lengthOf, minutesIn, minutesOn, momentOf, mondayOf, timeText, within } from "./week.js";
@@ -185,7 +186,7 @@ export function Times({ robot: wanted, onRobot }) {
     robot && `/v1/bookings?robot=${encodeURIComponent(robot.id)}&from=${moment(first)}&to=${moment(end)}`,
   );
   const mine = useAsked(`/v1/bookings?from=${moment(today)}&to=${moment(dayAfter(today, AHEAD_DAYS))}`);
-  if (!robot) return html`<section class="panel"><p class="quiet">${t("You may see no robot here.")}</p></section>`;
+  if (!robot) return html`<section class="panel"><${NoRobot} /></section>`;
 
   const leave = () => {
     choose(null);
