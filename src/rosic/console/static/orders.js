@@ -60,7 +60,7 @@ const KINDS = { done: "good", failed: "bad", refused: "bad", unknown: "warn", ca
 function Row({ order, now }) {
   const got = received(order, now);
   const robot = state.robots.get(order.robot)?.name || order.robot;
-  const share = !order.over && order.fraction !== null ? ` ${number(order.fraction * 100, 0)} %` : "";
+  const share = !order.over && order.fraction !== null ? ` ${number(order.fraction * 100, 0)}\u00a0%` : "";
   return html`<tr class=${got.kind === "bad" ? "mismatch" : ""}>
     <td data-head=${t("Time")}>
       ${order.stages.length ? clock(order.stages[0].at) : "—"}<br /><small>${order.who}</small>
