@@ -68,6 +68,7 @@ FOREIGN_NAMES = (
     re.compile(r"\bcolor-scheme\b|\bprefers-color-scheme\b"),  # of browsers
     re.compile(r"\binitializer="),
     re.compile(r"\.initialize\(\)|[\"']initialize[\"']"),  # of MCP
+    re.compile(r"\bdef initialize\(self\)"),  # of python-telegram-bot's connections
     re.compile(r"\bcreate_initialization_options\b"),  # of its library
     re.compile(r"\bbehavior_tree\b"),  # of Nav2's goals
     re.compile(r"\boptimize="),  # Pillow's

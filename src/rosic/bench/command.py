@@ -93,6 +93,18 @@ def _resource_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _peers_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--environment",
+        type=lambda text: Path(text).absolute(),
+        metavar="PATH",
+        help="keep the environments of other bots there; left out: in your cache",
+    )
+    parser.add_argument(
+        "--no-install", action="store_true", help="leave out those that are not there"
+    )
+
+
 class BenchEntry(NamedTuple):
     """A bench as the command knows it: its module is imported when it runs.
 
@@ -100,11 +112,13 @@ class BenchEntry(NamedTuple):
         summary: One line for the overview.
         options: Adds what it understands beyond what all do; its `measure` takes them by name.
         in_report: ``rosic bench report`` runs it.
+        report_options: With these.
     """
 
     summary: str
     options: Callable[[argparse.ArgumentParser], None] = _no_options
     in_report: bool = True
+    report_options: tuple[str, ...] = ()
 
     def measure(
         self, name: str, recorder: BenchRecorder, options: Mapping[str, object]
@@ -124,6 +138,11 @@ BENCHES: Final[dict[str, BenchEntry]] = {
         "Algorithm 6 of the paper: a group's messages into a file, by a real account",
         _message_options,
         in_report=False,
+    ),
+    "peers": BenchEntry(
+        "beside opsdroid, errbot, python-telegram-bot and aiogram",
+        _peers_options,
+        report_options=("--no-install",),
     ),
     "pipeline": BenchEntry("orders a second through a whole gateway, in memory and on disk"),
     "resources": BenchEntry("what a gateway uses over time; a soak of hours", _resource_options),
@@ -221,15 +240,16 @@ def _add_report(
     one.add_argument("--quick", action="store_true", help="one short run of each case")
     one.add_argument("--out", type=Path, metavar="FOLDER", help="left out: named by the hour")
     one.add_argument("--only", nargs="+", choices=inside, default=inside, metavar="NAME")
-    one.set_defaults(run=_report)
+    one.set_defaults(run=lambda chosen: _report(chosen, benches))
 
 
-def _report(chosen: Mapping[str, object]) -> int:
+def _report(chosen: Mapping[str, object], benches: Mapping[str, BenchEntry]) -> int:
     suite.require_all()
     folder, only = chosen["out"], chosen["only"]
     where = folder if isinstance(folder, Path) else suite.default_folder()
     reports: list[BenchReport] = []
-    for report in suite.measured([[name] for name in only], quick=bool(chosen["quick"])):  # type: ignore[attr-defined]
+    runs = [(name, *benches[name].report_options) for name in only]  # type: ignore[attr-defined]
+    for report in suite.measured(runs, quick=bool(chosen["quick"])):
         reports.append(report)
         suite.write_suite(reports, where)
         told = f"{len(report.failures)} did not hold" if report.failures else "held"

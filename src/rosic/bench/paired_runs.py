@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from itertools import cycle, islice
 from statistics import median
 from time import perf_counter_ns
@@ -24,6 +24,7 @@ from rosic.bench.reporting_robots import FrameProtocol, ReportDelivery
 if TYPE_CHECKING:
     from asyncio.subprocess import Process
     from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mapping, Sequence
+    from typing import IO
 
 Seen = TypeVar("Seen")
 
@@ -96,22 +97,30 @@ class PairedProcess:
         """
         found = await asyncio.wait_for(self._from.readline(), WITHIN_S)
         if not found.endswith(b"\n"):
-            raise RuntimeError("a gateway that was to be measured has ended")
+            raise RuntimeError("what was to be measured has ended")
         return found
 
 
 @asynccontextmanager
-async def waiting(*command: str) -> AsyncIterator[PairedProcess]:
-    """Run a process that says a line and then takes turns; it ends when this is left."""
+async def waiting(*command: str, errors: IO[bytes] | None = None) -> AsyncIterator[PairedProcess]:
+    """Run a process that says a line and then takes turns; it ends when this is left.
+
+    Args:
+        command: Runs it.
+        errors: Takes its standard error; None: the terminal.
+    """
     process = await asyncio.create_subprocess_exec(
         *command,
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
+        stderr=errors,
         limit=LONGEST_LINE_BYTES,
     )
     try:
         yield PairedProcess(process)
-        await asyncio.wait_for(process.communicate(b""), WITHIN_S)
+        if process.stdin is not None and not process.stdin.is_closing():  # it has not ended before
+            with suppress(TimeoutError):  # what was measured stays so
+                await asyncio.wait_for(process.communicate(b""), WITHIN_S)
     finally:
         if process.returncode is None:
             process.kill()

@@ -36,7 +36,7 @@ from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+    from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 
     from rosic.contracts.robot import Tell
     from rosic.contracts.store import Store
@@ -132,8 +132,15 @@ class _Anybody:
         return yes
 
 
-async def received(control: Control, orders: int) -> dict[str, list[int]]:
-    """Return, for each kind, how long each update took in nanoseconds; blocks take turns."""
+async def received(
+    orders: int, beside: Mapping[str, Callable[[int], Awaitable[int]]]
+) -> dict[str, list[int]]:
+    """Return, for each kind, how long each update took in nanoseconds; blocks take turns.
+
+    Args:
+        orders: So many updates of each kind.
+        beside: Others than ROSIC: each handles the update of a number, and says how long it took.
+    """
     async with AsyncExitStack() as stack:
 
         def folder(where: str | None = None) -> Path:
@@ -147,8 +154,8 @@ async def received(control: Control, orders: int) -> dict[str, list[int]]:
         sides: dict[str, Callable[[int], Awaitable[int]]] = {
             DURABLE: await rosic_in(disk),
             IN_MEMORY: await stack.enter_async_context(_rosic(MemoryStore())),
-            PEER: await stack.enter_async_context(_foreign(control)),
-            SYNC: partial(_synced, disk / "page"),
+            **beside,
+            SYNC: partial(synced, disk / "page"),
         }
         if TMPFS.is_dir():  # noqa: ASYNC240 - before anything is measured
             sides[NO_DISK] = await rosic_in(folder(str(TMPFS)))
@@ -193,7 +200,7 @@ def findings(found: dict[str, list[int]]) -> tuple[str, ...]:
     return tuple(lines)
 
 
-async def _synced(file: Path, _number: int) -> int:
+async def synced(file: Path, _number: int) -> int:
     """Return how long the disk alone takes for what a claim cannot do without."""
 
     def write() -> int:
@@ -236,7 +243,7 @@ async def _rosic(store: Store) -> AsyncIterator[Callable[[int], Awaitable[int]]]
 
 
 @asynccontextmanager
-async def _foreign(control: Control) -> AsyncIterator[Callable[[int], Awaitable[int]]]:
+async def empty_handler(control: Control) -> AsyncIterator[Callable[[int], Awaitable[int]]]:
     """Let python-telegram-bot's application run with one handler that does nothing."""
     called_ns = 0
 

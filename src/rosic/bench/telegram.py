@@ -18,7 +18,7 @@ from rosic.bench.batches import (
     through_rosic,
 )
 from rosic.bench.bot_api_process import TOKEN, stand_in
-from rosic.bench.receiving import findings, received
+from rosic.bench.receiving import PEER, empty_handler, findings, received
 from rosic.bench.report import BenchCase, BenchReport, case_of, machine
 from rosic.messengers.telegram.bot_client import BotClient
 from rosic.messengers.telegram.errors import ErrorKind, TelegramError
@@ -158,7 +158,8 @@ async def _run(asked: TelegramLoad) -> tuple[list[BenchCase], list[str], tuple[s
             cases.append(_case(f"{batch.name}: naive, {naive.too_many} times 429", naive))
         if not asked.orders:
             return cases, failures, ()
-        times_of = await received(control, asked.orders)
+        async with empty_handler(control) as handle:
+            times_of = await received(asked.orders, {PEER: handle})
     cases += [
         case_of(name, [(1e9 * len(times) / sum(times), times)]) for name, times in times_of.items()
     ]

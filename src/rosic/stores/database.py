@@ -210,6 +210,11 @@ class DatabaseStore:
         """Notes that could not be kept since opening; the record holds the same number."""
         return 0 if self._writer is None else self._writer.lost
 
+    @property
+    def commits(self) -> int:
+        """How many groups were written since opening."""
+        return 0 if self._writer is None else self._writer.commits
+
     def lost_file(self) -> str:
         """Return the name of a file that is gone or was replaced; empty while all are there."""
         return PurePath(self._kept.lost()).name

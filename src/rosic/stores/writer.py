@@ -67,12 +67,14 @@ class Writer:
 
     Attributes:
         lost: Notes that could not be kept, since this writer was made.
+        commits: Groups that were written since then.
     """
 
     def __init__(
         self, folder: DataDir, settings: StoreSettings, clock: Clock, kept: KeptFiles
     ) -> None:
         self.lost = 0
+        self.commits = 0
         self._folder = folder
         self._guard = RecordGuard(folder, kept, clock)
         self._settings = settings
@@ -242,6 +244,7 @@ class Writer:
         self._guard.check(group)
         self._guard.has_written(mark)
         self._failing = False
+        self.commits += 1
         if missed:
             self.miss(0, recorded=missed)
 
