@@ -47,6 +47,10 @@ async def test_it_is_an_order_like_any_other_and_done_when_let_go() -> None:
         assert place.acted() == 1
         assert "omni: drive, live" in said(place)
         assert "done" in said(place)
+        # Not where it began, with the least duration there is.
+        [past] = (await place.say("/history")).splitlines()
+        assert " · omni: drive, live · done " in past
+        assert past.endswith(": drove live for 1.0 s")
 
 
 async def test_nothing_moves_before_the_first_sample_and_without_one_it_ends() -> None:

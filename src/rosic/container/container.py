@@ -239,7 +239,7 @@ class Containers:
                     request.live,
                 )
             )
-            told = records.encode(replace(reply_to, values=values.arguments))
+            told = records.encode(replace(reply_to, values=values.arguments, live=request.live))
             letter = Letter(permits[0].principal, told)
             claims.append(_claim(request, permit, n, values.digest, accepted_ns, letter))
         try:

@@ -16,6 +16,7 @@ class ReplyTo(msgspec.Struct, frozen=True, gc=False, array_like=True):
         title: First line of the card: ``KUKA iiwa: grasp, 15 N``.
         values: What the order was given in the end, SI: completed, within limits. Of records of
             before, None.
+        live: They are where it began: it was steered from then on.
     """
 
     messenger: str
@@ -23,6 +24,7 @@ class ReplyTo(msgspec.Struct, frozen=True, gc=False, array_like=True):
     message: str
     title: str
     values: dict[str, float | int | str] | None = None
+    live: bool = False
 
 
 class KeptAnswer(msgspec.Struct, frozen=True):

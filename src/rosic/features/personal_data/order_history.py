@@ -15,7 +15,7 @@ from rosic.container import records
 from rosic.core.history import REFUSED, RESUMED, STOPPED, HistoryEntry, HistoryQuery
 from rosic.core.i18n import joined, said, said_n
 from rosic.core.identity import PrincipalId
-from rosic.core.language import clean, show
+from rosic.core.language import clean, live_words, show
 from rosic.core.language.sanitise import quote
 from rosic.core.message import Button
 from rosic.core.order_status import BETWEEN, ended_as
@@ -212,7 +212,11 @@ def _asked(entry: HistoryEntry, vocabulary: Vocabulary) -> str:
     compiled = vocabulary.compiled_skill(entry.robot, entry.skill)
     if origin.values is None or compiled is None:
         return named_once(_one_line(origin.title))
-    words = show(vocabulary, entry.robot, compiled.skill, _known(compiled, origin.values))
+    words = (
+        live_words(compiled.skill)
+        if origin.live
+        else show(vocabulary, entry.robot, compiled.skill, _known(compiled, origin.values))
+    )
     parts = [joined(": ", (shown, words)), _task_of(origin.title)]
     return joined(BETWEEN, filter(None, parts))
 
