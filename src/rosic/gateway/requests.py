@@ -172,14 +172,19 @@ class RequestFactory:
         return requests
 
     def _check_later_than_stop(self, inbound: Inbound, request: Request) -> None:
-        """Refuse motion received before its robot's last stop, wherever it waited since (I5)."""
+        """Refuse motion received before its robot's last stop, wherever it waited since (I5).
+
+        What one answer of a platform brings has one time of receiving, and stops go first: it may
+        have been sent after that stop, which is not said to be later.
+        """
         stopped = self._stops[request.robot]
         if inbound.received_ns <= stopped.at_ns and not stopped.latched and request.skill.actuates:
             shown = self._profiles[request.robot].shown
-            raise Expired(
-                said("{shown} was stopped after you sent this. Nothing was done.", shown=shown),
-                offers=(request.text,),
+            sentence = said(
+                "{shown} was stopped and resumed before I came to this. Nothing was done.",
+                shown=shown,
             )
+            raise Expired(sentence, offers=(request.text,))
 
 
 def line_id(inbound: Inbound, number: int) -> CommandId:
