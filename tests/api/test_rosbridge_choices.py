@@ -120,6 +120,7 @@ def pose(x: float, y: float, yaw_rad: float) -> dict[str, Any]:
         ("visit", pose(-2.5, 1.5, 1.57), {"place": "door"}),
         ("visit", pose(-2.5, 1.5, 1.57 - 2 * pi), {"place": "door"}),
         ("goto", pose(1.0, 2.0, 0.5), {"x": 1.0, "y": 2.0, "yaw": pytest.approx(0.5, abs=1e-4)}),
+        ("goto", pose(-0.6, 0.5, -0.5), {"x": -0.6, "y": 0.5, "yaw": pytest.approx(-0.5, 1e-3)}),
     ],
 )
 async def test_a_pose_of_nav2_is_read_back_into_the_place_or_the_heading_that_it_means(

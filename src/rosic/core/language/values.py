@@ -133,7 +133,8 @@ class ValueReader:
         if numeral is not None:
             if numeral.readings:
                 raise AmbiguousNumber(at, tuple(r + numeral.rest for r in numeral.readings))
-            self.unsure = self.unsure or numeral.value < 0 or bool(numeral.rest)
+            below = numeral.value < 0 and not name  # x=-2 says what it says; left -2 may not
+            self.unsure = self.unsure or below or bool(numeral.rest)
             return SpokenValue(name, numeral.value, numeral.rest or self._unit())
         return self._word(name, word)
 
