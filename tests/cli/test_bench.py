@@ -16,6 +16,7 @@ from rosic.errors import ConfigurationError
 from tests.cli.running import rosic
 from tests.pace import patience
 
+OF_ALL = ("bench", "version", "versions", "started", "took_s", "machine", "pace_us", "method")
 MOMENTS = ("handed to the adapter", "kept by the latch", "rest told", "before it is handed over")
 STOPS = [
     f"{store}, {robots}: {moment}"
@@ -31,7 +32,7 @@ def test_the_bench_of_stops_prints_one_object() -> None:
 
     assert (ran.status, ran.err) == (0, "")
     report = json.loads(ran.out)
-    assert set(report) == {"machine", "method", "cases"}
+    assert set(report) == {*OF_ALL, "cases"}
     assert "at least 1000 orders wait" in report["method"]
     assert [case["name"] for case in report["cases"]] == STOPS
     for case in report["cases"]:
@@ -66,7 +67,7 @@ def test_the_bench_of_telegram_keeps_to_the_limits_and_uses_them() -> None:
 
     assert (ran.status, ran.err) == (0, "")
     report = json.loads(ran.out)
-    assert set(report) == {"machine", "method", "cases", "findings"}
+    assert set(report) == {*OF_ALL, "cases", "findings"}
     cases = {case["name"]: case for case in report["cases"]}
     batch, stops, naive, durable, memory, foreign, disk, *tmpfs = cases.values()
     without, durably, *_ = report["findings"]
@@ -166,7 +167,7 @@ def test_the_bench_of_fleets_assigns_tasks_and_compares_sizes() -> None:
 
     assert (ran.status, ran.err) == (0, "")
     report = json.loads(ran.out)
-    assert set(report) == {"machine", "method", "cases"}
+    assert set(report) == {*OF_ALL, "cases"}
     cases = {case["name"]: case for case in report["cases"]}
     for case in cases.values():
         assert {"name", "rate_per_s", "p50_us", "p99_us"} <= set(case)

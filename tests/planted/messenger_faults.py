@@ -8,6 +8,7 @@ TWO_BOTS = "tests/gateway/test_two_bots.py"
 LIMITER = "tests/messengers/test_rate_limiter.py"
 STOPPING = "tests/gateway/test_stopping.py"
 STOP_WORDS = "tests/core/language/test_stopping.py"
+CLEANING = "tests/core/language/test_cleaning.py"
 STEPS = "tests/gateway/test_steps.py"
 GROUPS = "tests/real/telegram/test_groups.py"
 RECEIVING = "tests/real/telegram/test_receiving.py"
@@ -32,7 +33,7 @@ MESSENGER_FAULTS = (
         file="core/language/sanitise.py",
         guard="_MAY_BE_MARKS.sub(lambda found: _first_marks(found[0]), text)",
         without="text",
-        caught_by=(f"{STEPS}::test_what_once_made_a_step_long_does_so_no_more",),
+        caught_by=(f"{CLEANING}::test_of_the_marks_on_a_letter_the_first_thirty_are_kept",),
     ),
     Fault(
         name="I15 a chat's messages are one step",

@@ -15,8 +15,9 @@ from tests.gateway.place import Place
 if TYPE_CHECKING:
     from pathlib import Path
 
-LINEAR = "linear: { title: Forward, unit: m/s, min: -0.8, max: 0.8, default: 0 }"
-LATERAL = "      lateral: { title: To the left, unit: m/s, min: -0.8, max: 0.8, default: 0 }\n"
+MOST = "unit: m/s, min: -0.8, max: 0.8, default: 0 }"
+LINEAR = 'linear: { title: Forward, titles: { de: "Vorwärts" }, ' + MOST
+LATERAL = '      lateral: { title: To the left, titles: { de: "Nach links" }, ' + f"{MOST}\n"
 STAMPED = "{ twist.linear.x: $linear, twist.linear.y: $lateral, twist.angular.z: $angular }"
 TYPE = "      type: geometry_msgs/msg/Twist"
 TWIST = "{ linear.x: $linear, linear.y: $lateral, angular.z: $angular }"
