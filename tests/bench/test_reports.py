@@ -167,6 +167,65 @@ def test_what_was_measured_before_the_disk_was_full_is_printed(
     )
 
 
+NO_COUNT = "a number from 1 to 100000"
+NO_SECONDS = "seconds, above 0 and at most 100000"
+NO_HOURS = "hours, above 0 and at most 1000"
+NONSENSE = [
+    *(("latency", "--messages", value, NO_COUNT) for value in ("0", "-1", "1.5", "x", "100001")),
+    *(("latency", "--runs", value, NO_COUNT) for value in ("0", "-1", "")),
+    ("latency", "--over", "pigeon", "invalid choice: 'pigeon'"),
+    ("scale", "--over", "pigeon", "invalid choice: 'pigeon'"),
+    ("throughput", "--over", "pigeon", "invalid choice: 'pigeon'"),
+    *(("throughput", "--duration", value, NO_SECONDS) for value in ("0", "-1", "nan", "inf", "x")),
+    *(("throughput", "--interval", value, NO_SECONDS) for value in ("0", "-1", "nan", "inf", "x")),
+    *(("messages", "--seconds", value, NO_SECONDS) for value in ("0", "-1", "nan", "inf", "x")),
+    *(("resources", "--hours", value, NO_HOURS) for value in ("0", "-2", "nan", "inf", "x")),
+    ("report", "--only", "walk", "invalid choice: 'walk'"),
+    ("api", "--rosbridge", None, "expected one argument"),
+    ("peers", "--environment", None, "expected one argument"),
+]
+
+
+@pytest.mark.parametrize(("bench", "option", "value", "sentence"), NONSENSE)
+def test_an_option_of_nonsense_is_refused_in_a_sentence(
+    bench: str, option: str, value: str | None, sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = [option] if value is None else [f"{option}={value}"]
+    with pytest.raises(SystemExit) as refused:
+        main([bench, *given])
+
+    assert refused.value.code == 2
+    said = capsys.readouterr().err
+    assert f"argument {option}: {sentence}" in said.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    ("option", "where", "sentence"),
+    [
+        ("--csv", "nowhere/it", "nowhere/it cannot be written: there is no folder"),
+        ("--csv", ".", "cannot be written: it is a folder"),
+        ("--xlsx", "nowhere/it", "nowhere/it cannot be written: there is no folder"),
+        ("--charts", "file", "file cannot be made: File exists"),
+    ],
+)
+def test_what_cannot_be_written_is_said_before_anything_is_measured(
+    option: str, where: str, sentence: str, tmp_path: Path
+) -> None:
+    def measured(_recorder: BenchRecorder) -> BenchReport:
+        pytest.fail("it was measured")
+
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ConfigurationError, match=sentence):
+        main(["walk", option, str(tmp_path / where)], {"walk": StandInBench.that(measured)})
+
+
+@pytest.mark.parametrize("bench", ["latency", "report"])
+def test_a_report_cannot_go_where_there_is_a_file(bench: str, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ConfigurationError, match="file cannot be made: File exists"):
+        main([bench, "--out", str(tmp_path / "file")])
+
+
 # ---- files ----
 
 TABLE = BenchTable(title="The paper", columns=("what", "ms"), rows=(("=1+1", 63.2), ("x", None)))

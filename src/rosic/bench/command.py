@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 INTERRUPTED: Final = 130
 MOST: Final = 100_000
+MOST_HOURS: Final = 1_000
 CTRL_C: Final = "It was interrupted: what was measured until then is above."
 TROUBLE: Final = "It ended early: {why}. What was measured until then is above."
 
@@ -69,12 +70,20 @@ def _count(text: str) -> int:
 
 
 def _seconds(text: str) -> float:
+    return _above_0(text, "seconds", MOST)
+
+
+def _hours(text: str) -> float:
+    return _above_0(text, "hours", MOST_HOURS)
+
+
+def _above_0(text: str, unit: str, most: int) -> float:
     try:
         value = float(text)
     except ValueError:
         value = nan
-    if not 0 < value <= MOST:
-        raise argparse.ArgumentTypeError(f"seconds, above 0 and at most {MOST}")
+    if not 0 < value <= most:
+        raise argparse.ArgumentTypeError(f"{unit}, above 0 and at most {most}")
     return value
 
 
@@ -89,7 +98,7 @@ def _api_options(parser: argparse.ArgumentParser) -> None:
 
 def _resource_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--hours", type=float, metavar="HOURS", help="a soak with faults; 2 is a whole one"
+        "--hours", type=_hours, metavar="HOURS", help="a soak with faults; 2 is a whole one"
     )
 
 
@@ -202,6 +211,7 @@ def _run(name: str, entry: BenchEntry, chosen: dict[str, object]) -> int:
         output.require_workbooks()
     if charts is not None:
         require_charts()
+    _require_places(csv, xlsx, chosen.get("file"), folders=(charts, chosen.get("out")))
     progress = sys.stderr if sys.stderr.isatty() else None
     recorder = BenchRecorder(name, quick=bool(chosen.pop("quick")), progress=progress)
     report, status = _measured(entry, recorder, chosen)
@@ -214,6 +224,16 @@ def _run(name: str, entry: BenchEntry, chosen: dict[str, object]) -> int:
         if isinstance(path, Path):
             writer(report, path)
     return status
+
+
+def _require_places(*files: object, folders: Sequence[object]) -> None:
+    """Make sure, before anything is measured, that there is a place for what is written of it."""
+    for path in files:
+        if isinstance(path, Path):
+            output.require_file(path)
+    for path in folders:
+        if isinstance(path, Path):
+            output.make_folder(path)
 
 
 def _measured(
@@ -247,6 +267,7 @@ def _report(chosen: Mapping[str, object], benches: Mapping[str, BenchEntry]) -> 
     suite.require_all()
     folder, only = chosen["out"], chosen["only"]
     where = folder if isinstance(folder, Path) else suite.default_folder()
+    output.make_folder(where)
     reports: list[BenchReport] = []
     runs = [(name, *benches[name].report_options) for name in only]  # type: ignore[attr-defined]
     for report in suite.measured(runs, quick=bool(chosen["quick"])):

@@ -73,6 +73,31 @@ def write(path: Path, content: bytes) -> None:
         raise ConfigurationError(told) from trouble
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder, and those above it, unless it is there.
+
+    Raises:
+        ConfigurationError: It cannot be made: there is a file of that name.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as trouble:
+        told = f"{folder} cannot be made: {trouble.strerror}."
+        raise ConfigurationError(told) from trouble
+
+
+def require_file(path: Path) -> None:
+    """Make sure that a file can be where it shall be.
+
+    Raises:
+        ConfigurationError: Its folder is not there, or it is a folder itself.
+    """
+    if path.is_dir():
+        raise ConfigurationError(f"{path} cannot be written: it is a folder.")
+    if not path.parent.is_dir():
+        raise ConfigurationError(f"{path} cannot be written: there is no folder {path.parent}.")
+
+
 def write_csv(report: BenchReport, path: Path) -> None:
     """Write every table of a report as CSV."""
     write(path, as_csv(report).encode())
@@ -89,11 +114,7 @@ def write_charts(report: BenchReport, folder: Path) -> list[Path]:
     Raises:
         ConfigurationError: matplotlib is not installed, or a file cannot be written.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as trouble:
-        told = f"{folder} cannot be made: {trouble.strerror}."
-        raise ConfigurationError(told) from trouble
+    make_folder(folder)
     written: list[Path] = []
     for chart in report.charts:
         for kind in CHART_KINDS:

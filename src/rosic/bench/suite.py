@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.bench.charts import require_charts
-from rosic.bench.output import require_workbooks, write, write_charts, write_xlsx
+from rosic.bench.output import make_folder, require_workbooks, write, write_charts, write_xlsx
 from rosic.bench.page import as_html
 from rosic.bench.report import BenchReport, machine
 
@@ -91,7 +91,7 @@ def write_suite(reports: Sequence[BenchReport], folder: Path) -> None:
         ConfigurationError: A file cannot be written, or something to draw with is not installed.
             What was written before it is there.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     write(folder / NUMBERS, msgspec.json.format(msgspec.json.encode(reports), indent=1))
     write(folder / PAGE, as_html(reports).encode())
     for report in reports:
