@@ -133,7 +133,7 @@ async def test_a_key_of_one_caller_is_nothing_to_another() -> None:
             (
                 400,
                 "not-understood",
-                "That does not fit here: skill: Expected `str`, got `int`. Nothing was done.",
+                "That does not fit here: skill has to be text. Nothing was done.",
             ),
         ),
     ],

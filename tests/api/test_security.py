@@ -47,6 +47,8 @@ SPEAKS = frozenset(
 )
 """Whatever is said passes the rooms, which refuse it in an answer; a ticket is worth what its owner
 is; everybody may sign out."""
+ORDERS = "/v1/robots/omni/orders"
+NOT_READ = "Das lässt sich nicht lesen oder passt hier nicht."
 STOPS = frozenset({("POST", "/v1/stop"), ("POST", "/v1/robots/{robot:str}/stop")})
 """Whoever sees a robot may stop it; what they do not see stays as it is."""
 
@@ -236,6 +238,48 @@ async def test_what_no_route_takes_is_said_in_the_language_of_whoever_asks() -> 
         assert problem(unknown)[2].startswith("Zeige einen Schlüssel")
         odd = await ada.post("/v1/robots/omni/orders", json={"skill": 7})
         assert problem(odd)[2].startswith("Das passt hier nicht: skill")
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "sent", "expected"),
+    [
+        ("POST", ORDERS, {"json": {}}, "skill fehlt"),
+        ("POST", ORDERS, {"content": b""}, "der Inhalt fehlt"),
+        ("POST", "/v1/files", {"content": b"x"}, "name fehlt"),
+        ("POST", ORDERS, {"json": {"skill": "a", "x": 1}}, "x ist hier nicht bekannt"),
+        ("POST", ORDERS, {"json": {"skill": 7}}, "skill muss Text sein"),
+        ("POST", ORDERS, {"json": []}, "der Inhalt muss ein Objekt in JSON sein"),
+        (
+            *("POST", ORDERS, {"json": {"skill": "a", "arguments": [1]}}),
+            "arguments muss ein Objekt in JSON sein",
+        ),
+        (
+            *("POST", ORDERS, {"json": {"skill": "a", "arguments": {"b": None}}}),
+            "arguments[...] muss eine Zahl oder Text sein",
+        ),
+        ("GET", "/v1/orders?limit=x", {}, "limit muss eine ganze Zahl sein"),
+        ("GET", "/v1/orders/abc?wait_s=x", {}, "wait_s muss eine Zahl sein"),
+        ("GET", "/v1/orders?limit=0", {}, "limit muss mindestens 1 sein"),
+        ("POST", ORDERS, {"json": {"skill": "a", "wait_s": 61}}, "wait_s darf höchstens 60 sein"),
+        ("POST", ORDERS, {"json": {"skill": ""}}, "skill muss mindestens 1 Zeichen haben"),
+        (
+            *("POST", ORDERS, {"json": {"skill": "a" * 65}}),
+            "skill darf höchstens 64 Zeichen haben",
+        ),
+        ("GET", "/v1/robots/omni/views/soul", {}, "kind darf das nicht sein"),
+        ("POST", ORDERS, {"content": b"{"}, NOT_READ),
+    ],
+)
+async def test_what_is_wrong_with_a_field_is_said_in_the_language_of_whoever_asks(
+    method: str, path: str, sent: dict[str, Any], expected: str
+) -> None:
+    async with served() as place:
+        ada = await place.person("Ada")
+        await ada.post("/v1/chat", json={"text": "/language de"})
+        status, code, detail = problem(await ada.request(method, path, **sent))
+        assert (status, code) == (400, "not-understood")
+        what = expected if expected == NOT_READ else f"Das passt hier nicht: {expected}."
+        assert detail == f"{what} Nichts wurde getan."
 
 
 async def revoke(place: ServedGateway, secret: str) -> None:

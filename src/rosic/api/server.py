@@ -47,6 +47,7 @@ from rosic.api.routes import OPEN, ROUTES, events
 from rosic.api.settings_checks import check_served
 from rosic.api.tickets import TicketBook, new_ticket
 from rosic.api.work_routes import ROUTES as WORK
+from rosic.api.wrong_fields import not_fitting
 from rosic.core.i18n import plain, said
 from rosic.errors import ConfigurationError, RosicError, Unrecognised
 
@@ -357,7 +358,8 @@ class ApiServer:
     def _invalid(
         self, request: Request[Any, Any, Any], error: ValidationException
     ) -> Response[bytes]:
-        detail = plain(self._read(request, not_fitting(_what_is_wrong(error))))
+        found = not_fitting(error, request.route_handler)
+        detail = plain(self._read(request, found))
         return answer(problem("not-understood", detail, status=400))
 
     def _http(self, request: Request[Any, Any, Any], error: HTTPException) -> Response[bytes]:
@@ -382,17 +384,6 @@ class ApiServer:
 
 def _refused_by_rooms(_request: Request[Any, Any, Any], error: RefusedOrder) -> Response[bytes]:
     return answer(error.problem)
-
-
-def not_fitting(what: str) -> str:
-    """Return what is said of a request of which something does not fit."""
-    return said("That does not fit here: {what}. Nothing was done.", what=what.rstrip("."))
-
-
-def _what_is_wrong(error: ValidationException) -> str:
-    parts = (each for each in error.extra or () if isinstance(each, dict))
-    found = [f"{each.get('key', '')}: {each.get('message', '')}" for each in parts]
-    return "; ".join(found)[:400] or error.detail
 
 
 def _listener(listen: HostPort, key: str) -> socket.socket:
