@@ -31,6 +31,7 @@ from rosic.bench.report import (
     case_of,
 )
 from rosic.errors import ConfigurationError
+from tests.bench.interrupted import cases_kept
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -147,6 +148,23 @@ def test_what_was_measured_before_an_interrupt_is_printed(
     assert [one["name"] for one in printed["cases"]] == ["the first"]
     assert said.err == ("failed: It was interrupted: what was measured until then is above.\n")
     assert "the first,7.0" in file.read_text()
+
+
+@pytest.mark.limit(200)
+@pytest.mark.parametrize(
+    ("name", "first"),
+    [
+        ("fleet", "6 to 6: solver"),
+        ("idle", "nobody"),
+        ("pipeline", "memory, 256 in flight"),
+        ("schedule", "order of arrival"),
+        ("stop", "memory, one robot: handed to the adapter"),
+        ("strangers", "a stop, quiet"),
+        ("telegram", "50 commands, 10 chats, 1.5 times as fast"),
+    ],
+)
+def test_a_bench_keeps_what_it_had_seen_when_it_is_interrupted(name: str, first: str) -> None:
+    assert cases_kept(name)[0] == first
 
 
 def test_what_was_measured_before_the_disk_was_full_is_printed(
@@ -310,6 +328,7 @@ def test_the_page_holds_everything_and_no_markup_of_what_was_measured() -> None:
             report(
                 case("<script>alert(1)</script>", 2.5, pace_us=800.0),
                 bench="pipeline",
+                command="rosic bench pipeline --quick",
                 tables=(TABLE,),
                 ratios=(broken,),
                 charts=(chart("lines"),),
@@ -321,6 +340,10 @@ def test_the_page_holds_everything_and_no_markup_of_what_was_measured() -> None:
     assert "<script" not in page
     assert "<i>" not in page
     assert "class=broken>broken<" in page
+    unseen = len(budgets()) - 1
+    assert f"Of {unseen + 1} budgets: 0 kept, 1 broken, {unseen} not measured." in page
+    assert "<code>rosic bench pipeline --quick</code>" in page
+    assert "<th class=n>p50, us</th>" in page
     assert "data:image/svg+xml;base64," in page
     assert "http" not in page.replace("http://www.w3.org", "")
 

@@ -10,6 +10,7 @@ import pytest
 from rosic.bench.batches import CommandBatch
 from rosic.bench.command import BenchEntry, main
 from rosic.bench.idle import IdleWindow, report_of
+from rosic.bench.recorder import BenchRecorder
 from rosic.bench.report import BenchCase, BenchReport
 from rosic.bench.telegram import TelegramLoad, measured
 from rosic.errors import ConfigurationError
@@ -109,7 +110,7 @@ def test_what_is_promised_of_many_chats_is_what_rosic_lets_itself_say() -> None:
 def test_a_bench_whose_bound_fails_has_measured_all_the_same() -> None:
     batch = CommandBatch(name="few", commands=10, chats=5, faster=20.0, stops=1)
 
-    report = measured(TelegramLoad((batch,), orders=0, at_least=1_000.0))
+    report = measured(BenchRecorder("telegram"), TelegramLoad((batch,), orders=0, at_least=1_000.0))
 
     names = [case.name for case in report.cases]
     assert names == ["few", "few: stops meanwhile", "few: naive, 0 times 429"]

@@ -270,13 +270,14 @@ def _report(chosen: Mapping[str, object], benches: Mapping[str, BenchEntry]) -> 
     output.make_folder(where)
     reports: list[BenchReport] = []
     runs = [(name, *benches[name].report_options) for name in only]  # type: ignore[attr-defined]
-    for report in suite.measured(runs, quick=bool(chosen["quick"])):
+    for report in suite.measured(runs, where, quick=bool(chosen["quick"])):
         reports.append(report)
         suite.write_suite(reports, where)
-        told = f"{len(report.failures)} did not hold" if report.failures else "held"
+        told = f"{len(report.failures)} did not hold" if report.failures else "measured"
         sys.stdout.write(f"{report.bench}: {told}, {report.took_s:.0f} s\n")
         sys.stdout.flush()
-    sys.stdout.write(f"Written: {where / suite.PAGE}\n")
+    told = comparison.in_sum(comparison.judged(reports, comparison.budgets()))
+    sys.stdout.write(f"{told}\nWritten: {where / suite.PAGE}\n")
     return 1 if any(report.failures for report in reports) else 0
 
 

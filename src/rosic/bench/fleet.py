@@ -136,8 +136,13 @@ def measure(recorder: BenchRecorder) -> BenchReport:
     large = [floor(seed, TASKS, ROBOTS) for seed in range(runs)]
     small = [one for seed in range(small_runs) if _full(one := floor(seed, SMALL, SMALL))]
     cases = [
-        *(_case(f"{SMALL} to {SMALL}", way, small) for way in WAYS),
-        *(_case(f"{TASKS} to {ROBOTS}", way, large) for way in ("solver", "nearest idle")),
+        case
+        for name, ways, floors in (
+            (f"{SMALL} to {SMALL}", tuple(WAYS), small),
+            (f"{TASKS} to {ROBOTS}", ("solver", "nearest idle"), large),
+        )
+        for way in ways
+        for case in recorder.see([_case(name, way, floors)])
     ]
     method = METHOD.format(runs=runs, small=len(small))
     how, crowded = scaling.measure(recorder)

@@ -119,14 +119,16 @@ def measure(recorder: BenchRecorder) -> BenchReport:
         process, url, headers = running
         time.sleep(SETTLES_S)
         for _ in range(windows):
-            with recorder.turn("nobody", of=windows):
+            with recorder.turn("nobody", of=windows) as turn:
                 alone.append(_window(process.pid, lasts_s))
+                turn.saw(1.0, [alone[-1].share * 1e9])
             with connect(url, additional_headers=headers) as page:
                 listening = Thread(target=_listen, args=(page,))
                 listening.start()
                 time.sleep(1.0)
-                with recorder.turn("a page open", of=windows):
+                with recorder.turn("a page open", of=windows) as turn:
                     opened.append(_window(process.pid, lasts_s))
+                    turn.saw(1.0, [opened[-1].share * 1e9])
                 page.close()
                 listening.join()
     return report_of(alone, opened, lasts_s)

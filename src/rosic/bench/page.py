@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from base64 import b64encode
+from functools import lru_cache
 from html import escape
 from importlib.resources import files
 from typing import TYPE_CHECKING, Final
 
 from rosic.bench.charts import drawn
-from rosic.bench.comparison import budgets, judged
+from rosic.bench.comparison import budgets, in_sum, judged
 from rosic.bench.report import tables_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from rosic.bench.report import BenchReport, BenchTable
+    from rosic.bench.report import BenchReport, BenchTable, Chart
 
 STYLE: Final = files("rosic.bench").joinpath("page.css").read_text(encoding="utf-8")
 SHORT: Final = 1e4  # below, a number has four digits that count
@@ -24,6 +25,22 @@ PACED: Final = (
     "machine are ratios, and times as a multiple of the pace: what a calibration loop of fixed "
     "work took beside each case."
 )
+
+
+WORDS: Final = {
+    "rate_per_s": "a second",
+    "p50_us": "p50, us",
+    "p90_us": "p90, us",
+    "p99_us": "p99, us",
+    "max_us": "longest, us",
+    "pace_us": "pace, us",
+    "permitted_share": "share of what is permitted",
+    "bytes_each": "bytes each",
+    "cost_m": "cost, m",
+    "lost_share": "share lost",
+    "processor_us": "processor, us each",
+}
+"""Of columns that are named as fields elsewhere."""
 
 
 def as_html(reports: Sequence[BenchReport]) -> str:
@@ -46,39 +63,46 @@ def _page(reports: Sequence[BenchReport]) -> Iterator[str]:
     for report in reports:
         yield f"<a href='#{escape(report.bench)}'>{escape(report.bench)}</a>"
     yield "</nav>"
-    yield from _table(judged(reports, budgets()), "Promised")
+    table = judged(reports, budgets())
+    yield f"<h3>Promised</h3><p>{escape(in_sum(table))}</p>"
+    yield from _table(table)
     for report in reports:
         yield from _section(report)
 
 
 def _section(report: BenchReport) -> Iterator[str]:
     yield f"<h2 id='{escape(report.bench)}'>{escape(report.bench)}</h2>"
-    yield f"<p>{escape(report.method)}</p><p class=faint><code>rosic bench {escape(report.bench)}"
-    yield f"</code>, {report.took_s:.0f} s, {escape(report.started)}; pace "
-    yield f"{report.pace_us / 1e3:.2f} ms.</p>"
+    command = report.command or f"rosic bench {report.bench}"
+    yield f"<p>{escape(report.method)}</p><p class=faint><code>{escape(command)}</code>, "
+    yield f"{report.took_s:.0f} s, {escape(report.started)}; "
+    yield f"pace {report.pace_us / 1e3:.2f} ms.</p>"
     for failure in report.failures:
         yield f"<p class=failed>{escape(failure)}</p>"
     for finding in report.findings:
         if finding not in report.failures:
             yield f"<p>{escape(finding)}</p>"
     for chart in report.charts:
-        picture = b64encode(drawn(chart, "svg")).decode()
-        yield f"<img alt='{escape(chart.title)}' src='data:image/svg+xml;base64,{picture}'>"
+        yield f"<img alt='{escape(chart.title)}' src='data:image/svg+xml;base64,{_picture(chart)}'>"
     for table in tables_of(report):
-        yield from _table(table, table.title)
+        yield f"<h3>{escape(table.title)}</h3>"
+        yield from _table(table)
 
 
-def _table(table: BenchTable, title: str) -> Iterator[str]:
-    if not table.rows:
-        return
+@lru_cache(maxsize=256)
+def _picture(chart: Chart) -> str:
+    """Return a chart; the page is written after each bench, and each chart is drawn once."""
+    return b64encode(drawn(chart, "svg")).decode()
+
+
+def _table(table: BenchTable) -> Iterator[str]:
     numbers = [
         all(row[at] is None or not isinstance(row[at], str) for row in table.rows)
         for at in range(len(table.columns))
     ]
     marks = [" class=n" if number else "" for number in numbers]
-    yield f"<h3>{escape(title)}</h3><div class=wide><table><thead><tr>"
+    yield "<div class=wide><table><thead><tr>"
     for column, mark in zip(table.columns, marks, strict=True):
-        yield f"<th{mark}>{escape(column)}</th>"
+        yield f"<th{mark}>{escape(WORDS.get(column, column))}</th>"
     yield "</tr></thead><tbody>"
     for row in table.rows:
         yield "<tr>"

@@ -47,6 +47,7 @@ CASES = (
     OrderLoad(name="durable, 256 in flight", orders=20_000, durable=True),
     OrderLoad(name="durable, 1 in flight", orders=1_000, in_flight=1, durable=True),
 )
+BESIDE = ", beside others"
 # What may not grow with how much there is: these take turns with the first case, slice by slice.
 COMPARED = (
     "memory, 5 skills",
@@ -71,11 +72,18 @@ def measure(recorder: BenchRecorder) -> BenchReport:
                     ran = runtime.run(run(load))
                     turn.saw(ran[0].rate_per_s, ran[0].times_ns)
                 seen[load.name] += ran
-        with recorder.turn(", ".join(COMPARED), of=runs):
+        with recorder.turn(loads[0].name + BESIDE, of=runs) as turn:
             first, *others = runtime.run(run(*abreast))
+            turn.saw(first.rate_per_s, first.times_ns)
         reference.append(first)
         for name, other in zip(COMPARED, others, strict=True):
             seen[name].append(other)
+            recorder.keep(
+                name,
+                like=loads[0].name + BESIDE,
+                times_ns=other.times_ns,
+                rate_per_s=other.rate_per_s,
+            )
     orders = [
         case_of(n, [(r.rate_per_s, r.times_ns) for r in ran], recorder.paces_us(n))
         for n, ran in seen.items()
@@ -84,6 +92,7 @@ def measure(recorder: BenchRecorder) -> BenchReport:
     method = METHOD.format(turn=TURN_MESSAGES, robots=ROBOTS, runs=runs, loop=runtime.name())
     with recorder.turn("decide"):
         how, asked = admission.measure(quick=quick)
+        recorder.see(asked)
     how_weighed, weighed = memory.measure()
     return BenchReport(
         machine=machine(),

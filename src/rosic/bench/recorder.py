@@ -20,7 +20,7 @@ from rosic import __version__
 from rosic.bench.report import BenchCase, BenchReport, case_of, machine, versions
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
 LOOPS: Final = 40
 """Together some 35 ms, so that a processor that is shared is seen to be: the system lets others
@@ -96,6 +96,7 @@ class BenchRecorder:
         self._started = datetime.now(UTC)
         self._paces_us = [pace_us()]
         self._so_far: Callable[[], BenchReport] | None = None
+        self._seen: list[BenchCase] = []
 
     @contextmanager
     def turn(self, case: str, *, of: int = 0) -> Iterator[BenchTurn]:
@@ -133,6 +134,12 @@ class BenchRecorder:
         """
         turns = self._turns.setdefault(case, [])
         turns.append(self._turns[like][len(turns)].beside(times_ns, rate_per_s))
+
+    def see(self, cases: Iterable[BenchCase]) -> list[BenchCase]:
+        """Return cases that are measured whole; they count even if the bench is interrupted."""
+        found = [self._paced(case) for case in cases]
+        self._seen += found
+        return found
 
     def paces_us(self, case: str) -> list[float]:
         """Return what the calibration loop took beside each turn of a case so far."""
@@ -186,7 +193,7 @@ class BenchRecorder:
             BenchReport(
                 machine=machine(),
                 method="What was measured before it ended.",
-                cases=self.cases(tails=True),
+                cases=(*self.cases(tails=True), *self._seen),
                 failures=(why,),
             )
         )

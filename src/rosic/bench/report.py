@@ -139,6 +139,7 @@ class BenchReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
         bench, version, versions, started, took_s, pace_us: Which bench, of which ROSIC, beside
             which Python, system and SQLite, when (ISO 8601, UTC), how long, and what the
             calibration loop took meanwhile.
+        command: By which it was asked for, in a report of many.
     """
 
     machine: str
@@ -155,6 +156,7 @@ class BenchReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True)
     started: str = ""
     took_s: float = 0.0
     pace_us: float = 0.0
+    command: str = ""
 
 
 def machine() -> str:

@@ -165,10 +165,18 @@ def report(
 def measure(recorder: BenchRecorder) -> BenchReport:
     """Return what ``rosic bench schedule`` prints."""
     seeds, limit_s = (QUICK_SEEDS, QUICK_LIMIT_S) if recorder.quick else (SEEDS, LIMIT_S)
+    weeks: list[PlanningWeek] = []
+    recorder.report_by(lambda: _report(weeks, limit_s))
     with recorder.turn("weeks"):
-        weeks = report(range(seeds), limit_s=limit_s)
+        for seed in range(seeds):
+            weeks += report((seed,), limit_s=limit_s)
+    return _report(weeks, limit_s)
+
+
+def _report(weeks: Sequence[PlanningWeek], limit_s: float) -> BenchReport:
+    """Return what weeks come to, as many as there are."""
     cases: list[BenchCase] = []
-    for name, index in (("order of arrival", 0), ("proposed plan", 1)):
+    for name, index in (("order of arrival", 0), ("proposed plan", 1)) if weeks else ():
         times = [week.took_ns[index] for week in weeks]
         case = case_of(name, [(1e9 / mean(times), times)])
         plans = [week.proposed if index else week.arrival for week in weeks]
@@ -178,7 +186,7 @@ def measure(recorder: BenchRecorder) -> BenchReport:
         }
         cases.append(PlanningCase(**msgspec.structs.asdict(case), figures=averages))
     method = METHOD.format(
-        wishes=WISHES, people=PEOPLE, robots=len(ROBOTS), weeks=seeds, limit_s=limit_s
+        wishes=WISHES, people=PEOPLE, robots=len(ROBOTS), weeks=len(weeks), limit_s=limit_s
     )
     return BenchReport(machine=machine(), method=method, cases=tuple(cases))
 

@@ -109,7 +109,7 @@ def measure(recorder: BenchRecorder, *, robots: int = ROBOTS, rounds: int = 0) -
             first_ms = spread_ns(seen[0].robots_ns) / 1e6
             findings.append(FIRST.format(name=name, first_ms=first_ms))
         if counted := seen[1:]:
-            cases += _cases(name, counted, rate)
+            cases += recorder.see(_cases(name, counted, rate))
             findings.append(_within(name, counted))
     method = METHOD.format(
         robots=robots,

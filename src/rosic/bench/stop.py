@@ -29,10 +29,11 @@ from rosic.stores.stop_latch import FileLatch, MemoryLatch
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from concurrent.futures import Future
 
     from rosic.bench.recorder import BenchRecorder
+    from rosic.bench.report import BenchCase
     from rosic.contracts.store import Store
     from rosic.core.robot.profile import RobotId
 
@@ -88,28 +89,14 @@ class StopFigures(msgspec.Struct):
 def measure(recorder: BenchRecorder) -> BenchReport:
     """Stop robots with the record in memory, then with the record and the latch on disk."""
     load = QUICK if recorder.quick else FULL
-    runs = []
+    cases: list[BenchCase] = []
+    failures: list[str] = []
     for name in ("memory", "durable"):
         with recorder.turn(name):
-            runs.append((name, runtime.run(_run(load, durable=name == "durable"))))
-    cases = tuple(
-        case_of(f"{name}, {which}: {what}", [(rate, times)])
-        for name, (rate, found) in runs
-        for which, seen in found.items()
-        for what, times in (
-            ("handed to the adapter", seen.handed),
-            ("kept by the latch", seen.latched),
-            ("rest told", seen.told),
-            ("before it is handed over", seen.waited),
-        )
-        if times
-    )
-    failures = tuple(
-        f"{name}, {which}: {one}"
-        for name, (_, found) in runs
-        for which, seen in found.items()
-        for one in seen.wrong
-    )
+            rate, found = runtime.run(_run(load, durable=name == "durable"))
+        for which, seen in found.items():
+            cases += recorder.see(_cases(f"{name}, {which}", rate, seen))
+            failures += [f"{name}, {which}: {one}" for one in seen.wrong]
     method = METHOD.format(
         queued=load.queued,
         robots=ROBOTS,
@@ -118,7 +105,20 @@ def measure(recorder: BenchRecorder) -> BenchReport:
         together=load.together,
         loop=runtime.name(),
     )
-    return BenchReport(machine=machine(), method=method, cases=cases, failures=failures)
+    return BenchReport(
+        machine=machine(), method=method, cases=tuple(cases), failures=tuple(failures)
+    )
+
+
+def _cases(name: str, rate: float, seen: StopFigures) -> Iterator[BenchCase]:
+    for what, times in (
+        ("handed to the adapter", seen.handed),
+        ("kept by the latch", seen.latched),
+        ("rest told", seen.told),
+        ("before it is handed over", seen.waited),
+    ):
+        if times:
+            yield case_of(f"{name}: {what}", [(rate, times)])
 
 
 async def _run(load: StopLoad, *, durable: bool) -> tuple[float, dict[str, StopFigures]]:

@@ -29,10 +29,11 @@ from rosic.stores.database import DatabaseStore
 from rosic.stores.stop_latch import FileLatch
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Iterator
+    from collections.abc import AsyncIterator, Callable, Iterator, Sequence
     from contextvars import Context
 
     from rosic.bench.recorder import BenchRecorder
+    from rosic.bench.report import BenchCase
     from rosic.contracts.clock import Clock
     from rosic.core.order import RestReport, Stop
     from rosic.core.order_gate import OrderGate
@@ -177,6 +178,8 @@ TEXTS: Final = (*((sign * LONGEST)[:LONGEST] for sign in SIGNS), NAMED[:LONGEST]
 TASK: Final = "/task go"
 KINDS: Final = 4
 CHANNELS: Final = 10
+STOPS: Final = ("a stop, quiet", "a stop behind a flood", "a stop behind everybody's")
+UNFINISHED: Final = "Stops of an admin, quiet and right behind floods, until it was interrupted."
 METHOD: Final = (
     "A gateway with its record and its latch on disk receives from a stand-in for the Bot API in a "
     "process of its own, through the real listener. {samples} stops of an admin, and in turns as "
@@ -242,7 +245,7 @@ def measure(recorder: BenchRecorder) -> BenchReport:
     """Stop a robot without strangers and behind their floods, in turns."""
     load = QUICK if recorder.quick else FULL
     with recorder.turn("a stop"):
-        found = runtime.run(_run(load))
+        found = runtime.run(_run(load, recorder))
     with undisturbed(), asyncio.Runner(loop_factory=MeteredLoop) as runner:
         longest = runner.run(_run(msgspec.structs.replace(load, samples=load.metered))).longest
     above_s, with_known_s = (
@@ -271,17 +274,25 @@ def measure(recorder: BenchRecorder) -> BenchReport:
             metered=load.metered,
             loop=runtime.name(),
         ),
-        cases=(
-            case_of("a stop, quiet", [(rate, found.quiet)]),
-            case_of("a stop behind a flood", [(rate, found.flooded)]),
-            case_of("a stop behind everybody's", [(rate, found.mixed)]),
-        ),
+        cases=tuple(_cases(rate, found.quiet, found.flooded, found.mixed)),
         findings=findings,
         failures=tuple(finding for finding, held in zip(findings, kept, strict=True) if not held),
     )
 
 
-async def _run(load: StrangerLoad) -> StrangerFigures:
+def _so_far(*stops_ns: Sequence[int]) -> BenchReport:
+    """Return what was seen of stops until now, one after another."""
+    rate = len(stops_ns[0]) / (sum(map(sum, stops_ns)) / 1e9) if stops_ns[0] else 0.0
+    return BenchReport(machine=machine(), method=UNFINISHED, cases=tuple(_cases(rate, *stops_ns)))
+
+
+def _cases(rate: float, *stops_ns: Sequence[int]) -> Iterator[BenchCase]:
+    for name, times in zip(STOPS, stops_ns, strict=True):
+        if times:
+            yield case_of(name, [(rate, times)])
+
+
+async def _run(load: StrangerLoad, recorder: BenchRecorder | None = None) -> StrangerFigures:
     with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
         async with stand_in() as control:
             await control.call("set_limits", limits=None)
@@ -295,16 +306,20 @@ async def _run(load: StrangerLoad) -> StrangerFigures:
             async with _gateway(Path(folder), control, admin, viewer) as robot:
                 bench = _Bench(control, robot, (admin, viewer), crowd, channels)
                 await bench.stop()  # what is made once is made
-                return await _samples(bench, load)
+                return await _samples(bench, load, recorder)
 
 
-async def _samples(bench: _Bench, load: StrangerLoad) -> StrangerFigures:
+async def _samples(
+    bench: _Bench, load: StrangerLoad, recorder: BenchRecorder | None
+) -> StrangerFigures:
     here = asyncio.get_running_loop()
     meter = here if isinstance(here, MeteredLoop) else None
     quiet: list[int] = []
     flooded: list[int] = []
     mixed: list[int] = []
     began_s = perf_counter()
+    if recorder is not None:
+        recorder.report_by(lambda: _so_far(quiet, flooded, mixed))
     if meter is not None:
         meter.reset()
     for number in range(load.samples):

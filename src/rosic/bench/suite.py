@@ -30,7 +30,9 @@ def default_folder() -> Path:
     return Path(f"rosic-bench-{datetime.now(UTC):%Y-%m-%d_%H-%M-%S}")
 
 
-def measured(benches: Sequence[Sequence[str]], *, quick: bool) -> Iterator[BenchReport]:
+def measured(
+    benches: Sequence[Sequence[str]], folder: Path, *, quick: bool
+) -> Iterator[BenchReport]:
     """Run benches one after another, and yield what each saw.
 
     One that cannot run says why in its report. After an interrupt comes the report of the one that
@@ -38,12 +40,15 @@ def measured(benches: Sequence[Sequence[str]], *, quick: bool) -> Iterator[Bench
 
     Args:
         benches: Name and options of each.
+        folder: In which they run: what they write besides goes there.
         quick: Short runs.
     """
+    make_folder(folder)
     for name, *options in benches:
-        command = [sys.executable, "-m", "rosic", "bench", name, "--json", *options]
+        told = ["bench", name, *options, *(["--quick"] if quick else [])]
         process = subprocess.Popen(  # noqa: S603 - our own command
-            [*command, *(["--quick"] if quick else [])],
+            [sys.executable, "-m", "rosic", *told, "--json"],
+            cwd=folder,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE if not sys.stderr.isatty() else None,
@@ -52,9 +57,9 @@ def measured(benches: Sequence[Sequence[str]], *, quick: bool) -> Iterator[Bench
             out, err = process.communicate()
         except KeyboardInterrupt:
             out, err = _interrupted(process)
-            yield _report(name, out, INTERRUPTED)
+            yield _report(told, out, INTERRUPTED)
             return
-        yield _report(name, out, _last_line(err))
+        yield _report(told, out, _last_line(err))
 
 
 def _interrupted(process: subprocess.Popen[bytes]) -> tuple[bytes, bytes]:
@@ -66,17 +71,18 @@ def _interrupted(process: subprocess.Popen[bytes]) -> tuple[bytes, bytes]:
         return process.communicate()
 
 
-def _report(name: str, out: bytes, why: str) -> BenchReport:
+def _report(told: Sequence[str], out: bytes, why: str) -> BenchReport:
     try:
-        return msgspec.json.decode(out, type=BenchReport)
+        found = msgspec.json.decode(out, type=BenchReport)
     except msgspec.MsgspecError:
-        return BenchReport(
+        found = BenchReport(
             machine=machine(),
             method="",
             cases=(),
             failures=(NOTHING.format(why=why or "it said nothing."),),
-            bench=name,
+            bench=told[1],
         )
+    return msgspec.structs.replace(found, command=" ".join(("rosic", *told)))
 
 
 def _last_line(err: bytes | None) -> str:
@@ -85,7 +91,7 @@ def _last_line(err: bytes | None) -> str:
 
 
 def write_suite(reports: Sequence[BenchReport], folder: Path) -> None:
-    """Write what was measured: the numbers first, then the page, workbooks and charts.
+    """Write what was measured: the numbers and the page, then workbook and charts of the last one.
 
     Raises:
         ConfigurationError: A file cannot be written, or something to draw with is not installed.
@@ -94,7 +100,7 @@ def write_suite(reports: Sequence[BenchReport], folder: Path) -> None:
     make_folder(folder)
     write(folder / NUMBERS, msgspec.json.format(msgspec.json.encode(reports), indent=1))
     write(folder / PAGE, as_html(reports).encode())
-    for report in reports:
+    for report in reports[-1:]:
         write_charts(report, folder)
         if report.cases or report.tables:
             write_xlsx(report, folder / f"{report.bench}.xlsx")

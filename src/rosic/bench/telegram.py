@@ -117,16 +117,17 @@ class TelegramLoad(NamedTuple):
 def measure(recorder: BenchRecorder) -> BenchReport:
     """Run every batch through ROSIC and through the naive sender, then measure receiving."""
     with recorder.turn("batches"):
-        return measured(TelegramLoad(QUICK, 200) if recorder.quick else TelegramLoad(FULL, 2_000))
+        load = TelegramLoad(QUICK, 200) if recorder.quick else TelegramLoad(FULL, 2_000)
+        return measured(recorder, load)
 
 
-def measured(asked: TelegramLoad) -> BenchReport:
+def measured(recorder: BenchRecorder, asked: TelegramLoad) -> BenchReport:
     """Measure all that is asked, whatever did not hold of it."""
     log = logging.getLogger("rosic")
     level = log.level
     log.setLevel(logging.ERROR)
     try:
-        cases, failures, seen = runtime.run(_run(asked))
+        cases, failures, seen = runtime.run(_run(recorder, asked))
     finally:
         log.setLevel(level)
     method = METHOD.format(
@@ -141,7 +142,9 @@ def measured(asked: TelegramLoad) -> BenchReport:
     )
 
 
-async def _run(asked: TelegramLoad) -> tuple[list[BenchCase], list[str], tuple[str, ...]]:
+async def _run(
+    recorder: BenchRecorder, asked: TelegramLoad
+) -> tuple[list[BenchCase], list[str], tuple[str, ...]]:
     cases: list[BenchCase] = []
     failures: list[str] = []
     async with stand_in() as control:
@@ -151,11 +154,12 @@ async def _run(asked: TelegramLoad) -> tuple[list[BenchCase], list[str], tuple[s
             except (AssertionError, TimeoutError) as error:
                 failures.append(f"{batch.name}: nothing could be measured: {error!r}")
             else:
-                cases += _cases(batch, found)
+                cases += recorder.see(_cases(batch, found))
                 least = asked.at_least * batch.kept_per_s / batch.permitted_per_s
                 failures += [f"{batch.name}: {one}" for one in _broken(found, least)]
             naive = await through_a_loop(control, batch)
-            cases.append(_case(f"{batch.name}: naive, {naive.too_many} times 429", naive))
+            name = f"{batch.name}: naive, {naive.too_many} times 429"
+            cases += recorder.see([_case(name, naive)])
         if not asked.orders:
             return cases, failures, ()
         async with empty_handler(control) as handle:

@@ -11,6 +11,7 @@ from rosic.bench.api import SMALL, CaseRun, TopicCase, _compared, _lost
 from rosic.bench.command import main
 from rosic.bench.topic_process import MessageTimes, StreamFigures
 from rosic.errors import ConfigurationError
+from tests.bench.interrupted import cases_kept
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -76,3 +77,15 @@ def test_what_is_no_checkout_is_said(tmp_path: Path, capsys: pytest.CaptureFixtu
     with pytest.raises(SystemExit):
         main(["pipeline", "--rosbridge", str(tmp_path)])
     assert "unrecognized arguments: --rosbridge" in capsys.readouterr().err
+
+
+@pytest.mark.limit(300)
+@pytest.mark.parametrize(
+    ("name", "first"),
+    [
+        ("api", "ROSIC: to ROS, 64 B, 200/s, 1 client"),
+        ("start", "ordinary: robots, first to last"),
+    ],
+)
+def test_a_bench_keeps_what_it_had_seen_when_it_is_interrupted(name: str, first: str) -> None:
+    assert cases_kept(name)[0] == first
