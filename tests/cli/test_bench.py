@@ -37,7 +37,7 @@ def test_the_bench_of_stops_prints_one_object() -> None:
     assert "at least 1000 orders wait" in report["method"]
     assert [case["name"] for case in report["cases"]] == STOPS
     for case in report["cases"]:
-        assert set(case) == {"name", "rate_per_s", "p50_us", "p99_us"}
+        assert set(case) == {"name", "rate_per_s", "p50_us", "p99_us", "pace_us"}
         assert 0 < case["p50_us"] <= case["p99_us"]
         assert case["rate_per_s"] > 0
 

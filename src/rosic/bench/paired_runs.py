@@ -85,7 +85,11 @@ class PairedProcess:
         self._from = cast("asyncio.StreamReader", process.stdout)
 
     async def turn(self, kind: str) -> bytes:
-        """Let it have a turn; return what it says of it."""
+        """Let it have a turn; return what it says of it.
+
+        Raises:
+            RuntimeError: It has ended.
+        """
         self._to.write(f"{kind}\n".encode())
         return await self.line()
 
@@ -119,7 +123,7 @@ async def waiting(*command: str, errors: IO[bytes] | None = None) -> AsyncIterat
     try:
         yield PairedProcess(process)
         if process.stdin is not None and not process.stdin.is_closing():  # it has not ended before
-            with suppress(TimeoutError):  # what was measured stays so
+            with suppress(TimeoutError, RuntimeError, OSError):  # what was measured stays so
                 await asyncio.wait_for(process.communicate(b""), WITHIN_S)
     finally:
         if process.returncode is None:

@@ -17,6 +17,7 @@ from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.system import SystemClock
 from rosic_sim.robots.machines.swarm import APART_M
+from tests.pace import patience
 from tests.real.ros2.simulated import TriedRobot, opened, set_fault, shipped, simulated, until
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ async def together(
     drones: list[TriedRobot], skill: str, arguments: dict[str, Argument]
 ) -> list[Outcome]:
     """Order the same of all, with a common start; the orders reach them one after another."""
-    start_ns = SystemClock().monotonic_ns() + int(TOGETHER_S * 1e9)
+    start_ns = SystemClock().monotonic_ns() + int(TOGETHER_S * patience() * 1e9)
     tasks = []
     for drone in drones:
         order = replace(drone.order(skill, arguments), start_ns=start_ns)
