@@ -1,7 +1,8 @@
 """Topics of the graph that a robot is on, for protocols that hand them on to programs and pages.
 
 What is opened here moves nothing by itself: who may read or say what is decided before, and what a
-profile binds to motion is sent by orders alone.
+profile binds to motion is sent by orders alone. What the robot's side answers to those is handed
+on as it came, too.
 """
 
 from __future__ import annotations
@@ -98,6 +99,21 @@ class GraphTopics(Protocol):
     @property
     def releases_by(self) -> Mapping[str, object]:
         """Return the fields by which that service lets the robot go on; empty: it never does."""
+        ...
+
+    def feedback(self, n: int) -> Fields | None:
+        """Return the newest feedback of the robot's side about an order, as it came.
+
+        Args:
+            n: The order's number; the newest orders alone are known.
+        """
+        ...
+
+    def end(self, n: int) -> Fields | None:
+        """Return the result or the response by which an order ended, as it came.
+
+        None: its side has said nothing, as where nobody took it, or it is not one of the newest.
+        """
         ...
 
     async def listen(self, topic: str, type_name: str, on_message: OnMessage) -> OpenedTopic:

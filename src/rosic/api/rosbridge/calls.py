@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -27,11 +28,13 @@ if TYPE_CHECKING:
     from rosic.api.ordering import CallerRequests
     from rosic.api.rosbridge.introspection import GraphIntrospection
     from rosic.api.rosbridge.messages import CallService, CancelActionGoal, Id, SendActionGoal, Told
+    from rosic.contracts.graph_topics import Fields, GraphTopics
     from rosic.core.robot.profile import RobotId
 
     Say = Callable[[Told], None]
 
 LOOK_S: Final = 60.0
+RESULT_WITHIN_S, RESULT_LOOK_S = 2.0, 0.02
 GOALS_AT_MOST: Final = 64
 """Goals and calls of one client that are not over."""
 UNKNOWN, SUCCEEDED, CANCELLED, ABORTED = 0, 4, 5, 6
@@ -174,6 +177,7 @@ class ClientCalls:
                 entry, values = await self._placed(bound.robot, bound.skill.id, arguments)
                 if entry is not None:
                     await self._follow(heard, entry)
+                    await self._result_of(entry)
                     values, good = self._ended(entry)
                     status = _STATUS.get(entry.ending, UNKNOWN)
         except RefusedOrder as why:
@@ -187,8 +191,8 @@ class ClientCalls:
         if heard.feedback:
 
             def tell(step: OrderEntry) -> None:
-                if not step.is_over:
-                    values = {"fraction": step.fraction or 0.0, "stage": step.note}
+                values = self._feedback(step)
+                if values is not None:
                     self._say(ActionFeedback(heard.action, values, given_id(heard.id)))
 
             self._followed.follow(entry.id, tell)
@@ -242,13 +246,47 @@ class ClientCalls:
         while not entry.is_over and self._context.feed[entry.id] is entry:
             await self._speech.wait(entry, LOOK_S)
 
+    async def _result_of(self, entry: OrderEntry) -> None:
+        """Wait for the result of a goal that was called off, but not for long.
+
+        Its robot is at rest, and so its order over, before the server says how it ended.
+        """
+        graph, loop = self._graph(entry), asyncio.get_running_loop()
+        if graph is None or _STATUS.get(entry.ending) != CANCELLED:
+            return
+        until_s = loop.time() + RESULT_WITHIN_S
+        while graph.end(entry.n) is None and loop.time() < until_s:  # noqa: ASYNC110 - tells nobody
+            await asyncio.sleep(RESULT_LOOK_S)
+
+    def _feedback(self, step: OrderEntry) -> Fields | None:
+        """Return how far an order is: as its robot's side says it, or as ROSIC does of others."""
+        if step.is_over:
+            return None
+        graph = self._graph(step)
+        if graph is not None:
+            return graph.feedback(step.n)
+        return {"fraction": step.fraction or 0.0, "stage": step.note}
+
     def _ended(self, entry: OrderEntry) -> tuple[Any, bool]:
-        """Return how an order ended, as most robots' answers have it, and whether that is known."""
+        """Return how an order ended, and whether that is an answer.
+
+        It is what the robot's side has answered; of a robot that is on no graph here it is what
+        ROSIC knows, as most robots' answers have it.
+        """
+        note = self._context.callers.read_by(entry.note, self._caller) or entry.ending
+        graph = self._graph(entry)
         if not entry.is_over:
             return self._context.callers.read_by(LOST, self._caller), False
-        note = self._context.callers.read_by(entry.note, self._caller)
-        good = _STATUS.get(entry.ending) == SUCCEEDED
-        return {"success": good, "message": note or entry.ending, "ending": entry.ending}, True
+        if graph is None:
+            good = _STATUS.get(entry.ending) == SUCCEEDED
+            return {"success": good, "message": note, "ending": entry.ending}, True
+        answer = graph.end(entry.n)
+        return (note, False) if answer is None else (answer, True)
+
+    def _graph(self, entry: OrderEntry) -> GraphTopics | None:
+        rooms = self._context.kernel.rooms
+        there = entry.robot in rooms.profiles  # it may have been retired meanwhile
+        return rooms.linker.graph_topics(entry.robot) if there else None
 
     def _read(self, why: RosicError) -> str:
         return self._context.callers.read_by(why.sentence, self._caller)

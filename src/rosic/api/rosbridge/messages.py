@@ -217,7 +217,7 @@ class ActionFeedback(msgspec.Struct, frozen=True, tag="action_feedback", tag_fie
     """How far a goal is."""
 
     action: str
-    values: dict[str, Any]
+    values: Any
     id: Id | msgspec.UnsetType = msgspec.UNSET
 
 

@@ -145,6 +145,7 @@ class GoalWatch:
     def feedback(self, message: RosObject) -> None:
         """Pass on how far the robot says it is."""
         self._pulse.beat(self.now_ns())
+        self._call.fed_back(message)
         stage = _field(message, self._stage)
         words = note(stage) if isinstance(stage, str) else ""
         self._call.running(self._fraction(message), words)

@@ -8,6 +8,7 @@ from contextlib import suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
+from rosic.robots.ros2.bindings.answers import OrderAnswers
 from rosic.robots.ros2.client.topics import Subscription, TopicQos
 from rosic.robots.ros2.messages.encode import to_message
 from rosic.robots.ros2.messages.fields import fields_of, unpacked
@@ -202,11 +203,16 @@ class CheckedPublisher:
 
 
 class OpenTopics:
-    """The topics of the graph that a robot is on; see `contracts.graph_topics.GraphTopics`."""
+    """The topics of the graph that a robot is on; see `contracts.graph_topics.GraphTopics`.
+
+    Attributes:
+        answers: What the robot's side says of orders; its link puts that in.
+    """
 
     def __init__(
         self, told: Ros2Profile, station: ChatInterfaceNode, traffic: TrafficCounter
     ) -> None:
+        self.answers = OrderAnswers()
         self._told, self._station, self._traffic = told, station, traffic
 
     @property
@@ -232,6 +238,14 @@ class OpenTopics:
         """Return the fields by which that service lets the robot go on; empty: it never does."""
         stop = self._told.stop
         return {} if stop is None else stop.release
+
+    def feedback(self, n: int) -> Fields | None:
+        """Return the newest feedback about one of the newest orders, by its number."""
+        return self.answers.feedback(n)
+
+    def end(self, n: int) -> Fields | None:
+        """Return the result or the response that ended one of the newest orders."""
+        return self.answers.end(n)
 
     async def listen(self, topic: str, type_name: str, on_message: OnMessage) -> HeardTopic:
         """Listen to a topic, as its publishers offer it.

@@ -327,8 +327,7 @@ class Ros2Robot:
         try:
             await self._stop_controller.release()
         except RobotUnreachable as fault:
-            sentence = joined(" ", (fault.sentence, said("Nothing was sent.")))
-            raise RobotOffline(sentence) from fault
+            raise RobotOffline(joined(" ", (fault.sentence, said("Nothing was sent.")))) from fault
 
     async def fall_silent(self, order: Order, tell: Tell) -> RestReport:
         """Stream as `execute` does, then cease without a zero, and wait for measured rest.
@@ -497,4 +496,5 @@ class Ros2Robot:
             self._namespace,
             self.profile.rest_timeout_s,
             self.profile.watchdog_s or self.profile.link.heartbeat_s,
+            self.topics.answers,
         )

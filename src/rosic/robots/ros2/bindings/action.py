@@ -137,6 +137,12 @@ class ActionSkill:
             RobotUnreachable: It fell silent, took too long (and was called off), or did not
                 confirm a stop.
         """
+
+        def told(found: GoalEnd) -> None:
+            if found.status != "unknown":
+                call.answered(found.result)
+
+        goal.tell_end(told)
         limit_s = self._binding.timeout_s + until_start_s(call.order, watch.now_ns())
         end = asyncio.ensure_future(goal.end())
         halted = asyncio.ensure_future(call.halted.wait())

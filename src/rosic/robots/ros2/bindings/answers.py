@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
 from rosic.core.i18n import joined, said
 from rosic.robots.ros2.answer_fields import MESSAGES, SUCCESS, unjudged
 from rosic.robots.ros2.errors import BadName
 from rosic.robots.ros2.messages.coerce import clean_text
 from rosic.robots.ros2.messages.decode import FieldReader, compile_path
+from rosic.robots.ros2.messages.fields import fields_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 NOTE_BYTES = 240
 _MOST_FACTS = 64
+ORDERS_KEPT: Final = 8
+"""Whose answers are kept; programs take them at once."""
 
 
 def check_fields(cls: RosObject, fields: Mapping[str, object]) -> None:
@@ -146,3 +149,46 @@ def _reader(cls: RosObject, path: str, *usual: str) -> FieldReader | None:
             if wanted not in usual:
                 raise
     return None
+
+
+class OrderAnswers:
+    """What a robot's side said of its newest orders, word for word, for programs that ask for it.
+
+    Of feedback the newest is kept.
+    """
+
+    def __init__(self) -> None:
+        self._feedback: dict[int, RosObject] = {}
+        self._ends: dict[int, RosObject] = {}
+
+    def put_feedback(self, n: int, message: RosObject) -> None:
+        """Take in feedback about an order, by its number."""
+        _keep(self._feedback, n, message)
+
+    def put_end(self, n: int, message: RosObject) -> None:
+        """Take in the result or the response that ended an order."""
+        self._feedback.pop(n, None)
+        _keep(self._ends, n, message)
+
+    def feedback(self, n: int) -> dict[str, Any] | None:
+        """Return the newest feedback about an order by its fields; None: there is none."""
+        return _fields(self._feedback.get(n))
+
+    def end(self, n: int) -> dict[str, Any] | None:
+        """Return what ended an order by its fields; None: nothing has come."""
+        return _fields(self._ends.get(n))
+
+
+def _keep(kept: dict[int, RosObject], n: int, message: RosObject) -> None:
+    kept.pop(n, None)
+    kept[n] = message
+    if len(kept) > ORDERS_KEPT:
+        del kept[next(iter(kept))]
+
+
+def _fields(message: RosObject) -> dict[str, Any] | None:
+    if message is None:
+        return None
+    cls: RosObject = type(message)
+    found: dict[str, Any] = fields_of(cls)(message)
+    return found

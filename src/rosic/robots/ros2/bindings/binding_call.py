@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from rosic.core.order_gate import OrderGate
     from rosic.core.robot.skill import Argument
     from rosic.robots.ros2.abandoned_goals import AbandonedGoal
+    from rosic.robots.ros2.bindings.answers import OrderAnswers
+    from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.robots.ros2.stopping import RestResult, StopController
     from rosic.robots.ros2.telemetry import Measurements
@@ -42,6 +44,7 @@ class RobotSide(NamedTuple):
 
     Attributes:
         watchdog_s: A gap of ours that is longer breaks off what moves.
+        answers: Keeps what the robot's side says of orders.
     """
 
     shown: str
@@ -52,6 +55,7 @@ class RobotSide(NamedTuple):
     namespace: str
     rest_timeout_s: float
     watchdog_s: float
+    answers: OrderAnswers
 
 
 class Binding(Protocol):
@@ -241,6 +245,14 @@ class BindingCall:
         self.side.measured.cut()
         _log.warning("%s: order %d is broken off: %s", self.order.robot, self.order.n, broken)
         self.running(None, over(broken))
+
+    def fed_back(self, message: RosObject) -> None:
+        """Its side says how far it is, in its own words."""
+        self.side.answers.put_feedback(self.order.n, message)
+
+    def answered(self, message: RosObject) -> None:
+        """Its side says how it ended, in its own words."""
+        self.side.answers.put_end(self.order.n, message)
 
     def received(self) -> None:
         """The robot's side has it."""

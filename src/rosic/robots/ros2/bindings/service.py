@@ -61,6 +61,7 @@ class ServiceSkill:
         if answer is None:
             return Outcome(OrderEnding.CANCELLED)
         binding_call.received()
+        binding_call.answered(answer)
         words, facts = self._answer.words(answer), self._answer.facts(answer)
         if self._answer.succeeded(answer):
             doubt = self._answer.in_doubt(answer)

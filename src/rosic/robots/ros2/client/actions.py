@@ -229,6 +229,10 @@ class Goal:
         except TimeoutError:
             raise NoAnswer(f"{self.name} has not come to an end within {timeout_s:g} s.") from None
 
+    def tell_end(self, tell: Callable[[GoalEnd], object]) -> None:
+        """Tell of the end as soon as it is heard, whether anybody still waits for it or not."""
+        self._result.add_done_callback(lambda ended: _heard(ended) and tell(ended.result()))
+
     async def cancel(self, *, timeout_s: float) -> CancelAnswer:
         """Ask the server to call the goal off. What then happens, `end` tells.
 
