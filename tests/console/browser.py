@@ -148,10 +148,15 @@ class OpenPage:
         return found
 
     async def fits(self, name: str) -> None:
-        """See that a part is good for everybody, at a desk and on a phone; draw both."""
+        """See that a part is good for everybody, at a desk and on a phone, also in the dark.
+
+        Draws both sizes.
+        """
         for size, where in ((PHONE, "phone"), (DESK, "desk")):
             assert await self.sticking_out(size) == [], f"{name} on a {where}"
-            assert await self.violations() == []
+            for scheme in ("dark", "light"):
+                await self.page.emulate_media(color_scheme=scheme)
+                assert await self.violations() == [], f"{name} on a {where}, {scheme}"
             await self.as_usual()
             await self.picture(f"{name}-{where}")
 
