@@ -118,15 +118,19 @@ async def sign_in(browser: httpx.AsyncClient, running: Gateway) -> None:
     assert made.status_code == 201, made.text
 
 
-async def placed_by(browser: httpx.AsyncClient, key: str) -> dict[str, Any]:
-    """Place the order under a key, as soon as her limit has room for it."""
-    end_s = time.monotonic() + 60 * pace()
-    while True:
+async def placed_by(browser: httpx.AsyncClient, *keys: str) -> dict[str, Any]:
+    """Place the order under a key, as soon as her limit has room for it.
+
+    A key that met the limit is answered the same again: each try takes the next one.
+    """
+    found: dict[str, Any] = {}
+    for key in keys:
         answer = await browser.post(PATH, json=ORDER, headers={"Idempotency-Key": key})
-        if answer.status_code != HTTPStatus.TOO_MANY_REQUESTS or time.monotonic() > end_s:
-            found: dict[str, Any] = answer.json()
-            return found
+        found = answer.json()
+        if answer.status_code != HTTPStatus.TOO_MANY_REQUESTS:
+            break
         await asyncio.sleep(1.0)  # the limit of the chat says when in its sentence alone
+    return found
 
 
 async def confirmed(browser: httpx.AsyncClient) -> None:
@@ -155,7 +159,7 @@ async def test_a_key_of_a_person_on_the_page_is_one_order_over_a_kill(tmp_path: 
             # If its end is not on disk, it is in doubt, and not done again either.
             assert (again["id"], again["over"], again["n"]) == (placed["id"], True, 1)
             assert (await ada.get("/v1/orders")).json() == []
-            other = await placed_by(ada, "g2")
+            other = await placed_by(ada, *(f"other-{n}" for n in range(60)))
             if again["state"] == "done":
                 assert other.get("state") == "asked", other
             else:  # in doubt: the robot stays stopped

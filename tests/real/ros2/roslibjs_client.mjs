@@ -78,7 +78,7 @@ async function goal() {
   const result = await within(new Promise((resolve, reject) => {
     action.sendGoal({ direction: "back", distance_m: 0.2, speed_m_s: 0.3 }, resolve, () => { fed += 1; }, reject);
   }), "goal");
-  tell("goal", result.ending, fed > 0);
+  tell("goal", result.success, "fact_names" in result, fed > 0);
 }
 
 async function refused() {

@@ -118,7 +118,7 @@ async def test_roslibjs_reads_publishes_drives_sends_goals_and_stops(place: Serv
         "chatter png true",
         "chatter cbor true",
         "drive true true",
-        "goal done true",
+        "goal true true true",
         "refused error",
         "stop true",
         "over",
