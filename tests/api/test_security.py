@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -139,6 +141,21 @@ async def test_whoever_shows_no_good_key_changes_nothing() -> None:
                     )
                     assert problem(answer)[:2] == (401, "unrecognised"), (name, method, path)
         assert not place.gateway.rooms.stops["omni"].latched
+
+
+async def test_whoever_asks_is_recognised_on_the_loop_and_in_no_thread_beside_it() -> None:
+    """Keys, limits and what is to be written down belong to the loop alone."""
+
+    class NoThreads(ThreadPoolExecutor):
+        def submit(self, *_args: object, **_how: object) -> Future[Any]:
+            raise AssertionError("something was given to a thread")
+
+    async with served() as place:
+        hal = await place.program("operator")
+        asyncio.get_running_loop().set_default_executor(NoThreads())
+        assert (await hal.get("/v1/me")).status_code == 200
+        hal.headers["Authorization"] = "Bearer nobody's"
+        assert problem(await hal.get("/v1/me"))[:2] == (401, "unrecognised")
 
 
 async def test_a_key_for_another_robot_changes_nothing_of_this_one() -> None:

@@ -242,8 +242,10 @@ class ApiServer:
         return PASSKEYS, {"ceremonies": Provide(lambda: ceremonies, sync_to_thread=False)}
 
     def _application(self) -> Litestar:
-        def known(request: _Request, handler: BaseRouteHandler) -> None:
-            self._recognise(request, handler)  # a router copies what it is given; no function
+        # A function, for a router copies what else it is given; and no plain one, for that would
+        # look up keys, count and note what is to be written down in a thread beside the loop.
+        async def known(request: _Request, handler: BaseRouteHandler) -> None:
+            self._recognise(request, handler)
 
         passkeys, ceremonies = self._passkeys()
         return Litestar(
