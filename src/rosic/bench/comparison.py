@@ -168,12 +168,12 @@ def judged(reports: Sequence[BenchReport], promised: Sequence[Budget]) -> BenchT
 KEPT: Final = "kept"
 BROKEN: Final = "broken"
 UNSEEN: Final = "not measured"
-VERDICT: Final = 4
 
 
 def in_sum(table: BenchTable) -> str:
     """Return in a sentence how many of the budgets of `judged` are kept."""
-    verdicts = [row[VERDICT] for row in table.rows]
+    at = table.columns.index("verdict")
+    verdicts = [row[at] for row in table.rows]
     told = ", ".join(f"{verdicts.count(one)} {one}" for one in (KEPT, BROKEN, UNSEEN))
     return f"Of {len(verdicts)} budgets: {told}."
 

@@ -100,10 +100,10 @@ def write_suite(reports: Sequence[BenchReport], folder: Path) -> None:
     make_folder(folder)
     write(folder / NUMBERS, msgspec.json.format(msgspec.json.encode(reports), indent=1))
     write(folder / PAGE, as_html(reports).encode())
-    for report in reports[-1:]:
-        write_charts(report, folder)
-        if report.cases or report.tables:
-            write_xlsx(report, folder / f"{report.bench}.xlsx")
+    last = reports[-1]
+    write_charts(last, folder)
+    if last.cases or last.tables:
+        write_xlsx(last, folder / f"{last.bench}.xlsx")
 
 
 def require_all() -> None:

@@ -273,10 +273,10 @@ class ClientCalls:
         It is what the robot's side has answered; of a robot that is on no graph here it is what
         ROSIC knows, as most robots' answers have it.
         """
-        note = self._context.callers.read_by(entry.note, self._caller) or entry.ending
-        graph = self._graph(entry)
         if not entry.is_over:
             return self._context.callers.read_by(LOST, self._caller), False
+        note = self._context.callers.read_by(entry.note, self._caller) or entry.ending
+        graph = self._graph(entry)
         if graph is None:
             good = _STATUS.get(entry.ending) == SUCCEEDED
             return {"success": good, "message": note, "ending": entry.ending}, True
