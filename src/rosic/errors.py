@@ -12,6 +12,7 @@ RosicError
 |   |-- RobotTaken         organiser: somebody else has this robot now
 |   |-- RobotBusy          linker: the robot is doing something else
 |   |-- RobotStopped       linker: stopped, until somebody who may resumes it
+|   |   `-- RobotMoving    linker: not resumed, as it moves though it was told to stop
 |   |-- RobotOffline       linker: the robot is not there
 |   |-- TimeInDoubt        organiser: the computer's clock was set back; its owner has to look
 |   |-- NothingToSee       robot or painter: there is no picture of this, or not now
@@ -75,11 +76,13 @@ class Refusal(RosicError):
             which the same command is done in another way.
         silent: True when the right answer is none.
         counted: True when it is in the security report already, as what it was.
+        retry_after_s: Seconds until the same may be admitted; None: time alone changes nothing.
     """
 
     code: ClassVar[str] = "refused"
     silent: bool = False
     counted: bool = False
+    retry_after_s: float | None = None
 
     def __init__(
         self,
@@ -187,11 +190,12 @@ class TooManyRequests(Refusal):
     """The bucket is empty.
 
     Attributes:
-        retry_after_s: Seconds until one request would be admitted.
+        retry_after_s: Seconds until one request would be admitted; 0: no time is known.
         own: It is the person's own limit; others' are no misuse.
     """
 
     code = "too-many-requests"
+    retry_after_s: float
 
     def __init__(self, sentence: str, *, retry_after_s: float, own: bool = True) -> None:
         super().__init__(sentence)
@@ -217,8 +221,14 @@ class RobotStopped(Refusal):
     code = "robot-stopped"
 
 
+class RobotMoving(RobotStopped):
+    """It is not resumed: it was told to stop, and moves all the same."""
+
+    code = "still-moves"
+
+
 class RobotOffline(Refusal):
-    """The robot is not there; nothing was sent to it."""
+    """The robot is not there, or does not answer; it was given no order."""
 
     code = "robot-offline"
 

@@ -7,14 +7,15 @@ import json
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
+import pytest
 from websockets.asyncio.client import connect
+from websockets.exceptions import ConnectionClosed
 
 from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
-    import pytest
     from websockets.asyncio.client import ClientConnection
 
     from tests.api.served import ServedGateway
@@ -69,3 +70,11 @@ def later(monkeypatch: pytest.MonkeyPatch, seconds: float) -> None:
     loop = asyncio.get_running_loop()
     now_s = loop.time
     monkeypatch.setattr(loop, "time", lambda: now_s() + seconds)
+
+
+async def closed(client: BridgeClient) -> tuple[int, str]:
+    """Return the code and the reason with which a connection was closed."""
+    with pytest.raises(ConnectionClosed) as error:
+        await client.until(lambda _: False)
+    assert error.value.rcvd is not None
+    return error.value.rcvd.code, error.value.rcvd.reason

@@ -34,6 +34,7 @@ NOT_BY_THE_CLIENT: Final[Mapping[str, str]] = {
     "POST /v1/passkeys": BROWSERS,
     "DELETE /v1/passkeys/{passkey}": BROWSERS,
     "GET /v1/chat": "a program has no conversation on the page",
+    "GET /v1/chat/{message}/file": "a program has no conversation on the page",
     "POST /v1/tickets": "a ticket is for a library of rosbridge, which shows no header",
     "POST /v1/robots/{robot}/stop": "stop(robot) is the same, and is not left off",
     "GET /v1/people": NO_KEY,

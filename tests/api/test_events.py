@@ -12,7 +12,10 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from rosic.api.event_schemas import Pong
 from rosic.core.i18n import titled
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
+from rosic.stores.memory import MemoryStore
+from rosic.testing.factories import a_claim
 from tests.api.served import served
+from tests.gateway.test_rights import rules
 from tests.pace import pace
 
 if TYPE_CHECKING:
@@ -61,6 +64,23 @@ async def test_whoever_listens_sees_the_robots_and_an_order_come_and_end() -> No
             assert (moves["robot"]["id"], moves["robot"]["holder"]) == ("omni", "Hal")
             ended = await told(connection, "order", lambda e: e["order"]["over"])
             assert (ended["order"]["id"], ended["order"]["state"]) == (placed["id"], "done")
+
+
+async def test_whoever_listens_is_told_once_how_an_order_of_a_killed_run_ended() -> None:
+    store = MemoryStore()
+    await store.open()
+    left = a_claim("an order of a run that died")
+    await store.write(left)
+    async with served(store=store) as place:
+        eve = await place.program("viewer", name="Eve")
+        async with place.listening(eve) as connection:
+            await says(connection, op="subscribe", topics=["orders"])
+            ended = (await told(connection, "order"))["order"]
+            assert (ended["id"], ended["robot"]) == (left.cid.hex(), "omni")
+            assert (ended["state"], ended["over"], ended["n"]) == ("unknown", True, 1)
+            await says(connection, op="subscribe", topics=["orders"])
+            await says(connection, op="ping", id="1")
+            assert json.loads(await connection.recv())["event"] == "pong"
 
 
 async def test_what_does_not_change_is_not_told_again() -> None:
@@ -200,3 +220,45 @@ async def test_a_name_in_several_languages_is_told_and_what_cannot_be_written_en
         listener.put("named", Pong(titled("you", {"de": "Gast"})))
         assert (await told(connection, "pong"))["id"] == "you"
     assert "an event of Pong cannot be written" in caplog.text
+
+
+async def test_of_many_stops_at_once_each_is_given_and_has_an_answer_of_its_own_id() -> None:
+    async with served() as place:
+        hal = await place.program("operator")
+        async with place.listening(hal) as connection:
+            for number in range(60):
+                await connection.send(json.dumps({"op": "stop", "id": f"s{number}"}))
+            answered = set[str]()
+            async with asyncio.timeout(60 * pace()):
+                while len(answered) < 60:
+                    told = json.loads(await connection.recv())
+                    if told["event"] in {"stop", "problem"}:
+                        answered.add(told["id"])
+            assert answered == {f"s{number}" for number in range(60)}
+
+
+async def test_what_comes_back_as_an_id_is_no_longer_than_an_id() -> None:
+    async with served() as place:
+        hal = await place.program("operator")
+        async with place.listening(hal) as connection:
+            await connection.recv()
+            for op, event in (("ping", "pong"), ("stop", "stop")):
+                await connection.send(json.dumps({"op": op, "id": op + "x" * 60_000}))
+                answer = await told(connection, event)
+                assert answer["id"] == (op + "x" * 60_000)[:128]
+
+
+async def test_nobody_hears_of_orders_of_a_robot_that_they_may_not_see() -> None:
+    book = rules(elsewhere=Role(scopes=("kuka1:read",)))
+    async with served(rules=book) as place:
+        hal, eve = await place.program("operator"), await place.program("elsewhere", name="Eve")
+        async with place.listening(eve) as connection:
+            await connection.send('{"op":"subscribe","topics":["orders"]}')
+            for robot, skill, arguments in (
+                ("omni", "move", {"distance": 0.1}),
+                ("kuka1", "home", {}),
+            ):
+                order = {"skill": skill, "arguments": arguments, "wait_s": 30}
+                await hal.post(f"/v1/robots/{robot}/orders", json=order)
+            first = await told(connection, "order")
+            assert first["order"]["robot"] == "kuka1"

@@ -9,8 +9,10 @@ import pytest_asyncio
 
 from rosic.api.figure_routes import FigureOut, shown
 from rosic.api.metrics.exposition import COUNTER, GAUGE, HISTOGRAM, Histogram, Metric, Sample, page
+from rosic.app.admin.api import AdminVerb
 from rosic.core.policy.roles import DEFAULT_ROLES, Role, RoleRules
 from tests.api.served import problem, served
+from tests.gateway.place import ask_as_operator
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -63,6 +65,13 @@ async def test_what_is_measured_is_for_whoever_looks_after_people(place: ServedG
     assert [each["value"] for each in found["rosic_robot_up"]["figures"]] == [1] * 6
     assert problem(await bo.get("/v1/metrics"))[:2] == (403, "not-permitted")
 
+    assert [each["value"] for each in found["rosic_ready"]["figures"]] == [1]
+    lost = ["record.mark of the record is not there as it was"]
+    place.gateway.kernel.shared.not_ready.provide(lambda: lost)
+    found = {each["name"]: each for each in (await ada.get("/v1/metrics")).json()}
+    assert [each["value"] for each in found["rosic_ready"]["figures"]] == [0]
+    lost.clear()
+
 
 def test_one_metric_is_told_to_a_monitoring_and_to_people() -> None:
     times, none = Histogram((0.1, 1.0)), Histogram((1.0,))
@@ -92,3 +101,12 @@ def test_one_metric_is_told_to_a_monitoring_and_to_people() -> None:
         "# TYPE d counter",
     ]
     assert {'b_sum{hop="h"} 0.2', 'b_count{hop="h"} 2', "c_count 0", "d 7"} <= set(told)
+
+
+async def test_an_admin_who_is_locked_out_is_shown_nothing_that_is_for_admins() -> None:
+    async with served() as place:
+        ada = await place.person("Ada")
+        assert (await ada.get("/v1/metrics")).status_code == 200
+        await ask_as_operator(place.gateway, AdminVerb.LOCK, "Ada")
+        for path in ("/v1/metrics", "/v1/people", "/v1/health"):
+            assert (await ada.get(path)).status_code in {401, 403}, path

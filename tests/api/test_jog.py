@@ -8,11 +8,13 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from rosic.core.policy.roles import SkillPrecondition
+from rosic.core.time_units import SECOND_NS
 from tests.api.served import served
 from tests.gateway.test_rights import rules
 from tests.pace import pace
 
 if TYPE_CHECKING:
+    import pytest
     from websockets.asyncio.client import ClientConnection
 
     from tests.api.served import ServedGateway
@@ -155,3 +157,20 @@ async def test_whoever_has_to_confirm_first_is_told_so_and_nothing_is_driven() -
             "Somebody has to agree first, so this cannot be driven live. Give it as an order."
         )
         assert list(place.server.context.feed.newest()) == []
+
+
+async def test_what_was_held_while_the_gateway_stood_still_drives_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with served() as place, place.listening(await place.person("Bo")) as connection:
+        stick = Stick(connection)
+        with monkeypatch.context() as still:
+            still.setattr(place.server.context.page, "waited_ns", lambda: SECOND_NS)
+            await stick.hold(0.5, linear=0.4)
+            await connection.send(json.dumps({"op": "nonsense"}))
+            async with asyncio.timeout(60 * pace()):
+                while (event := json.loads(await connection.recv()))["event"] != "problem":
+                    assert event["event"] != "jog"
+        steering = asyncio.create_task(stick.hold(60 * pace(), linear=0.4))
+        assert (await stick.heard(over=False))["robot"] == "omni"
+        steering.cancel()

@@ -197,8 +197,9 @@ async def test_a_listener_that_takes_nothing_is_dropped_and_others_hear_everythi
             await connection.recv()
             async with asyncio.timeout(60 * pace()):
                 for number in count():
-                    name = b"%d " % number + b"x" * 60_000
-                    stalled.write(_frame(b'{"op":"ping","id":"%s"}' % name))
+                    names = (b"%d " % each + b"x" * 120 for each in range(200))
+                    pings = (b'{"op":"ping","id":"%d %s"}' % (number, name) for name in names)
+                    stalled.write(b"".join(map(_frame, pings)))
                     began = monotonic()
                     await connection.send('{"op": "ping", "id": "1"}')
                     assert await connection.recv() == '{"event":"pong","id":"1"}'

@@ -31,7 +31,7 @@ async def measured(
     place: Place, settings: MetricsSettings | None = None
 ) -> AsyncIterator[httpx.AsyncClient]:
     listen = settings or MetricsSettings(listen=ANYWHERE)
-    endpoint = MetricsEndpoint(place.gateway.kernel, listen, tuple)
+    endpoint = MetricsEndpoint(place.gateway.kernel, listen)
     running = asyncio.create_task(endpoint.run())
     try:
         async with asyncio.timeout(30 * pace()):

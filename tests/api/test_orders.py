@@ -10,14 +10,14 @@ from typing import Any
 
 import pytest
 
-from rosic.api import order_feed, ordering
+from rosic.api import ordering
 from rosic.client import RosicClient
-from rosic.core.policy.roles import Role, SkillPrecondition
+from rosic.core.policy.roles import SkillPrecondition
+from rosic.core.rate_limit import RateLimit
 from rosic.core.time_units import SECOND_NS
 from rosic.messengers.program import standstill
 from rosic.messengers.program.standstill import AFTER_NS, STILL_NS, StandstillWatch
-from rosic.stores.memory import MemoryStore
-from tests.api.served import ServedGateway, problem, served
+from tests.api.served import problem, served
 from tests.gateway.test_rights import rules
 from tests.pace import pace
 
@@ -45,28 +45,6 @@ async def test_an_order_is_done_and_its_stages_are_the_robots_own() -> None:
         assert (await hal.get("/v1/orders?robot=kuka1")).json() == []
 
 
-async def test_the_same_key_is_the_same_order() -> None:
-    async with served() as place:
-        hal = await place.program("operator")
-        key = {"Idempotency-Key": "tuesday-1"}
-        answers = await asyncio.gather(
-            *(hal.post("/v1/robots/omni/orders", json=move(), headers=key) for _ in range(5))
-        )
-        ids = {answer.json()["id"] for answer in answers}
-        assert len(ids) == 1
-        done = await hal.post("/v1/robots/omni/orders", json=move(wait_s=30), headers=key)
-        assert done.json()["state"] == "done"
-        assert done.json()["id"] in ids
-        assert len((await hal.get("/v1/orders")).json()) == 1
-        other = {"skill": "move", "arguments": {"distance": 0.2}}
-        refused = await hal.post("/v1/robots/omni/orders", json=other, headers=key)
-        assert problem(refused) == (
-            409,
-            "repeated",
-            "That Idempotency-Key stands for another order. Nothing was done.",
-        )
-
-
 async def test_what_is_not_done_is_said_in_the_language_of_whoever_asks() -> None:
     async with served() as place:
         ada = await place.person("Ada")
@@ -81,17 +59,6 @@ async def test_what_is_not_done_is_said_in_the_language_of_whoever_asks() -> Non
         deep = await ada.post("/v1/chat", content='{"text":' + "[" * 100_000)
         assert problem(deep)[:2] == (400, "not-understood")
         assert "verschachtelt" in problem(deep)[2]
-
-
-async def test_a_key_of_one_caller_is_nothing_to_another() -> None:
-    async with served() as place:
-        hal, sal = await place.program("operator"), await place.program("operator", name="Sal")
-        key = {"Idempotency-Key": "a"}
-        first = await hal.post("/v1/robots/omni/orders", json=move(wait_s=30), headers=key)
-        await hal.post("/v1/chat", json={"text": "/end omni"})
-        second = await sal.post("/v1/robots/kuka1/orders", json={"skill": "home"}, headers=key)
-        assert second.status_code == 202, second.text
-        assert first.json()["id"] != second.json()["id"]
 
 
 @pytest.mark.parametrize(
@@ -288,99 +255,6 @@ async def test_of_an_order_whose_author_is_answered_elsewhere_nothing_is_said_to
         assert "is not known here" in over["text"]
 
 
-async def agree(place: ServedGateway) -> None:
-    """Let the person who is asked last agree."""
-    await place.until(lambda: place.chat.told)
-    question = place.chat.told[-1]
-    button = question.outbound.buttons[0][0]
-    place.chat.tap(button, under=question.message, account=question.outbound.chat.id)
-
-
-@pytest.mark.parametrize("asks", [True, False])
-async def test_a_key_is_the_same_order_over_a_restart_and_is_answered_with_it(asks: bool) -> None:
-    care = (SkillPrecondition(scopes=("omni:*",), confirm=True),) if asks else ()
-    store, path, key = MemoryStore(), "/v1/robots/omni/orders", {"Idempotency-Key": "g1"}
-    book = rules(*care, elsewhere=Role(scopes=("kuka1:read",)))
-    async with served(rules=book, store=store) as place:
-        secret = await place.key("operator")
-        hal = place.client({"Authorization": f"Bearer {secret}"})
-        first = (await hal.post(path, json=move(), headers=key)).json()
-        if asks:
-            await agree(place)
-            await place.until(lambda: list(place.server.context.feed.newest()))
-        before = (await hal.get(f"/v1/orders/{first['id']}?wait_s=30")).json()
-        assert (before["state"], before["n"]) == ("done", 1)
-    async with served(rules=book, store=store) as place:
-        hal = place.client({"Authorization": f"Bearer {secret}"})
-        again = (await hal.post(path, json=move(), headers=key)).json()
-        assert (await hal.get(f"/v1/orders/{first['id']}")).json() == again
-        told = ("id", "robot", "skill", "state", "over", "who", "n")
-        assert [again[name] for name in told] == [before[name] for name in told]
-        assert again["ended"]
-        assert again["sent"].endswith("move, 0.10 m left")
-        other = {"skill": "turn", "arguments": {"angle": 5}}
-        refused = await hal.post(path, json=other, headers=key)
-        assert problem(refused)[:2] == (409, "repeated")
-        assert not place.chat.told
-        assert not list(place.server.context.feed.newest())
-        eve = await place.program("elsewhere", name="Eve")
-        assert problem(await eve.get(f"/v1/orders/{first['id']}"))[:2] == (404, "not-found")
-
-
-async def test_what_is_agreed_to_anew_for_the_same_key_is_not_done_again(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Also where the record cannot be asked before."""
-
-    async def unknown(*_about: object) -> None:
-        return None
-
-    care = rules(SkillPrecondition(scopes=("omni:*",), confirm=True))
-    store, path, key = MemoryStore(), "/v1/robots/omni/orders", {"Idempotency-Key": "g1"}
-    monkeypatch.setattr(ordering, "recorded_order", unknown)
-    async with served(rules=care, store=store) as place:
-        secret = await place.key("operator")
-        hal = place.client({"Authorization": f"Bearer {secret}"})
-        asked = (await hal.post(path, json=move(), headers=key)).json()
-        await agree(place)
-        await place.until(lambda: list(place.server.context.feed.newest()))
-        await hal.get(f"/v1/orders/{asked['id']}?wait_s=30")
-    async with served(rules=care, store=store) as place:
-        hal = place.client({"Authorization": f"Bearer {secret}"})
-        assert (await hal.post(path, json=move(), headers=key)).json()["state"] == "asked"
-        await agree(place)
-        speech = place.server._speech
-        (placed,) = speech._placed.values()
-        await place.until(lambda: placed.refused)
-        assert placed.refused is not None
-        assert placed.refused.detail == "This was already settled."
-        assert not list(place.server.context.feed.newest())
-
-
-async def test_what_a_person_on_the_page_agrees_to_anew_for_the_same_key_is_not_done_again(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Also where the record cannot be asked before."""
-
-    async def unknown(*_about: object) -> None:
-        return None
-
-    care = rules(SkillPrecondition(scopes=("omni:*",), confirm=True))
-    store, path, key = MemoryStore(), "/v1/robots/omni/orders", {"Idempotency-Key": "g1"}
-    monkeypatch.setattr(ordering, "recorded_order", unknown)
-    for run, (state, ended) in enumerate((("done", 1), ("refused", 0))):
-        async with served(rules=care, store=store) as place:
-            ada = await place.person("Ada")
-            asked = (await ada.post(path, json=move(), headers=key)).json()
-            assert asked["state"] == "asked", run
-            shown = (await ada.get("/v1/chat")).json()[-1]
-            tapped = {"message": shown["id"], "button": shown["buttons"][0][0]["nonce"]}
-            await ada.post("/v1/chat", json=tapped | {"wait_s": 0})
-            over = (await ada.get(f"/v1/orders/{asked['id']}?wait_s=30")).json()
-            assert over["state"] == state
-            assert len(list(place.server.context.feed.newest())) == ended
-
-
 async def test_a_stop_is_given_whatever_it_names_and_stays() -> None:
     async with served() as place:
         hal = await place.program("operator")
@@ -424,21 +298,6 @@ async def test_what_others_asked_is_read_by_whoever_may_read_the_history() -> No
         )
 
 
-async def test_an_order_that_many_newer_ones_follow_is_still_the_same(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(order_feed, "KEPT", 2)
-    async with served() as place:
-        hal = await place.program("operator")
-        body = {"skill": "move", "arguments": {"distance": 0.01}, "wait_s": 20}
-        path, one = "/v1/robots/omni/orders", {"Idempotency-Key": "one"}
-        first = await hal.post(path, json=body, headers=one)
-        for _ in range(3):
-            await hal.post(path, json=body)
-        again = await hal.post(path, json=body, headers=one)
-        assert (again.json()["id"], again.json()["state"]) == (first.json()["id"], "done")
-
-
 async def test_what_waited_while_the_gateway_stood_still_moves_nothing_and_a_stop_stops(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -473,3 +332,23 @@ def test_a_loop_that_is_a_little_late_has_not_stood_still() -> None:
     assert watch.waited_ns() == STILL_NS + 1 + AFTER_NS
     now_ns += 1
     assert watch.waited_ns() == 0
+
+
+@pytest.mark.parametrize("kind", ["program", "person"])
+async def test_whoever_waits_is_answered_each_time_that_they_meet_a_limit(kind: str) -> None:
+    """In a chat the first time alone: there nobody waits."""
+    async with served(limit=RateLimit(burst=1.0, per_s=0.001)) as place:
+        who = await (place.program("operator") if kind == "program" else place.person("Bo"))
+        assert (await who.post("/v1/robots/omni/orders", json=move())).status_code == 202
+        for ask in (
+            who.post("/v1/robots/omni/orders", json=move()),
+            who.post("/v1/robots/omni/orders", json=move()),
+            who.post("/v1/files?name=a.txt", content=b"a"),
+            who.post("/v1/files?name=a.txt", content=b"a"),
+        ):
+            answer = await ask
+            assert problem(answer)[:2] == (429, "too-many-requests")
+            assert int(answer.headers["retry-after"]) == pytest.approx(1_000, abs=20)
+        said = (await who.post("/v1/chat", json={"text": "status"})).json()
+        assert (said["state"], said["code"]) == ("not-done", "too-many-requests")
+        assert said["retry_after_s"] == pytest.approx(1_000, abs=20)

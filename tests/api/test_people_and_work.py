@@ -283,3 +283,10 @@ async def test_what_is_asked_first_says_so_and_is_done_by_a_persons_tap_alone(
         assert (after["state"], after["buttons"]) == ("final", []), what
     assert "guest" not in {one["name"] for one in (await ada.get("/v1/roles")).json()}
     assert place.gateway.rooms.authoriser.directory.has_good_key(id_of_bo)
+
+
+async def test_signing_in_is_named_by_help_where_there_is_a_page() -> None:
+    async with served() as place:
+        bo = await place.person("Bo")
+        shared = (await bo.post("/v1/chat", json={"text": "help share"})).json()["text"]
+        assert "/signin · Sign in on the page" in shared

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from rosic.api.page_messenger import FILES_KEPT
+from rosic.core.message import Attachment
 from rosic.robots.memory import MemoryRobot
 from tests.api.served import ServedGateway, problem, served
 from tests.pace import pace
@@ -196,6 +198,43 @@ async def others_get_nothing(other: httpx.AsyncClient, file: str) -> None:
     assert (await other.get("/v1/files")).json() == []
     assert problem(await other.get(f"/v1/files/{file}"))[:2] == (404, "not-found")
     assert problem(await other.delete(f"/v1/files/{file}"))[:2] == (404, "not-found")
+
+
+async def test_a_file_in_a_conversation_on_the_page_is_saved_by_whoever_it_was_sent_to() -> None:
+    async with served() as place:
+        ada, bo, hal = (
+            await place.person("Ada"),
+            await place.person("Bo"),
+            await place.program("senior"),
+        )
+        await ada.post("/v1/chat", json={"text": "picture omni", "wait_s": 30})
+        files: list[Any] = []
+        async with asyncio.timeout(60 * pace()):
+            while not files:
+                files = [one["file"] for one in (await ada.get("/v1/chat")).json() if one["file"]]
+        [file] = files
+        path = f"/v1/chat/{file['id']}/file"
+        picture = await ada.get(path)
+        assert picture.status_code == 200
+        assert picture.headers["content-type"] == file["media_type"] == "image/jpeg"
+        assert len(picture.content) == file["size"]
+        assert picture.headers["content-disposition"] == (
+            f"attachment; filename*=UTF-8''{file['name']}"
+        )
+        assert picture.headers["x-content-type-options"] == "nosniff"
+        assert picture.headers["cache-control"] == "no-store"
+        for other in (bo, hal):
+            assert problem(await other.get(path))[:2] == (404, "not-found")
+        assert problem(await place.http.get(path))[:2] == (401, "unrecognised")
+        there = place.server.context.page.conversation(place.principal("Ada"))
+        for kind in ("image/svg+xml", "text/html", "image/png; x"):
+            there.keep_file(file["id"], Attachment("a b.svg", kind, b"<svg onload='alert(1)'/>"))
+            saved = await ada.get(path)
+            assert saved.headers["content-type"] == "application/octet-stream"
+            assert saved.headers["content-disposition"].endswith("''a%20b.svg")
+        for number in range(FILES_KEPT):
+            there.keep_file(f"newer {number}", Attachment("a.txt", "text/plain", b"a"))
+        assert problem(await ada.get(path))[:2] == (404, "not-found")
 
 
 async def test_alarms_that_are_open_are_shown_and_nobody_sees_others() -> None:

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import asyncio
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from rosic.api.rosbridge.shared import GOES_ON_S, WRITTEN
+from rosic.stores.memory import MemoryStore
 from tests.api.bridge_client import bridge, later
-from tests.api.served import served
+from tests.api.served import problem, served
 from tests.api.test_rosbridge import AHEAD, CMD_VEL, StoppedGraph, drive, x_m
 from tests.pace import pace
 
 if TYPE_CHECKING:
     import httpx
     import pytest
+
+
+MOVE: Final = {"skill": "move", "arguments": {"distance": 0.1}}
 
 
 async def written(hal: httpx.AsyncClient, asked: str) -> list[str]:
@@ -54,6 +58,27 @@ async def test_what_was_refused_is_named_in_the_words_of_the_protocol() -> None:
                 await asyncio.sleep(0.05)
                 noted = {one["asked"] for one in (await hal.get("/v1/history")).json()}
         assert noted == {words for _, words in said}
+
+
+async def test_what_was_told_at_once_is_not_said_again_by_the_next_run() -> None:
+    store, nowhere = MemoryStore(), MOVE | {"arguments": {"distance": 1_000}}
+    async with served(store=store) as place:
+        key = await place.key("operator")
+        hal = place.client({"Authorization": f"Bearer {key}"})
+        async with bridge(place, key) as client:
+            await client.say("publish", topic="/nope", msg={})
+            await client.status()
+        await until_written(hal, "publish /nope", 1)
+        refused = await hal.post("/v1/robots/omni/orders", json=nowhere)
+        assert problem(refused)[1] == "out-of-bounds"
+        await hal.post("/v1/robots/omni/orders", json=MOVE | {"wait_s": 20})
+        await hal.post("/v1/stop", json={"robots": ["omni"]})
+        stopped = await hal.post("/v1/robots/omni/orders", json=MOVE)
+        assert problem(stopped)[1] == "robot-stopped"
+    async with served(store=store) as place:
+        hal = place.client({"Authorization": f"Bearer {key}"})
+        answer = (await hal.post("/v1/chat", json={"text": "status omni"})).json()
+        assert answer["besides"] == []
 
 
 class OpenGraph:
@@ -133,3 +158,18 @@ async def test_a_flood_of_what_is_refused_fills_no_record() -> None:
                 await client.status()
         most = int(WRITTEN.burst)
         assert most <= len(await until_written(hal, "publish /nope", most)) < flood / 2
+
+
+async def test_every_spelling_of_a_topic_is_the_same_publisher_until_it_is_given_up() -> None:
+    async with served() as place:
+        key = await place.key("operator")
+        async with bridge(place, key) as client:
+            await client.say("set_level", level="info")
+            for topic in ("omni/cmd_vel", "/omni/cmd_vel", "//omni/cmd_vel/"):
+                await client.say("publish", topic=topic, msg=AHEAD)
+            assert await client.status("info") == "omni is driven by /omni/cmd_vel now."
+            await client.say("unadvertise", topic="omni/cmd_vel/")
+            await client.say("unadvertise", topic="/omni/cmd_vel")
+            assert await client.status("warning") == "You publish to no /omni/cmd_vel."
+            told = [one["msg"] for one in client.told if one["op"] == "status"]
+            assert len([one for one in told if "is driven by" in one]) == 1

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 class ReleasedGraph:
     """What stands for a graph whose stop service takes a release, too."""
 
-    stop_service = "/omni/stop"
+    stop_service, stop_service_type = "/omni/stop", "std_srvs/srv/SetBool"
     releases_by = MappingProxyType({"data": False})
     reported = MappingProxyType[str, str]({})
 
@@ -26,6 +26,14 @@ async def test_whoever_would_let_a_robot_go_on_by_its_stop_service_is_told_that_
     async with served() as place, bridge(place, await place.key("operator")) as client:
         graph = {"omni": ReleasedGraph()}
         monkeypatch.setattr(place.gateway.rooms.linker, "graph_topics", graph.get)
+        for service, args, found in (
+            ("services", {}, {"services": ["/omni/stop"]}),
+            ("service_type", {"service": "omni/stop"}, {"type": "std_srvs/srv/SetBool"}),
+            ("services_for_type", {"type": "std_srvs/SetBool"}, {"services": ["/omni/stop"]}),
+        ):
+            await client.say("call_service", service=f"/rosapi/{service}", args=args)
+            values = (await client.op("service_response"))["values"]
+            assert values == found or found["services"][0] in values["services"]
         told: list[str] = []
         for data, good in ((True, True), (False, False)):
             await client.say("call_service", service="/omni/stop", args={"data": data})

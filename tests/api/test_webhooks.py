@@ -29,7 +29,9 @@ from rosic.core.history import HistoryQuery
 from rosic.core.policy.roles import SkillPrecondition
 from rosic.core.secret import Secret
 from rosic.robots.memory import MemoryRobot
+from rosic.stores.memory import MemoryStore
 from rosic.system import SystemClock
+from rosic.testing.factories import a_claim
 from tests.api.served import served
 from tests.gateway.test_rights import rules
 from tests.pace import pace
@@ -196,6 +198,29 @@ async def test_a_stop_is_told_at_once_of_its_moment_and_before_the_order_that_it
             "robot.resumed",
         ]
         assert taken[1]["timestamp"] == since
+
+
+async def test_what_a_killed_run_left_is_told_with_the_hold_of_its_robot() -> None:
+    store = MemoryStore()
+    await store.open()
+    left = a_claim("an order of a run that died")
+    await store.write(left)
+    async with receiving() as (receiver, url), served(store=store) as place:
+        watcher = WebhookWatcher(place.gateway.kernel, (hook(url),))
+        await until(lambda: len(receiver.of_robots()) == 2)
+        for delivery in watcher.deliveries:
+            await delivery.close()
+    taken = [each.body for each in receiver.of_robots()]
+    assert [each["type"] for each in taken] == ["robot.stopped", "order.ended"]
+    assert taken[0]["data"] == {"robot": "omni", "by": "", "stopped": True}
+    assert taken[1]["data"] == {
+        "robot": "omni",
+        "order": left.cid.hex(),
+        "skill": "move",
+        "state": "unknown",
+        "note": "",
+        "code": "",
+    }
 
 
 async def test_after_a_standstill_robots_are_looked_at_once_more_before_one_is_gone() -> None:

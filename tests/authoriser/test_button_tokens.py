@@ -6,6 +6,7 @@ import pytest
 
 from rosic.authoriser.button_tokens import (
     ANYBODY,
+    EACH_AT_LEAST,
     EACH_AT_MOST,
     LIFETIME_NS,
     MENU_LIFETIME_NS,
@@ -191,6 +192,25 @@ def test_nobodys_buttons_have_those_of_others_die() -> None:
         shown.tap(nonces[-EACH_AT_MOST - 1])
     assert all(shown.tap(nonce) for nonce in nonces[-EACH_AT_MOST:])
     assert not shown.buttons._own
+
+
+async def test_of_somebodys_buttons_that_are_too_old_the_newest_are_kept() -> None:
+    """What is kept is bounded by what is shown in a lifetime; the sentence still offers more."""
+    shown = Shown(at_most=10 * EACH_AT_MOST)
+    menus = [shown.buttons.issue(Button("A", "?omni"), "p1", "c1").nonce for _ in range(3)]
+    moves = [shown.buttons.issue(MOVE, "p1", "c1").nonce for _ in range(3 * EACH_AT_LEAST)]
+    await shown.past_ns(MENU_LIFETIME_NS)
+    shown.buttons.issue(MOVE, "p1", "c1")
+    assert len(shown.buttons._bound) == len(menus) + len(moves) + 1  # the oldest of them is good
+    await shown.past_ns(1)
+    newest = shown.buttons.issue(MOVE, "p1", "c1").nonce
+    assert len(shown.buttons._bound) == EACH_AT_LEAST
+    with pytest.raises(Expired, match="no longer good"):
+        shown.tap(moves[0])
+    with pytest.raises(Expired, match="too old") as why:
+        shown.tap(moves[-1])
+    assert why.value.offers == (MOVE.command,)
+    assert shown.tap(newest)
 
 
 def test_what_is_refused_is_refused_though_nobody_counts() -> None:

@@ -32,11 +32,15 @@ def test_whatever_is_let_through_is_a_failure() -> None:
     seen = [
         AttemptFigures("a stranger's order", 5, 1, 4, 0),
         AttemptFigures("a guessed join code", 5, 0, 5, 0),
+        AttemptFigures("an order that comes twice", 5, 0, 0, 0, tried=False),
     ]
 
     report = report_of(recorder, seen, 10, 5)
 
-    assert report.failures == ("a stranger's order: 1 of 5 attempts were let through.",)
+    assert report.failures == (
+        "a stranger's order: 1 of 5 attempts were let through.",
+        "an order that comes twice: nothing was done the first time, so nothing was tried.",
+    )
     assert report.tables[0].rows[0] == ("a stranger's order", 5, 4, 1, 4, 0)
 
 

@@ -94,7 +94,7 @@ def test_bots_take_turns_and_those_that_fail_say_so_in_their_row(tmp_path: Path)
     ratio, processor = report.ratios
     assert ratio.name == f"{RATES}opsdroid"
     faster = max(cases[f"{ROSIC.name}, {n} in flight"].rate_per_s for n in (1, 64))
-    assert ratio.value == pytest.approx(faster / 500.0, rel=0.05)
+    assert ratio.value == pytest.approx(faster / 500.0, rel=0.3)  # turn for turn, not of all
     assert processor.value > 1
     assert report.failures == ()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import signal
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,10 +14,10 @@ import pytest
 from openpyxl import load_workbook
 from PIL import Image
 
-from rosic.bench import charts, comparison, output
-from rosic.bench.command import BENCHES, BenchEntry, main
-from rosic.bench.comparison import Budget, budgets, changes, judged, read_reports
-from rosic.bench.page import as_html
+from rosic.bench import charts, output
+from rosic.bench.command import BenchEntry, main
+from rosic.bench.comparison import budgets, read_reports
+from rosic.bench.page import as_html, as_markdown
 from rosic.bench.recorder import BenchRecorder
 from rosic.bench.report import (
     BenchCase,
@@ -28,8 +29,8 @@ from rosic.bench.report import (
     as_csv,
     as_json,
     as_text,
-    case_of,
 )
+from rosic.bench.suite import measured
 from rosic.errors import ConfigurationError
 from tests.bench.interrupted import cases_kept
 
@@ -63,39 +64,15 @@ def report(*cases: BenchCase, **more: object) -> BenchReport:
     return msgspec.structs.replace(found, **more)
 
 
-def case(name: str, p50_us: float, *, pace_us: float, spread: float | None = 0.0) -> BenchCase:
+def case(name: str, p50_us: float, *, pace_us: float, doubt: float | None = 0.0) -> BenchCase:
     return BenchCase(
         name=name,
         rate_per_s=1.0,
         p50_us=p50_us,
         p99_us=p50_us,
         pace_us=pace_us,
-        spread=spread,
+        doubt=doubt,
     )
-
-
-# ---- cases ----
-
-
-def test_the_spread_is_of_runs_beside_their_own_pace() -> None:
-    runs = [(1.0, [2.0 * MS_NS]), (1.0, [4.0 * MS_NS]), (1.0, [6.3 * MS_NS])]
-
-    slow_hour = case_of("one", runs, [1_000.0, 2_000.0, 3_000.0])
-    same_hour = case_of("one", runs, [1_000.0, 1_000.0, 1_000.0])
-
-    assert slow_hour.spread == pytest.approx(0.025)  # 2.0, 2.0 and 2.1 times the pace
-    assert same_hour.spread == pytest.approx(2.15 / 4, abs=1e-3)
-    assert case_of("one", runs[:1], [1_000.0]).spread is None
-
-
-def test_tails_keep_a_thousand_times_in_order() -> None:
-    times = [float(number * 1_000) for number in range(2_500)]
-
-    kept = case_of("one", [(1.0, times)], tails=True)
-
-    assert len(kept.samples_us) == 834
-    assert list(kept.samples_us) == sorted(kept.samples_us)
-    assert (kept.p90_us, kept.max_us) == (2_250.0, 2_499.0)
 
 
 # ---- while it runs ----
@@ -183,6 +160,47 @@ def test_what_was_measured_before_the_disk_was_full_is_printed(
     assert said.err == (
         "failed: It ended early: No space left on device. What was measured until then is above.\n"
     )
+
+
+def test_what_was_measured_before_a_fault_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    def wrong(recorder: BenchRecorder) -> BenchReport:
+        with recorder.turn("the first") as turn:
+            turn.saw(7.0, [1.0 * MS_NS])
+        raise ExceptionGroup("both", [ValueError("no figure")])
+
+    assert main(["walk", "--quick"], {"walk": StandInBench.that(wrong)}) == 1
+
+    said = capsys.readouterr()
+    assert "the first" in said.out
+    assert "ValueError: no figure" in said.err
+    assert "failed: It ended early: ExceptionGroup: both" in said.err
+
+
+def test_what_ends_it_from_elsewhere_is_heard_as_an_interrupt(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """So that no process of it is left behind, and what was measured is printed."""
+
+    def ended(recorder: BenchRecorder) -> BenchReport:
+        with recorder.turn("the first") as turn:
+            turn.saw(7.0, [1.0 * MS_NS])
+        signal.raise_signal(signal.SIGTERM)
+        pytest.fail("it went on")
+
+    before = signal.getsignal(signal.SIGTERM)
+    assert main(["walk"], {"walk": StandInBench.that(ended)}) == 130
+    assert signal.getsignal(signal.SIGTERM) is before
+    assert "the first" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["schedule", "fleet"])
+def test_a_part_that_a_bench_needs_is_named_if_it_is_not_installed(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "scipy", None)
+    with pytest.raises(ConfigurationError, match=f"rosic bench {name} needs .*: scipy") as refused:
+        main([name, "--quick"])
+    assert "rosic[schedule]" in str(refused.value.hint)
 
 
 NO_COUNT = "a number from 1 to 100000"
@@ -340,7 +358,7 @@ def test_the_page_holds_everything_and_no_markup_of_what_was_measured() -> None:
     assert "<script" not in page
     assert "<i>" not in page
     assert "class=broken>broken<" in page
-    unseen = len(budgets()) - 1
+    unseen = sum(each.bench == "pipeline" for each in budgets()) - 1
     assert f"Of {unseen + 1} budgets: 0 kept, 1 broken, {unseen} not measured." in page
     assert "<code>rosic bench pipeline --quick</code>" in page
     assert "<th class=n>p50, us</th>" in page
@@ -348,88 +366,66 @@ def test_the_page_holds_everything_and_no_markup_of_what_was_measured() -> None:
     assert "http" not in page.replace("http://www.w3.org", "")
 
 
-# ---- beside another hour ----
+def test_what_was_measured_on_another_machine_is_said_where_it_stands() -> None:
+    here = report(bench="idle")
+    there = report(bench="stop", machine="another machine", findings=("It came to rest.",))
+    for page in (as_html([here, there]), as_markdown([here, there])):
+        assert page.count("a machine. ") == 1
+        assert page.count("another machine. ") == 1
+        assert page.index("stop") < page.index("another machine") < page.index("It came to rest.")
+
+
+def test_the_same_is_written_as_markdown_beside_its_charts() -> None:
+    broken = BenchRatio(name="memory, 5000 skills beside the first", value=9.0, of="a by b")
+    text = as_markdown(
+        [
+            report(
+                case("<b>a | b</b>", 2.5, pace_us=800.0),
+                bench="pipeline",
+                command="rosic bench pipeline --quick",
+                tables=(TABLE,),
+                ratios=(broken,),
+                charts=(chart("lines"),),
+                failures=("It did not *hold*.",),
+            )
+        ]
+    )
+
+    lines = text.splitlines()
+    assert lines[0] == "# ROSIC, measured"
+    assert "**It did not \\*hold\\*.**" in lines
+    assert "![\\<b\\>lines](lines.svg)" in lines
+    assert any(line.startswith("`rosic bench pipeline --quick`, ") for line in lines)
+    assert "## pipeline" in lines
+    rows = [line for line in lines if line.startswith("| ")]
+    assert any(row.startswith("| \\<b\\>a \\| b\\</b\\> | ") for row in rows)
+    assert any("| broken |" in row for row in rows)
+    for row in rows:
+        assert row.endswith(" |")
+
+
+def test_a_page_is_written_of_what_other_runs_saw(tmp_path: Path) -> None:
+    first, second = report(bench="fleet"), report(bench="resources", charts=(chart("lines"),))
+    soak = report(bench="resources", command="rosic bench resources --hours 2")
+    (tmp_path / "report.json").write_text(msgspec.json.encode([second, first]).decode())
+    (tmp_path / "soak.json").write_text(as_json(soak))
+    written = [str(tmp_path / name) for name in ("report.json", "soak.json")]
+    assert main(["report", "--out", str(tmp_path / "page"), "--from", *written]) == 0
+
+    text = (tmp_path / "page" / "report.md").read_text()
+    assert text == as_markdown([soak, first])
+    assert "rosic bench resources --hours 2" in text
+    assert read_reports(tmp_path / "page" / "report.json") == [soak, first]
+    main(["report", "--out", str(tmp_path / "page"), "--from", written[0]])
+    assert (tmp_path / "page" / "lines.svg").is_file()  # of a report that is not the last
+
+
+def test_a_report_names_no_folder_of_this_machine(tmp_path: Path) -> None:
+    [told] = measured([("idle", "--rosbridge", str(tmp_path))], tmp_path, quick=True)
+    assert told.command == "rosic bench idle --rosbridge PATH --quick"
+    assert "unrecognized arguments" in told.failures[0]
 
 
 def write_report(path: Path, *cases: BenchCase) -> str:
     path.write_text(as_json(report(*cases)))
     return str(path)
-
-
-@pytest.mark.parametrize(
-    ("p50_us", "pace_us", "spread", "verdict"),
-    [
-        (20.0, 1_600.0, 0.0, "noise"),  # twice as slow an hour, nothing else
-        (10.0, 1_600.0, 0.0, "faster"),
-        (12.0, 800.0, 0.0, "slower"),
-        (12.0, 800.0, 0.2, "noise"),  # runs that lie apart by as much say nothing
-        (10.4, 800.0, 0.0, "noise"),
-    ],
-)
-def test_reports_are_compared_by_ratio_to_pace(
-    p50_us: float,
-    pace_us: float,
-    spread: float,
-    verdict: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    old = write_report(tmp_path / "old", case("a step", 10.0, pace_us=800.0))
-    new = write_report(tmp_path / "new", case("a step", p50_us, pace_us=pace_us, spread=spread))
-
-    status = main(["compare", old, new])
-
-    assert [one.verdict for one in changes(*map(read_reports, map(Path, (old, new))))] == [verdict]
-    assert verdict in capsys.readouterr().out
-    assert status == (1 if verdict == "slower" else 0)
-
-
-def test_one_run_alone_is_judged_with_care_and_what_is_in_one_alone_is_said(
-    tmp_path: Path,
-) -> None:
-    old = write_report(
-        tmp_path / "old", case("a step", 10.0, pace_us=800.0), case("gone", 1.0, pace_us=1.0)
-    )
-    new = write_report(tmp_path / "new", case("a step", 12.0, pace_us=800.0, spread=None))
-
-    found = changes(*map(read_reports, map(Path, (old, new))))
-
-    assert [(one.case, one.verdict) for one in found] == [
-        ("a step", comparison.NOISE),
-        ("gone", comparison.GONE),
-    ]
-
-
-@pytest.mark.parametrize("content", ["", "{", "[1]", '{"machine": 1}'])
-def test_what_is_no_report_is_said_to_be_none(content: str, tmp_path: Path) -> None:
-    path = tmp_path / "it"
-    path.write_text(content)
-    with pytest.raises(ConfigurationError, match="it is no report of rosic bench: "):
-        main(["compare", str(path), str(path)])
-    with pytest.raises(ConfigurationError, match="away cannot be read: No such file"):
-        main(["budgets", str(tmp_path / "away")])
-
-
-def test_budgets_name_benches_that_exist_and_are_judged(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert {one.bench for one in budgets()} <= set(BENCHES)
-    for one in budgets():
-        assert (one.at_most is None) != (one.at_least is None)
-    promised = (
-        Budget(bench="walk", ratio="a", why="", at_most=1.1),
-        Budget(bench="walk", ratio="b", why="", at_least=2.0),
-        Budget(bench="walk", ratio="c", why="", at_most=1.0),
-    )
-    seen = report(
-        ratios=tuple(BenchRatio(name=n, value=v, of="") for n, v in (("a", 1.1), ("b", 1.9)))
-    )
-    assert [row[4] for row in judged([seen], promised).rows] == ["kept", "broken", "not measured"]
-
-    first = budgets()[0]
-    value = 99.0 if first.at_most is not None else 0.0
-    broken = report(bench=first.bench, ratios=(BenchRatio(name=first.ratio, value=value, of=""),))
-    path = tmp_path / "seen"
-    path.write_text(as_json(broken))
-    assert main(["budgets", str(path)]) == 1
-    assert f"{first.ratio}" in capsys.readouterr().out

@@ -64,10 +64,26 @@ def test_one_descriptor_in_half_an_hour_grows_and_what_comes_and_goes_does_not()
 
 def test_what_neighbours_have_in_common_is_no_growth() -> None:
     stepped = [
-        trend_of(*series(lambda s, chance: chance.gauss(0, 0.2) + 2 * (s > 3_300), seed))
+        trend_of(*series(lambda s, chance: 100 + chance.gauss(0, 0.2) + 2 * (s > 3_300), seed))
         for seed in range(20)
     ]
     assert sum(one.verdict == LEVEL for one in stepped) >= 15
+
+
+@pytest.mark.parametrize(
+    "leaked",
+    [
+        lambda s: 10.0 * (s > 3_300),
+        lambda s: max(0, s - 4_400) / 220,
+        lambda s: max(0, s - 3_300) / 330,
+    ],
+    ids=["at once", "from two thirds on", "from half time on"],
+)
+def test_what_begins_late_or_comes_at_once_grows(leaked: Callable[[int], float]) -> None:
+    """Of a hundred and more, a tenth: a slope over all of it is within its bounds."""
+    for seed in range(10):
+        trend = trend_of(*series(lambda s, chance: 100 + chance.gauss(0, 1) + leaked(s), seed))
+        assert trend.verdict == GROWS
 
 
 def test_too_few_samples_are_no_trend() -> None:
@@ -97,6 +113,10 @@ def test_descriptors_that_a_process_leaks_are_seen_and_judged() -> None:
     assert [one for one in failures if one.startswith("file descriptors grows by ")]
     assert judged[-1].descriptors - judged[0].descriptors >= 50
     assert judged[-1].resident_mib > 1
+
+    late = [one._replace(descriptors=30 + 20 * (n >= 40)) for n, one in enumerate(judged)]
+    _, failures = resources.resource_table(late, late)
+    assert "file descriptors rose: its last quarter lies above its first." in failures
 
 
 # ---- what people are told ----

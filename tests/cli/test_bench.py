@@ -17,7 +17,17 @@ from rosic.errors import ConfigurationError
 from tests.cli.running import rosic
 from tests.pace import patience
 
-OF_ALL = ("bench", "version", "versions", "started", "took_s", "machine", "pace_us", "method")
+OF_ALL = (
+    "bench",
+    "command",
+    "version",
+    "versions",
+    "started",
+    "took_s",
+    "machine",
+    "pace_us",
+    "method",
+)
 MOMENTS = ("handed to the adapter", "kept by the latch", "rest told", "before it is handed over")
 STOPS = [
     f"{store}, {robots}: {moment}"
@@ -34,6 +44,7 @@ def test_the_bench_of_stops_prints_one_object() -> None:
     assert (ran.status, ran.err) == (0, "")
     report = json.loads(ran.out)
     assert set(report) == {*OF_ALL, "cases"}
+    assert report["command"] == "rosic bench stop --quick --json"
     assert "at least 1000 orders wait" in report["method"]
     assert [case["name"] for case in report["cases"]] == STOPS
     for case in report["cases"]:

@@ -6,6 +6,7 @@ import asyncio
 import os
 import re
 import signal
+import socket
 import stat
 import time
 from typing import TYPE_CHECKING
@@ -338,3 +339,14 @@ def test_what_cannot_land_in_time_is_named_and_stays_stopped(tmp_path: Path) -> 
         again.wait_for("Crazyflie 2 is ready again.")
         assert "omni: " in rosic("status", "omni", "-c", config).out
         assert "stopped" not in rosic("status", "omni", "-c", config).out
+
+
+def test_a_port_that_is_taken_ends_the_start_before_it_is_called_ready(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        where = f"127.0.0.1:{taken.getsockname()[1]}"
+        config = write_config(tmp_path, CONFIG + f'\n[api]\nlisten = "{where}"\n')
+        ran = rosic("run", "-c", config)
+    assert ran.status == 1
+    said = f"{where} of this machine cannot be listened on (Address already in use)."
+    assert said in one_sentence(ran.err)
+    assert " ready in" not in ran.err

@@ -167,9 +167,11 @@ class OpenPage:
             await notice.click()
         await self.page.evaluate("scrollTo(0, 0)")
 
-    async def picture(self, name: str, *, whole: bool = False) -> None:
-        """Keep what is seen for the docs, where they are drawn anew."""
+    async def picture(self, name: str, *, whole: bool = False, showing: str = "") -> None:
+        """Keep what is seen for the docs, where they are drawn anew; once a text is shown, too."""
         if os.environ.get("ROSIC_PICTURES") == "draw":
+            if showing:
+                await expect(self.page.get_by_text(showing, exact=True).first).to_be_visible()
             self.pictures[name] = await self.page.screenshot(full_page=whole)
 
     def draw(self) -> None:

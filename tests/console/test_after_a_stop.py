@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 import pytest
 from playwright.async_api import expect
 
+from tests.api.served import served
 from tests.console.browser import DESK, PHONE, opened
+from tests.console.robots import RESTLESS
 
 if TYPE_CHECKING:
     from playwright.async_api import Browser
@@ -49,6 +52,60 @@ async def test_a_robot_goes_on_by_its_own_button_and_what_was_said_of_the_stop_g
     await expect(card.get_by_role("button", name="Resume")).to_have_count(0)
     assert not place.gateway.rooms.stops["kuka1"].latched
     assert await there.violations() == []
+
+
+COVERED = """() => {
+  const said = document.querySelector(".stop-said").getBoundingClientRect();
+  const within = (one, place) => ({
+    left: Math.max(one.left, place.left), right: Math.min(one.right, place.right),
+    top: Math.max(one.top, place.top), bottom: Math.min(one.bottom, place.bottom),
+  });
+  const shown = (each) => {
+    const place = each.closest(".messages, .scroll, nav");
+    const own = each.getBoundingClientRect();
+    return place ? within(own, place.getBoundingClientRect()) : own;
+  };
+  const over = ({ left, right, top, bottom }) => left < right && top < bottom;
+  return [...document.querySelectorAll("button, a, input, select, summary")]
+    .filter((each) => each.checkVisibility() && !each.closest(".stop-said, .skip"))
+    .filter((each) => over(within(shown(each), said)))
+    .map((each) => `${each.textContent} at ${each.getBoundingClientRect().top}`);
+}"""
+"""What can be tapped and lies under what is said of a stop."""
+
+
+@pytest.mark.parametrize("there", [DESK, PHONE], ids=["desk", "phone"], indirect=True)
+async def test_what_is_said_of_a_stop_covers_nothing_and_is_dismissed_once_all_are_at_rest(
+    there: OpenPage,
+) -> None:
+    page = there.page
+    size = DESK if (page.viewport_size or PHONE)["width"] == DESK["width"] else PHONE
+    await there.sign_in()
+    await expect(page.locator(".robot")).to_have_count(6)
+    rest, dismiss = page.locator(".stop-said strong"), page.locator(".stop-said button")
+    for part in ("live", "drive/omni"):
+        await there.go(part)
+        await page.evaluate("scrollTo(0, 0)")
+        await page.locator("button.stop").click()
+        await expect(rest).to_have_text("At rest")
+        await expect(page.get_by_role("button", name="Resume omni").first).to_be_visible()
+        assert await page.evaluate(COVERED) == []
+        assert await there.sticking_out(size) == []
+        assert await there.violations() == []
+        last = page.locator("main .panel").last
+        await page.evaluate("scrollTo(0, document.documentElement.scrollHeight)")
+        box, bar = await last.bounding_box(), await page.locator(".stopbar").bounding_box()
+        assert box is not None
+        assert bar is not None
+        assert box["y"] + box["height"] <= (bar["y"] if bar["y"] > 0 else size["height"])
+        await expect(rest).to_be_in_viewport(ratio=1)
+        await dismiss.click()
+        await expect(rest).to_have_count(0)
+    RESTLESS.add("omni")
+    await page.locator("button.stop").click()
+    await expect(rest).to_have_text("Not confirmed: look!")
+    await expect(dismiss).to_have_count(0)
+    assert await page.evaluate(COVERED) == []
 
 
 async def test_that_there_is_no_robot_is_said_once_one_would_have_been_heard_of(
@@ -166,11 +223,35 @@ async def test_on_a_phone_a_code_is_on_one_line_and_another_tab_begins_at_its_to
     assert await page.evaluate("scrollY") == 0
 
 
+async def test_a_gateway_without_passkeys_says_so_in_one_sentence(
+    browser: Browser, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "rosic.api.passkey_routes", None)  # as without the extra
+    async with served() as place, opened(browser, place, DESK) as there:
+        await there.sign_in()
+        await there.go("people")
+        passkeys = there.page.get_by_role("region", name="My passkeys")
+        await expect(passkeys).to_contain_text("Passkeys are not installed on this gateway.")
+        await expect(there.page.get_by_text("There is nothing at this address.")).to_have_count(0)
+        await expect(passkeys.get_by_role("button")).to_have_count(0)
+
+
+async def test_who_may_not_drive_is_told_so_and_not_that_the_robot_cannot(there: OpenPage) -> None:
+    await there.sign_in("Vi")
+    await there.go("drive/omni")
+    jog = there.page.get_by_role("region", name="Live control")
+    await expect(jog).to_contain_text("You may not drive omni live.")
+    await there.go("drive/yumi")
+    await expect(jog).to_contain_text("YuMi cannot be driven live.")
+
+
 async def test_a_german_browser_is_spoken_to_in_german_until_somebody_chooses(
     browser: Browser, place: ServedGateway
 ) -> None:
     async with opened(browser, place, DESK, locale="de-DE") as there:
         page = there.page
+        # As a terminal says that nobody has set.
+        place.gateway.languages.hear(place.principal("Bo"), "C")
         await page.goto(f"{place.url}/#code={place.code('Bo')}")
         await expect(page.get_by_text("Gateway verbunden")).to_be_visible()
         await there.go("drive/omni")

@@ -48,6 +48,12 @@ async def test_its_link_leads_to_robots_also_where_the_usual_port_is_taken(
             await expect(page.get_by_text("Gateway connected")).to_be_visible()
             await expect(page.locator(".robot")).to_have_count(6)
             await expect(page.locator(".me")).to_contain_text("Guest")
+            explained = await page.evaluate(
+                """fetch("/v1/rights/check", {method: "POST", headers: {"Content-Type":
+                "application/json"}, body: JSON.stringify({person: "Guest", line: "kuka1 home"})})
+                .then((answer) => answer.status)"""
+            )
+            assert explained == 200
         finally:
             await page.close()
             demo.kill()

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.async_api import expect
 
+from rosic.api.page_messenger import FILES_KEPT
+from rosic.core.message import Attachment
 from tests.console.browser import DESK, PHONE, WALL, opened
 from tests.console.robots import CUT, RESTLESS, SILENT, STOPPED_AT
 from tests.pace import patience
@@ -157,6 +159,61 @@ async def test_what_was_sent_and_not_received_stands_out(there: OpenPage) -> Non
     assert await there.violations() == []
 
 
+def push_out_files(place: ServedGateway) -> None:
+    """Have newer files kept in Ada's conversation than those that are there."""
+    said = place.server.context.page.conversation(place.principal("Ada"))
+    for number in range(FILES_KEPT):
+        said.keep_file(f"newer {number}", Attachment("a.txt", "text/plain", b"a"))
+
+
+@SIZES
+async def test_a_picture_in_the_conversation_is_seen_and_a_file_is_saved(  # noqa: PLR0915 - one way
+    there: OpenPage, place: ServedGateway
+) -> None:
+    page = there.page
+    await there.sign_in()
+    await there.go("drive/omni")
+    picture = page.locator(".message-file img")
+    busy = page.get_by_text("Try again in a moment")
+    await there.say("picture omni")
+    while not await picture.count():  # whoever looked before may still be drawn for
+        asked = await busy.count()
+        await expect(picture.or_(busy.nth(asked)).first).to_be_visible()
+        if await busy.count() > asked:
+            await there.say("picture omni")
+    seen = "document.querySelector('.message-file img')"
+    await there.becomes(f"{seen}.complete && {seen}.naturalWidth > 100")
+    box = await picture.bounding_box()
+    assert box is not None
+    assert box["height"] < 300
+    await there.say("/record omni 3 s")
+    link = page.get_by_role("link", name=re.compile(r"Save omni.*\.mcap"))
+    await expect(link).to_be_visible()
+    assert await page.locator(".messages").evaluate(
+        "e => e.scrollTop + e.clientHeight >= e.scrollHeight - 1"
+    )
+    async with page.expect_download() as saved:
+        await link.click()
+    download = await saved.value
+    assert download.suggested_filename == await link.inner_text()
+    assert (await download.path()).read_bytes().startswith(b"\x89MCAP")
+    assert (
+        await there.sticking_out(
+            DESK if (page.viewport_size or PHONE)["width"] == DESK["width"] else PHONE
+        )
+        == []
+    )
+    assert await there.violations() == []
+    push_out_files(place)
+    await link.click()
+    await expect(page.get_by_text(re.compile(r"\.mcap is not kept any more\."))).to_be_visible()
+    await page.reload()
+    await expect(link).to_be_visible()
+    await page.locator(".messages").evaluate("e => e.scrollTo(0, 0)")
+    await expect(page.get_by_text("omni.jpg is not kept any more.")).to_be_visible()
+    await expect(picture).to_have_count(0)
+
+
 async def test_a_pulled_cable_is_said_within_two_seconds(there: OpenPage) -> None:
     await there.sign_in()
     card = there.page.locator(".robot", has_text="omni")
@@ -240,7 +297,7 @@ async def test_the_stick_drives_while_it_is_held(there: OpenPage, place: ServedG
     await held(there, place, by_key, lambda: page.keyboard.up("ArrowUp"))
     await expect(said).to_have_text(re.compile(f"Driving live|{BROKEN_OFF.pattern}"))
     await expect(page.locator("table.orders .received").first).to_contain_text("drive, live")
-    await there.picture("jog")
+    await there.picture("jog", showing="Driving live. Letting go brings it to rest.")
     await page.keyboard.up("ArrowUp")
     await expect(said).to_have_text(re.compile(f"drove live for|{BROKEN_OFF.pattern}"))
     talk = page.locator(".messages")

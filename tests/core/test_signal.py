@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from rosic.core.signal import Signal
 
 
@@ -29,3 +31,16 @@ def test_somebody_connected_while_it_is_told_hears_of_the_next() -> None:
     assert told == []
     signal.emit()
     assert told == ["late"]
+
+
+def test_whoever_fails_at_hearing_it_keeps_it_from_nobody() -> None:
+    signal, heard = Signal[[int]](), list[int]()
+
+    def fails(_number: int) -> None:
+        raise ZeroDivisionError("of a hearer")
+
+    for hear in (fails, heard.append):
+        signal.connect(hear)
+    with pytest.raises(ZeroDivisionError, match="of a hearer"):
+        signal.emit(7)
+    assert heard == [7]

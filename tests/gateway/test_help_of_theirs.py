@@ -102,3 +102,10 @@ async def test_what_they_often_asked_is_not_offered_beyond_their_limits() -> Non
         await place.say("use omni", account=BO, chat="2")
         often = [b.label for row in place.last()[1].buttons for b in row if "\u2605" in b.label]
         assert often == ["\u2605 move, 0.20 m"]
+
+
+async def test_nobody_is_told_to_sign_in_where_there_is_no_page() -> None:
+    async with School().open() as place:
+        shared = await place.say("help share")
+        assert "/archive" in shared or "/files" in shared
+        assert "signin" not in shared

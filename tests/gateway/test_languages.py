@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from msgspec.structs import replace
 
 from rosic.core.identity import Address
@@ -175,6 +176,27 @@ def test_only_languages_that_there_are_are_ever_loaded() -> None:
     languages.choose("p", "")
     languages.hear("p", "fr")
     assert languages.of("p") is None
+
+
+@pytest.mark.parametrize("locale", ["en", "en_US", "C", "POSIX", "fr"])
+def test_a_browser_counts_where_a_messenger_asks_for_nothing_but_english(locale: str) -> None:
+    there = Bracketed()
+    languages = ChatLanguages(lambda _code: there, {"de": ()})
+    languages.hear("p", locale)
+    languages.suggest("p", "de-DE")
+    assert languages.code("p") == "de"
+    languages.hear("p", "")
+    languages.hear("p", locale)
+    assert languages.of("p") is there
+    languages.choose("p", "en")
+    assert (languages.code("p"), languages.of("p")) == ("en", None)
+
+
+def test_a_messenger_that_is_set_to_german_counts_before_an_english_browser() -> None:
+    languages = ChatLanguages(lambda _code: Bracketed(), {"de": ()})
+    languages.suggest("p", "en-GB")
+    languages.hear("p", "de")
+    assert languages.code("p") == "de"
 
 
 def test_what_messengers_say_is_kept_within_bounds() -> None:

@@ -11,7 +11,7 @@ from rosic.app.admin.api import ALL
 from rosic.app.admin.dispatch import AdminDispatcher
 from rosic.core.records import Decided, Resumed
 from rosic.core.signal import Deferred
-from rosic.errors import Refusal, RobotStopped, RobotUnreachable
+from rosic.errors import Fault, Refusal, RobotStopped, RobotUnreachable, StillMoves, StoreFault
 from rosic.robots.memory import MemoryRobot
 from tests.gateway.place import BrokenStore, Place, SlowStore
 
@@ -24,9 +24,11 @@ if TYPE_CHECKING:
 class Deaf(MemoryRobot):
     """One of them does not answer a resume."""
 
+    why: Fault = RobotUnreachable("it did not answer.")
+
     async def resume(self, generation: int) -> None:
         if self.profile.id == "cf2":
-            raise RobotUnreachable("it did not answer.")
+            raise self.why
         await super().resume(generation)
 
 
@@ -70,6 +72,24 @@ async def test_which_were_resumed_before_one_was_not_is_said() -> None:
         )
         assert asked == [("cf1",)], "only what was resumed begins anything"
         assert _latched(place) == {"cf2", "omni"}
+
+
+@pytest.mark.parametrize(
+    ("why", "code"),
+    [
+        (RobotUnreachable("it did not answer."), "robot-offline"),
+        (StillMoves("it still moves."), "still-moves"),
+        (StoreFault("the disk is full."), "record-unavailable"),
+    ],
+)
+async def test_what_kept_it_stopped_is_told_by_its_code(
+    why: Fault, code: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Deaf, "why", why)
+    async with DeafPlace().open() as place:
+        await place.say("stop cf2")
+        assert (await place.say("resume cf2")).startswith("cf2 stays stopped: ")
+        assert place.chat.told[-1].outbound.code == code
 
 
 async def test_where_none_was_resumed_it_says_why_and_which_are_left() -> None:

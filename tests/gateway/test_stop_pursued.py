@@ -44,6 +44,7 @@ async def test_it_is_said_to_move_not_resumed_and_then_to_be_at_rest() -> None:
         assert "stopped by you · STOP not confirmed: it moves" in status
         refused = await here.say("resume omni")
         assert "omni stays stopped: omni still moves: its stop is not confirmed yet" in refused
+        assert here.chat.told[-1].outbound.code == "still-moves"
         await here.clock.advance(EVERY_S)
         await here.quiet()
         assert here.last()[1].text == "omni is at rest now."

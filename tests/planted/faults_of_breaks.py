@@ -32,7 +32,7 @@ OF_BREAKS = (
     Fault(
         name="I5 what is seen to move is resumed",
         file="linker/linker.py",
-        guard="if self._robots[robot_id].presence().moves:",
+        guard="if self.presence(robot_id).moves:",
         without="if False:",
         caught_by=(f"{PURSUED}::test_what_moves_is_not_resumed_and_stays_stopped_on_disk_too",),
     ),

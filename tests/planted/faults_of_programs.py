@@ -6,6 +6,7 @@ from tests.planted.faults import Fault
 
 PROGRAMS = "tests/gateway/test_programs.py"
 KEYS = "tests/authoriser/test_program_keys.py"
+ORDERS, ONCE = "tests/api/test_orders.py", "tests/api/test_idempotency_keys.py"
 
 OF_PROGRAMS = (
     Fault(
@@ -39,9 +40,32 @@ OF_PROGRAMS = (
     Fault(
         name="a program that asks too much waits for an answer that never comes",
         file="gateway/replies.py",
-        guard="            if message.caller.is_program or message.agreed:",
-        without="            if message.agreed:",
+        guard="        awaited = message.inbound.awaits_answer\n",
+        without="        awaited = False\n",
         caught_by=(f"{PROGRAMS}::test_a_program_is_told_each_time_that_it_asks_too_much",),
+    ),
+    Fault(
+        name="a file that meets a limit waits for an answer that never comes",
+        file="gateway/chat_handler.py",
+        guard="            if not why.silent or inbound.awaits_answer:",
+        without="            if not why.silent:",
+        caught_by=(f"{ORDERS}::test_whoever_waits_is_answered_each_time_that_they_meet_a_limit",),
+    ),
+    Fault(
+        name="an order that met a limit is refused under its key for good",
+        file="api/ordering.py",
+        guard="        if placed.met_limit:\n",
+        without="        if placed is None:\n",
+        caught_by=(
+            f"{ONCE}::test_what_met_a_limit_is_tried_again_under_the_same_key_when_its_time_has_come",
+        ),
+    ),
+    Fault(
+        name="I1 what met a limit is settled, so it is done anew under another name",
+        file="gateway/replies.py",
+        guard="        if awaited and isinstance(refusal, TooManyRequests):\n",
+        without="        if awaited and refusal.silent:\n",
+        caught_by=(f"{ONCE}::test_an_order_that_met_a_limit_again_and_again_is_done_once",),
     ),
     Fault(
         name="a call hears what is said in another program's conversation",

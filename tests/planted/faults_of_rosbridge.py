@@ -11,7 +11,16 @@ ORDERS = "tests/api/test_orders.py"
 QUEUE = "tests/gateway/test_send_queue.py"
 STOOD_STILL = "test_what_waited_while_the_gateway_stood_still_moves_nothing_and_a_stop_stops"
 
+REAL = "tests/real/ros2/test_rosbridge.py"
+
 OF_ROSBRIDGE = (
+    Fault(
+        name="what is published is sent after a stop",
+        file="api/rosbridge/connection.py",
+        guard="                self._right.check()\n",
+        without="                pass\n",
+        caught_by=(f"{REAL}::test_after_a_stop_nothing_is_published",),
+    ),
     Fault(
         name="I8 somebody is asked in vain to agree to what is driven",
         file="api/rosbridge/drive.py",

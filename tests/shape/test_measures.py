@@ -12,7 +12,6 @@ from tests.shape.tree import source
 # Modules of under 60 lines with one importer, and why each is not joined to it.
 ALONE = {
     "rosic.__main__": "python -m rosic",
-    "rosic.api.recorded_orders": "its importer would be longer than a module may be",
     "rosic.bench.timer_baseline": "a process that imports next to nothing",
     "rosic.cli.sim": "a subcommand, found by its name",
     "rosic.core.language.secrecy": "its importer is the package, whose names it gives",

@@ -29,7 +29,7 @@ def declared(*extras: str) -> set[str]:
     return {re.sub(r"[-_.]+", "-", name).lower() for name in names} - {"rosic"}
 
 
-@pytest.mark.parametrize("name", SETS)
+@pytest.mark.parametrize("name", [*SETS, "synapse"])
 def test_every_pin_has_its_hash(name: str) -> None:
     assert rules.without_hash(pinned(name)) == []
 

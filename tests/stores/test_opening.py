@@ -133,7 +133,7 @@ STRICT = {
     "cell_size_check": 1,
     "wal_autocheckpoint": 4_000,
     "journal_size_limit": 64 << 20,
-    "cache_size": -16_384,
+    "cache_size": -2_048,
 }
 
 

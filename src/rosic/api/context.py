@@ -45,6 +45,9 @@ if TYPE_CHECKING:
 
 CALLS_AT_MOST: Final = 64
 """Of one caller at a time, waiting for an answer. A stop is not counted."""
+LATE_AT_LEAST_S, LATE_SHARE = 1.2, 0.4
+"""A robot is late after that share of its heartbeat: so a page says within 2 s that a link is cut,
+though its robot counts as there for 3 s, as robots do by default."""
 BUSY: Final = said("Too many calls at once. Wait for an answer first. Nothing was done.")
 UNKNOWN_ROBOT: Final = said("There is no such robot here, as far as you may see.")
 UNKNOWN_SKILL: Final = said("There is no such skill there that you may ask for.")
@@ -215,8 +218,10 @@ class ApiContext(NamedTuple):
 
     def presence(self, robot: RobotId) -> PresenceOut:
         """Return what a robot's side last said of itself."""
-        found = self.kernel.rooms.linker.presence(robot)
+        linker = self.kernel.rooms.linker
+        found, heartbeat_s = linker.presence(robot), linker.profile(robot).link.heartbeat_s
         pose = found.pose
+        silent_s = max(LATE_AT_LEAST_S, LATE_SHARE * heartbeat_s)
         return PresenceOut(
             online=found.online,
             age_s=found.age_s,
@@ -227,6 +232,7 @@ class ApiContext(NamedTuple):
             pose=None
             if pose is None
             else PoseOut(pose.x_m, pose.y_m, pose.z_m, pose.yaw_rad, pose.frame),
+            late=found.online is True and found.age_s is not None and found.age_s > silent_s,
         )
 
     def skills(self, caller: ApiCaller, robot: str) -> list[SkillOut]:
@@ -320,6 +326,11 @@ class ApiContext(NamedTuple):
         containers = self.kernel.containers
         return containers is not None and containers.may_oversee(caller.principal, robot)
 
+    def read_as(self, entry: OrderEntry, caller: ApiCaller) -> tuple[bool, int]:
+        """Return on what it depends how somebody reads an order: all of it, by which catalogue."""
+        whole = entry.principal == caller.principal or self.oversees(caller, entry.robot)
+        return whole, id(self.languages.of(caller.principal))
+
     def shown(self, entry: OrderEntry, caller: ApiCaller) -> OrderOut:
         """Return an order as it is shown to somebody.
 
@@ -328,7 +339,7 @@ class ApiContext(NamedTuple):
         may see the robot.
         """
         read = partial(in_language, catalogue=self.languages.of(caller.principal))
-        whole = entry.principal == caller.principal or self.oversees(caller, entry.robot)
+        whole, _ = self.read_as(entry, caller)
         vocabulary = self.kernel.rooms.vocabulary
         return OrderOut(
             id=entry.id,

@@ -37,6 +37,8 @@ NAME: Final = "Problem"
 KEY: Final = "key"
 FILES: Final = "/v1/files"
 VIEWS: Final = "/v1/robots/{robot}/views/{kind}"
+SAID: Final = "/v1/chat/{message}/file"
+PICTURES: Final = ("image/png", "image/jpeg")
 BYTES: Final = {"schema": {"type": "string", "format": "binary"}}
 METHODS: Final = frozenset({"get", "put", "post", "delete", "patch"})
 
@@ -81,10 +83,14 @@ def described(schema: dict[str, Any]) -> dict[str, Any]:
 def _say_bytes(paths: dict[str, Any]) -> None:
     """Say of what sort the bytes are that no structure describes: files, and pictures."""
     sent, shown = paths.get(FILES, {}).get("post"), paths.get(VIEWS, {}).get("get")
+    told = paths.get(SAID, {}).get("get")
     if sent is not None:
         sent["requestBody"] = {"required": True, "content": {"application/octet-stream": BYTES}}
     if shown is not None:
-        shown["responses"]["200"]["content"] = dict.fromkeys(("image/png", "image/jpeg"), BYTES)
+        shown["responses"]["200"]["content"] = dict.fromkeys(PICTURES, BYTES)
+    if told is not None:
+        kinds = ("application/octet-stream", *PICTURES, "image/webp", "image/gif")
+        told["responses"]["200"]["content"] = dict.fromkeys(kinds, BYTES)
 
 
 def _any_of(part: Any) -> Any:  # noqa: ANN401 - any part of a description

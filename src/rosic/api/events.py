@@ -34,8 +34,10 @@ from rosic.api.event_schemas import (
 )
 from rosic.api.jog import Jog, JogEvent, JogSessions
 from rosic.api.live_orders import LiveOrders
+from rosic.api.order_feed import order_id
 from rosic.api.problems import problem, problem_of
 from rosic.api.rate_feed import RateFeed, of_visible
+from rosic.api.recorded_orders import recorded_order
 from rosic.api.robot_monitor import RobotMonitor
 from rosic.api.schemas import StopIn
 from rosic.api.stop_reading import mentions_stop
@@ -60,12 +62,16 @@ LOOK_S: Final = 0.2
 """So often robots are looked at while anybody listens."""
 CHUNK: Final = 50
 """Robots that are looked at in one step."""
+ORDERS_AT_FIRST: Final = 50
+"""Orders of which whoever subscribes is told how they are."""
 STOPS_AT_MOST: Final = 32
 """Stops of one connection whose answers are waited for; more are given all the same."""
 LISTENERS_AT_MOST: Final = 200
 EACH_AT_MOST: Final = 16
 """Connections of one caller."""
 MESSAGE_BYTES: Final = 65_536
+ID_AT_MOST: Final = 128
+"""Letters of what comes back as the id of an answer: all of them wait for a slow client."""
 MANY: Final = said("Too many connections listen already. Close one first.")
 NOT_READ: Final = said("That is no message of this protocol.")
 TOO_MANY_STOPS: Final = said("It was given; so many were that this one has no answer of its own.")
@@ -93,12 +99,18 @@ class Listener:
         self.topics: frozenset[str] = frozenset()
         self.queue: SendQueue[bytes] = SendQueue()
         self.seen: dict[RobotId, RobotOut] = {}
+        self._knows_doubt = False
         self._stops = 0
 
     def wants(self, topics: frozenset[str]) -> None:
         """Hear of these, and of nothing else."""
         self.topics = topics
         self.seen.clear()
+
+    def begin_doubt(self) -> bool:
+        """Return whether it was not told yet what the last run left: that is read once for each."""
+        knows, self._knows_doubt = self._knows_doubt, True
+        return not knows
 
     def begin_stop(self) -> bool:
         """Count a stop whose answer is waited for; return False where there are too many."""
@@ -112,7 +124,11 @@ class Listener:
 
     def put(self, key: str, event: Event) -> None:
         """Have something told; in place of what is older under the same key, and untold."""
-        if (told := _written(event)) is not None:
+        self.show(key, _written(event))
+
+    def show(self, key: str, told: bytes | None) -> None:
+        """Do the same with an event as it is sent."""
+        if told is not None:
             self.queue.show(key, told, len(told))
 
 
@@ -197,11 +213,14 @@ class EventStream:
             group.create_task(self._stop(listener, heard))
         elif isinstance(heard, StopRequest):
             self._speech.give_stop(listener.caller, heard.robots)
-            self._refuse(listener, "stop", "busy", TOO_MANY_STOPS)
+            detail = self._context.callers.read_by(TOO_MANY_STOPS, listener.caller)
+            asked = heard.id[:ID_AT_MOST]
+            listener.put(f"stop {asked}", ProblemEvent(problem("busy", detail), asked))
         elif isinstance(heard, Subscribe):
-            self._subscribe(listener, frozenset(heard.topics))
+            self._subscribe(listener, frozenset(heard.topics), group)
         elif isinstance(heard, Ping):
-            listener.put(f"pong {heard.id}", Pong(heard.id))
+            asked = heard.id[:ID_AT_MOST]
+            listener.put(f"pong {asked}", Pong(asked))
         else:
             self._refuse(listener, "problem", "not-understood", NOT_READ)
 
@@ -210,13 +229,14 @@ class EventStream:
         listener.put(key, ProblemEvent(problem(code, detail)))
 
     async def _stop(self, listener: Listener, heard: StopRequest) -> None:
+        asked = heard.id[:ID_AT_MOST]
         try:
             result = await self._speech.stop(listener.caller, StopIn(robots=heard.robots))
         except RosicError as why:
             sentence = self._context.callers.read_by(why.sentence, listener.caller)
-            listener.put(f"stop {heard.id}", ProblemEvent(problem_of(why, sentence), heard.id))
+            listener.put(f"stop {asked}", ProblemEvent(problem_of(why, sentence), asked))
         else:
-            listener.put(f"stop {heard.id}", StopEvent(heard.id, result))
+            listener.put(f"stop {asked}", StopEvent(asked, result))
         finally:
             listener.end_stop()
 
@@ -241,27 +261,42 @@ class EventStream:
 
     # ---- what happens ----
 
-    def _subscribe(self, listener: Listener, topics: frozenset[str]) -> None:
+    def _subscribe(
+        self, listener: Listener, topics: frozenset[str], group: asyncio.TaskGroup
+    ) -> None:
         if unknown := sorted(topics.difference(TOPICS)):
             self._refuse(listener, "problem", "not-found", no_topic(unknown[0]))
             return
         listener.wants(topics)
         context, caller = self._context, listener.caller
         if "orders" in topics:
-            for order in reversed(context.orders(caller, "", 50)):
+            if listener.begin_doubt():
+                group.create_task(self._tell_in_doubt(listener))
+            for order in reversed(context.orders(caller, "", ORDERS_AT_FIRST)):
                 listener.put(f"order {order.id}", OrderEvent(order))
         if "chat" in topics and caller.address.platform == PAGE:
             for message in context.page.conversation(caller.address.account).all():
                 listener.put(f"message {message.id}", MessageEvent(message))
 
+    async def _tell_in_doubt(self, listener: Listener) -> None:
+        """Tell of orders of the last run that ended unseen: their followers wait for that."""
+        context = self._context
+        in_doubt = context.kernel.shared.in_doubt.find() or ()
+        for order in in_doubt[-ORDERS_AT_FIRST:]:
+            found = await recorded_order(context, listener.caller, order_id(order.cid))
+            if found is not None and "orders" in listener.topics:
+                listener.put(f"order {found.id}", OrderEvent(found))
+
     def _order_changed(self, entry: OrderEntry) -> None:
+        context, written = self._context, dict[tuple[bool, int], bytes | None]()
         self._looks.wake(entry.robot)
         for listener in self.listeners:
-            if "orders" in listener.topics and entry.robot in self._context.visible(
-                listener.caller
-            ):
-                shown = self._context.shown(entry, listener.caller)
-                listener.put(f"order {entry.id}", OrderEvent(shown))
+            caller = listener.caller
+            if "orders" in listener.topics and entry.robot in context.visible(caller):
+                read_as = context.read_as(entry, caller)
+                if read_as not in written:  # once for all who read the same
+                    written[read_as] = _written(OrderEvent(context.shown(entry, caller)))
+                listener.show(f"order {entry.id}", written[read_as])
 
     def _said(self, account: str, message: PageMessage) -> None:
         for listener in self.listeners:

@@ -1,9 +1,10 @@
-"""The routes of what is no text: pictures of what robots show, and files that people send."""
+"""The routes of what is no text: what robots show, and files that people send and are sent."""
 
 from __future__ import annotations
 
 import asyncio
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from urllib.parse import quote
 
 from litestar import Request, Response, get, post
 from litestar.params import FromPath, QueryParameter
@@ -16,6 +17,7 @@ from rosic.api.resource_schemas import FileOut
 from rosic.api.routes import Api, Who
 from rosic.api.schemas import moment
 from rosic.core.i18n import said
+from rosic.core.identity import PAGE
 from rosic.core.message import AnswerState
 from rosic.core.robot.view import ViewKind
 from rosic.errors import NotFound, NothingToSee
@@ -30,9 +32,12 @@ if TYPE_CHECKING:
 NO_PICTURES: Final = said("This gateway draws no pictures.")
 NOT_KEPT: Final = said("This gateway keeps no files.")
 BROKEN_OFF: Final = said("An upload was broken off. Nothing was kept.")
+NOT_SENT: Final = said("There is no such file in your conversation on the page, or not any more.")
 WITHIN_S: Final = 300.0
 FILE_ID: Final = 32
 """Of the message that brought it, so many digits are the id of a file."""
+SHOWN: Final = frozenset({"image/png", "image/jpeg", "image/webp", "image/gif"})
+"""What a browser may show: pictures that can hold no script. It only saves everything else."""
 
 
 @get(
@@ -103,10 +108,35 @@ async def _kept(api: ApiContext, caller: ApiCaller, call: ToolCall, inbound: Inb
                         at = moment(one.at_ns)
                         return FileOut(one.id, one.name, one.size, one.media_type, digest, at)
                 if outbound.state is not AnswerState.GOES_ON:
-                    raise RefusedOrder(problem(outbound.code or "not-understood", outbound.text))
+                    code, again_s = outbound.code or "not-understood", outbound.retry_after_s
+                    raise RefusedOrder(problem(code, outbound.text, retry_after_s=again_s))
     except TimeoutError:
         sentence = api.callers.read_by(BROKEN_OFF, caller)
         raise RefusedOrder(problem("too-slow", sentence, status=408)) from None
 
 
-ROUTES: Final = (view, send_file)
+@get(
+    "/chat/{message:str}/file",
+    summary="A file that I was sent on the page",
+    tags=["chat"],
+    media_type="application/octet-stream",
+)
+async def said_file(api: Api, caller: Who, message: FromPath[str]) -> Response[bytes]:
+    """Return the file of a message of the caller's conversation on the page, to be saved.
+
+    Only the newest ten are kept; a program has none.
+    """
+    found = None
+    if caller.address.platform == PAGE and not api.is_locked_out(caller):
+        found = api.page.conversation(caller.address.account).file(message)
+    if found is None:
+        raise NotFound(NOT_SENT)
+    kind = found.media_type if found.media_type in SHOWN else "application/octet-stream"
+    headers = {
+        "Content-Disposition": f"attachment; filename*=UTF-8''{quote(found.name, safe='')}",
+        "Cache-Control": "no-store",
+    }
+    return Response(found.content, media_type=kind, headers=headers)
+
+
+ROUTES: Final = (view, send_file, said_file)

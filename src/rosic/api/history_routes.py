@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import csv
 from io import StringIO
 from typing import TYPE_CHECKING, Annotated, Final
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 LISTED_AT_MOST: Final = 1_000
 SEARCHED_AT_MOST: Final = 5_000
+STEP: Final = 20
 NO_RECORD: Final = said("This record cannot be looked into.")
 CSV: Final = "text/csv"
 COLUMNS: Final = ("at", "who", "kind", "robot", "skill", "asked", "outcome", "came", "ended")
@@ -65,8 +67,9 @@ async def export(
     written = StringIO()
     table = csv.writer(written, lineterminator="\r\n")
     table.writerow(COLUMNS)
-    for one in found:
+    for number, one in enumerate(found, start=1):
         table.writerow([_cell(getattr(one, column)) for column in COLUMNS])
+        await _let_others(number)
     headers = {
         "Content-Disposition": "attachment; filename=history.csv",
         "Cache-Control": "no-store",
@@ -94,8 +97,19 @@ async def _found(
         limit=SEARCHED_AT_MOST if text else most,
     )
     wanted = text.casefold()
-    shown = (_shown(api, caller, line) for line in await reader.read(query))
-    return [one for one in shown if not wanted or wanted in _words(one)]
+    shown = list[HistoryEntryOut]()
+    for number, line in enumerate(await reader.read(query), start=1):
+        one = _shown(api, caller, line)
+        if not wanted or wanted in _words(one):
+            shown.append(one)
+        await _let_others(number)
+    return shown
+
+
+async def _let_others(number: int) -> None:
+    """Let others have their turn after each few lines: of thousands, a stop would wait for all."""
+    if number % STEP == 0:
+        await asyncio.sleep(0)
 
 
 def _shown(api: ApiContext, caller: ApiCaller, line: HistoryLine) -> HistoryEntryOut:

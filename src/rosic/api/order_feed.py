@@ -81,10 +81,11 @@ class OrderFeed:
         self.changed: Signal[[OrderEntry]] = Signal()
         self._clock = clock
         self._entries: OrderedDict[str, OrderEntry] = OrderedDict()
+        self._under_way: dict[str, OrderEntry] = {}  # as many as wait or run, however old
 
     def __getitem__(self, order: str) -> OrderEntry | None:
         """Return an order by its id; None: there is none, or none any more."""
-        return self._entries.get(order)
+        return self._entries.get(order) or self._under_way.get(order)
 
     def newest(self) -> Iterator[OrderEntry]:
         """Return all of them, the newest first."""
@@ -104,14 +105,14 @@ class OrderFeed:
             arguments=order.arguments,
             stages=(StageTime(OrderStage.ACCEPTED.value, self._clock.wall_ns()),),
         )
-        self._entries[entry.id] = entry
+        self._entries[entry.id] = self._under_way[entry.id] = entry
         if len(self._entries) > KEPT:
             self._entries.popitem(last=False)
         self.changed.emit(entry)
 
     def reported(self, order: Order, report: StageReport) -> None:
         """Take in a step."""
-        entry = self._entries.get(order_id(order.cid))
+        entry = self._under_way.get(order_id(order.cid))
         if entry is None:
             return
         stage = report.stage.value
@@ -124,9 +125,10 @@ class OrderFeed:
 
     def ended(self, order: Order, outcome: Outcome) -> None:
         """Take in how it ended."""
-        entry = self._entries.get(order_id(order.cid))
+        entry = self._under_way.get(order_id(order.cid))
         if entry is None:
             return
+        self._under_way.pop(entry.id, None)
         entry.ending, entry.note, entry.code = outcome.ending.value, outcome.note, outcome.code
         entry.ended_ns = self._clock.wall_ns()
         self.changed.emit(entry)

@@ -7,21 +7,21 @@ its caller gives it: the same again is the same order, and is answered with what
 from __future__ import annotations
 
 import asyncio
-import re
 from collections import OrderedDict
-from hashlib import blake2b
+from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
+from rosic.api.lines import message_of_key
 from rosic.api.order_feed import order_id
 from rosic.api.problems import problem
-from rosic.api.recorded_orders import recorded_order
-from rosic.api.schemas import AnswerOut, ChatIn, OrderOut, StopOut
+from rosic.api.recorded_orders import recorded_answer, recorded_order
+from rosic.api.schemas import AnswerOut, ChatIn, OrderOut, Problem, StopOut
 from rosic.api.stops import EVERYTHING, CallerStops
 from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.core.i18n import said
 from rosic.core.identity import PAGE
 from rosic.core.message import AnswerState
-from rosic.errors import NotFound, NotUnderstood
+from rosic.errors import NotFound, NotUnderstood, Refusal, TooManyRequests
 from rosic.gateway.requests import line_id
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rosic.api.callers import ApiCaller
     from rosic.api.context import ApiContext
     from rosic.api.order_feed import OrderEntry
-    from rosic.api.schemas import OrderIn, PageMessage, Problem, StopIn
+    from rosic.api.schemas import OrderIn, PageMessage, StopIn
     from rosic.core.message import Inbound, Outbound
     from rosic.messengers.program.calls import ToolCall
 
@@ -40,8 +40,6 @@ AGREED_WITHIN_S: Final = 600.0
 """So long what somebody is asked about an order is followed: longer than any question stands."""
 STOP_FOLLOWED_S: Final = 60.0
 PLACED_KEPT: Final = 4_000
-KEY_FORM: Final = re.compile(r"[!-~]{1,128}\Z")
-BAD_KEY: Final = said("Idempotency-Key is 1 to 128 letters, digits and signs, without a space.")
 OTHER_ORDER: Final = said("That Idempotency-Key stands for another order. Nothing was done.")
 NOBODY_AGREED: Final = said("Nobody has agreed in time. Nothing was done.")
 ANSWERED_ELSEWHERE: Final = said(
@@ -106,6 +104,12 @@ class PlacedOrder:
         """Whose message it is, and its id."""
         return self.inbound.sender.account, self.inbound.message
 
+    @property
+    def met_limit(self) -> bool:
+        """Whether it was refused for its time alone."""
+        limited = self.refused is not None and self.refused.code == TooManyRequests.code
+        return limited and self.entry is None
+
     def left_s(self) -> float:
         """Return for how many seconds more anybody could agree to it."""
         return max(0.0, self._until_s - asyncio.get_running_loop().time())
@@ -168,22 +172,10 @@ class CallerRequests:
             RefusedOrder: The rooms have refused it.
             MessengerFault: Nobody listens. Nothing was done.
         """
-        context, text = (
-            self._context,
-            self._context.line(caller, robot, wanted.skill, wanted.arguments),
-        )
-        messenger = context.messenger(caller)
-        inbound = messenger.inbound(caller.address, text, _message_of(key))
-        first = order_id(line_id(inbound, 0))
-        if key and first not in self._placed:  # perhaps it was, in an earlier run
-            recorded = await recorded_order(context, caller, first)
-            if recorded is not None:
-                return self._same(recorded, caller, robot, wanted.skill)
-        placed = self._placed.get(first)
-        if placed is None:
-            placed = self._begin(PlacedOrder(caller, inbound, robot, wanted.skill))
-        elif placed.inbound.text != text:
-            raise self._other_order(caller)
+        text = self._context.line(caller, robot, wanted.skill, wanted.arguments)
+        placed = await self._begun(caller, robot, wanted, text, key)
+        if isinstance(placed, OrderOut):
+            return placed
         try:
             async with asyncio.timeout(ACCEPTED_WITHIN_S):
                 await placed.settled.wait()
@@ -195,8 +187,39 @@ class CallerRequests:
             await self._over(placed, wanted.wait_s)
         return self._shown(placed)
 
-    def _same(self, recorded: OrderOut, caller: ApiCaller, robot: str, skill: str) -> OrderOut:
-        if (recorded.robot, recorded.skill) != (robot, skill):
+    async def _begun(
+        self, caller: ApiCaller, robot: str, wanted: OrderIn, text: str, key: str
+    ) -> PlacedOrder | OrderOut:
+        """Return the order that a key stands for, of this run or an earlier one; or begin it.
+
+        What met a limit was not done, nor written down, and a limit passes: it is tried again.
+        """
+        message = message_of_key(key)
+        inbound = self._context.messenger(caller).inbound(caller.address, text, message)
+        order = order_id(line_id(inbound, 0))
+        if key and order not in self._placed:  # perhaps it was, in an earlier run
+            recorded = await recorded_answer(self._context, caller, order)
+            if isinstance(recorded, Problem):
+                raise RefusedOrder(recorded)
+            if recorded is not None:
+                return self._same(recorded, caller, robot, wanted)
+        placed = self._placed.get(order)
+        if placed is None:
+            return self._begin(PlacedOrder(caller, inbound, robot, wanted.skill))
+        if placed.inbound.text != text:
+            raise self._other_order(caller)
+        if placed.met_limit:
+            return self._begin(PlacedOrder(caller, inbound, robot, wanted.skill))
+        return placed
+
+    def _same(self, recorded: OrderOut, caller: ApiCaller, robot: str, wanted: OrderIn) -> OrderOut:
+        """Return an order of an earlier run, if it says the same as this one."""
+        same = (recorded.robot, recorded.skill) == (robot, wanted.skill)
+        if same and recorded.sent:
+            with suppress(Refusal):  # it may be refused by now: then robot and skill must do
+                said_now = self._context.check(caller, robot, wanted.skill, wanted.arguments).sent
+                same = recorded.sent.endswith(said_now)
+        if not same:
             raise self._other_order(caller)
         return recorded
 
@@ -236,7 +259,8 @@ class CallerRequests:
         """Take in an answer of the rooms. Return whether nothing more will be said to a caller."""
         if outbound.state is AnswerState.NOT_DONE:
             code = outbound.code or "order-void"
-            placed.refuse(problem(code, outbound.text, offers=outbound.offers))
+            offers, again_s = outbound.offers, outbound.retry_after_s
+            placed.refuse(problem(code, outbound.text, offers=offers, retry_after_s=again_s))
             return True
         if outbound.state in _GOES_ON:
             return False
@@ -408,7 +432,8 @@ class CallerRequests:
                     if outbound.state in besides_these:
                         continue
                     besides = messenger.unsolicited.take(caller.address.account)
-                    return AnswerOut(outbound.text, outbound.state.value, outbound.code, besides)
+                    state, again_s = outbound.state.value, outbound.retry_after_s
+                    return AnswerOut(outbound.text, state, outbound.code, besides, again_s)
         except TimeoutError:
             sentence = self._context.callers.read_by(NO_ANSWER, caller)
             return AnswerOut(sentence, AnswerState.GOES_ON.value)
@@ -456,18 +481,6 @@ def _taken(answer: AnswerOut) -> AnswerOut:
         RefusedOrder: It is one.
     """
     if answer.state == AnswerState.NOT_DONE.value:
-        raise RefusedOrder(problem(answer.code or "order-void", answer.text))
+        code, again_s = answer.code or "order-void", answer.retry_after_s
+        raise RefusedOrder(problem(code, answer.text, retry_after_s=again_s))
     return answer
-
-
-def _message_of(key: str) -> str:
-    """Return the id of the message that a caller knows by a key; empty for a new one.
-
-    Raises:
-        NotUnderstood: It is no key.
-    """
-    if not key:
-        return ""
-    if not KEY_FORM.match(key):
-        raise NotUnderstood(BAD_KEY)
-    return f"key-{blake2b(key.encode(), digest_size=16).hexdigest()}"

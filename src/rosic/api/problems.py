@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from http import HTTPStatus
+from math import ceil
 from typing import TYPE_CHECKING, Final
 
 import msgspec
@@ -10,7 +11,7 @@ from litestar import Response
 
 from rosic.api.schemas import Problem
 from rosic.core.i18n import plain
-from rosic.errors import Refusal, RosicError, TooManyRequests
+from rosic.errors import Refusal, RosicError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -32,6 +33,7 @@ _STATUS: Final[Mapping[str, HTTPStatus]] = {
     "robot-taken": HTTPStatus.CONFLICT,
     "robot-busy": HTTPStatus.CONFLICT,
     "robot-stopped": HTTPStatus.CONFLICT,
+    "still-moves": HTTPStatus.CONFLICT,
     "order-void": HTTPStatus.CONFLICT,
     "expired": HTTPStatus.CONFLICT,
     "repeated": HTTPStatus.CONFLICT,
@@ -51,9 +53,9 @@ def status_of(code: str) -> HTTPStatus:
 
 def problem_of(error: RosicError, sentence: str) -> Problem:
     """Return how a refusal reads to a program, with its sentence in the program's language."""
-    retry_s = error.retry_after_s if isinstance(error, TooManyRequests) else None
-    offers = error.offers if isinstance(error, Refusal) else ()
-    return problem(error.code, sentence, offers=offers, retry_after_s=retry_s)
+    if not isinstance(error, Refusal):
+        return problem(error.code, sentence)
+    return problem(error.code, sentence, offers=error.offers, retry_after_s=error.retry_after_s)
 
 
 def problem(
@@ -85,8 +87,8 @@ def answer(found: Problem) -> Response[bytes]:
     headers = {"Cache-Control": "no-store"}
     if found.status == HTTPStatus.UNAUTHORIZED:
         headers["WWW-Authenticate"] = "Bearer"
-    if found.retry_after_s is not None:
-        headers["Retry-After"] = str(max(1, round(found.retry_after_s)))
+    if found.retry_after_s:
+        headers["Retry-After"] = str(ceil(found.retry_after_s))
     return Response(
         msgspec.json.encode(found),
         status_code=found.status,

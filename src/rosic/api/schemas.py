@@ -52,6 +52,7 @@ class PresenceOut(msgspec.Struct, frozen=True):
         at_rest: None: not measured.
         values: Newest telemetry, in the units of the profile.
         ages_s: Since each of them was heard; one that is not named is of now.
+        late: It counts as there, and has been silent for longer than a link that stands is.
     """
 
     online: bool | None
@@ -61,6 +62,7 @@ class PresenceOut(msgspec.Struct, frozen=True):
     values: dict[str, float | str]
     ages_s: dict[str, float]
     pose: PoseOut | None
+    late: bool = False
 
 
 class RobotOut(msgspec.Struct, frozen=True):
@@ -225,12 +227,14 @@ class AnswerOut(msgspec.Struct, frozen=True):
 
     Attributes:
         state: ``final``, ``goes-on``, ``asked``, ``agreed``, ``done``, ``not-done``.
+        retry_after_s: Seconds until saying it again may succeed, where a limit was met.
     """
 
     text: str
     state: str
     code: str = ""
     besides: tuple[str, ...] = ()
+    retry_after_s: float | None = None
 
 
 class PageButton(msgspec.Struct, frozen=True):

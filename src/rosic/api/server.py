@@ -129,7 +129,7 @@ class ApiServer:
         self._speech = CallerRequests(self.context)
         self.stream = EventStream(self.context, self._speech)
         self._connections = FoxgloveConnections(self.context)
-        self._figures = GatewayMetrics(kernel, tuple)
+        self._figures = GatewayMetrics(kernel)
         check_served(settings, kernel.rooms.profiles)
         self._tickets = TicketBook(callers, kernel.machine_clock, kernel.entropy.token)
         self._rosbridge = RosbridgeEndpoint(self.context, self._speech, self._tickets)
@@ -139,6 +139,7 @@ class ApiServer:
         self._description = DescribedProblems("/openapi.json")
         self.app = self._application()
         self._uvicorns: tuple[_Uvicorn, ...] = ()
+        self.bound = asyncio.Event()  # its ports are its own
 
     @property
     def listens(self) -> bool:
@@ -167,6 +168,7 @@ class ApiServer:
                 limits = replace(settings.limits, connections=CLIENTS_AT_MOST)
                 alone = replace(settings, listen=settings.rosbridge)
                 serving[there] = self._config(alone, RosbridgePort(self._rosbridge), limits)
+            self.bound.set()
             await self._serve({_Uvicorn(config): where for where, config in serving.items()})
 
     async def _serve(self, servers: dict[_Uvicorn, socket.socket]) -> None:

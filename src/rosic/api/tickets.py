@@ -6,7 +6,7 @@ histories, so that it must be worth nothing afterwards.
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from collections import deque
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
@@ -25,9 +25,11 @@ if TYPE_CHECKING:
 
     from rosic.api.callers import ApiCaller, CallerDirectory
     from rosic.contracts.clock import Clock
+    from rosic.core.identity import PrincipalId
 
 GOOD_FOR_S: Final = 60
-KEPT: Final = 1_000
+OF_ONE_AT_MOST: Final = 16
+"""Further ones make the oldest of the same caller void, and nobody else's."""
 VOID: Final = said("That ticket is void: each is good once, for a minute.")
 
 
@@ -49,15 +51,18 @@ class TicketBook:
         self, callers: CallerDirectory, clock: Clock, token: Callable[[int], bytes]
     ) -> None:
         self._callers, self._clock, self._token = callers, clock, token
-        self._tickets: OrderedDict[str, _Ticket] = OrderedDict()
+        self._tickets: dict[str, _Ticket] = {}
+        self._of: dict[PrincipalId, deque[str]] = {}
 
     def issue(self, caller: ApiCaller) -> str:
         """Return a new ticket for somebody."""
         ticket = self._token(24).hex()
         until_ns = self._clock.monotonic_ns() + GOOD_FOR_S * SECOND_NS
         self._tickets[ticket] = _Ticket(caller, until_ns)
-        if len(self._tickets) > KEPT:
-            self._tickets.popitem(last=False)
+        own = self._of.setdefault(caller.principal, deque())
+        own.append(ticket)
+        if len(own) > OF_ONE_AT_MOST:
+            self._tickets.pop(own.popleft(), None)
         return ticket
 
     def redeem(self, ticket: str) -> ApiCaller:

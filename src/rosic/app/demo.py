@@ -157,9 +157,12 @@ async def _serve(
     api: GatewayApi, gateway: Gateway, messenger: TerminalMessenger, clock: Clock
 ) -> asyncio.Task[None]:
     """Serve the page, and show the link to it once it is there."""
-    from rosic.app.health import GatewayHealth  # noqa: PLC0415 - it loads the database
+    from rosic.app.admin.api import books_of  # noqa: PLC0415 - the page alone needs all of these
+    from rosic.app.admin.explain import Explainer  # noqa: PLC0415
+    from rosic.app.health import GatewayHealth  # noqa: PLC0415
 
     gateway.kernel.shared.health.provide(GatewayHealth(gateway, None, clock))
+    gateway.kernel.shared.explainer.provide(Explainer(books_of(gateway, "UTC", (messenger,))))
     server = api.server_of(gateway)
     serving = asyncio.create_task(server.run())
     while not (server.listens or serving.done()):

@@ -338,12 +338,15 @@ class Gateway(RunningGateway):
         messengers, ends = {each.name: each for each in self._messengers}, self.pipeline.ends
         recovery = Recovery(parts.store, linker, self._chat_sender, parts.clock, messengers, ends)
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
+        self.kernel.shared.in_doubt.provide(recovery.in_doubt)
         linker.watch_stopped()
         await self.features.recover()
         warn_of_thieves(parts.messengers, self._warn)
         self.outbox.restore(memory.facts, messengers, self.kernel.reach.dress)
-        if count:
-            log.warning("interrupted commands that were settled: %d", count)
+        if doubt := len(recovery.in_doubt):
+            log.warning("orders that the last run left under way: %d", doubt)
+        if count > doubt:
+            log.info("ends of orders that are told again: %d", count - doubt)
 
     async def run(self) -> None:
         """Listen on every messenger until one of them fails for good, or until cancelled.
@@ -439,7 +442,8 @@ class Gateway(RunningGateway):
 
     def not_at_rest(self) -> list[Profile]:
         """Return whose adapter is not closed yet and has not measured rest."""
-        return [r.profile for r in self._opened if r.presence().at_rest is not True]
+        presence = self.rooms.linker.presence
+        return [r.profile for r in self._opened if presence(r.profile.id).at_rest is not True]
 
     async def hold(self, robots: Sequence[RobotId]) -> bool:
         """Latch robots that could not be waited for. Return whether the latch is on disk."""
@@ -477,4 +481,5 @@ class Gateway(RunningGateway):
         """Return the robots that carry out nothing; none while a stop is being measured."""
         if not self._opened or not self.stop_lane.quiet:
             return []
-        return [robot for robot in self._opened if not robot.presence().doing]
+        presence = self.rooms.linker.presence
+        return [robot for robot in self._opened if not presence(robot.profile.id).doing]

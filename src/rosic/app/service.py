@@ -26,6 +26,7 @@ from rosic.errors import MessengerFault, RosicError
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
+    from rosic.api.server import ApiServer
     from rosic.app.config import Config
     from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.messenger import Messenger
@@ -149,21 +150,19 @@ class GatewayService:
         admin = AdminApi(books)
         control = ControlServer(config.data, AdminDispatcher(self._gateway, admin))
         await control.open()
-        working = asyncio.create_task(self._work(admin))
+        health = GatewayHealth(self._gateway, config.data, self._clock)
+        self._gateway.kernel.shared.health.provide(health)
+        self._gateway.kernel.shared.explainer.provide(Explainer(books))
+        self._gateway.kernel.shared.not_ready.provide(self._not_ready)
+        server = None if self._api is None else self._api.server_of(self._gateway)
+        besides = self._besides(server)
+        working = asyncio.create_task(self._work(admin, server))
         ending = asyncio.create_task(self._ended.wait())
-        tasks = [working, ending]
+        tasks = [working, ending, *besides]
         if (console := console_of(self._parts.messengers)) is not None:
             others = tuple(m.name for m in self._parts.messengers if not isinstance(m, Console))
             watching = mind_console(console, self._gateway, self._end, others)
             tasks.append(asyncio.create_task(watching))
-        health = GatewayHealth(self._gateway, config.data, self._clock)
-        self._gateway.kernel.shared.health.provide(health)
-        self._gateway.kernel.shared.explainer.provide(Explainer(books))
-        if self._api is not None:
-            serving = asyncio.create_task(self._api.server_of(self._gateway).run())
-            tasks.append(serving)
-            serving.add_done_callback(lambda _: self._end())
-        tasks += self._besides()
         try:
             await asyncio.wait((working, ending), return_when=asyncio.FIRST_COMPLETED)
             for task in tasks:
@@ -176,12 +175,16 @@ class GatewayService:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
 
-    def _besides(self) -> list[asyncio.Task[None]]:
+    def _besides(self, server: ApiServer | None) -> list[asyncio.Task[None]]:
         """Begin what the gateway does beside its work: tell other software, and forget."""
         tasks = []
+        if server is not None:
+            serving = asyncio.create_task(server.run())
+            serving.add_done_callback(lambda _: self._end())
+            tasks.append(serving)
         if (metrics := self._config.metrics) is not None:
-            serving = MetricsEndpoint(self._gateway.kernel, metrics, self._not_ready)
-            tasks.append(asyncio.create_task(serving.run()))
+            endpoint = MetricsEndpoint(self._gateway.kernel, metrics)
+            tasks.append(asyncio.create_task(endpoint.run()))
         if hooks := self._config.webhooks:
             tasks.append(asyncio.create_task(webhooks_of(self._gateway, hooks).run()))
         if isinstance(store := self._parts.store, ForgettingStore):
@@ -195,9 +198,11 @@ class GatewayService:
         if file:
             yield f"{file} of the record is not there as it was"
 
-    async def _work(self, admin: AdminApi) -> None:
+    async def _work(self, admin: AdminApi, server: ApiServer | None) -> None:
         messengers = self._parts.messengers
         await check_accounts(messengers)
+        if server is not None:
+            await server.bound.wait()
         runtime.settle()
         took_s = (self._clock.monotonic_ns() - self._begun_ns) / 1e9
         robots = len(self._gateway.robots)

@@ -45,6 +45,8 @@ CARRIED_BYTES = 64
 
 # Of one person: whatever somebody is asked, be it by others' doing, voids nobody else's buttons.
 EACH_AT_MOST: Final = 400
+# And so many whatever their age: whoever taps one that is too old is offered to ask again.
+EACH_AT_LEAST: Final = 40
 
 
 class RedeemedButton(NamedTuple):
@@ -137,11 +139,21 @@ class ButtonTokens:
         if principal != ANYBODY:
             own = self._own.setdefault(principal, OrderedDict())
             own[nonce] = None
-            if len(own) > EACH_AT_MOST:
-                self._drop(next(iter(own)))
+            self._shorten(own)
         if len(self._bound) > self._at_most:
             self._drop(next(iter(self._bound)))
         return msgspec.structs.replace(button, nonce=nonce, good_for_ns=lifetime_ns)
+
+    def _shorten(self, own: OrderedDict[str, None]) -> None:
+        """Forget somebody's oldest buttons: what is too many, and what is good no more."""
+        while len(own) > EACH_AT_LEAST:
+            oldest = next(iter(own))
+            if len(own) <= EACH_AT_MOST and not self._is_old(self._bound[oldest]):
+                return
+            self._drop(oldest)
+
+    def _is_old(self, bound: _Bound) -> bool:
+        return passed_ns(self._clock, bound.issued) > bound.lifetime_ns
 
     def _drop(self, nonce: str) -> None:
         self._disown(nonce, self._bound.pop(nonce).principal)
@@ -190,9 +202,8 @@ class ButtonTokens:
         if bound.principal != ANYBODY:
             del self._bound[nonce]
         self._disown(nonce, bound.principal)
-        age_ns = passed_ns(self._clock, bound.issued)
         missed = bound.issued.wall_ns < inbound.listening_since_ns and not bound.still
-        if age_ns > bound.lifetime_ns or missed:
+        if missed or self._is_old(bound):
             self._count("button-late")
             raise Expired(
                 said("This button is too old. Nothing was done."),

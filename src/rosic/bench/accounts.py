@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from contextlib import AsyncExitStack, asynccontextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from rosic.bench.bot_api_process import TOKEN, stand_in
@@ -159,6 +160,8 @@ def telethon_client() -> Any:  # noqa: ANN401 - of an extra, which is not typed
     api_id, api_hash = from_environment(API_ID, API_HASH)
     if not api_id.isdecimal():
         raise ConfigurationError(f"{API_ID} is a number: see https://my.telegram.org.")
+    # As good as a password, once somebody has signed in: nobody else of this machine reads it.
+    Path(f"{SESSION}.session").touch(mode=0o600)
     return TelegramClient(SESSION, int(api_id), api_hash)
 
 

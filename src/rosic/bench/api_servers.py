@@ -89,13 +89,12 @@ def gateway(graph: RosGraph, folder: Path) -> Iterator[BridgeServer]:
     config = folder / "rosic.toml"
     text = CONFIG.format(listen=listen, to_ros=TO_ROS, from_ros=FROM_ROS, type=TYPE)
     config.write_text(text, encoding="utf-8")
-    process = graph.start("-m", "rosic", "run", "-c", config, ready=None)
+    process = graph.start("-m", "rosic", "run", "-c", config, ready=None, ends_with_input=False)
     _await_port(process, port)
     headers = key_headers(config)
     try:
         yield BridgeServer("ROSIC", f"ws://{listen}/rosbridge", headers, process)
     finally:
-        process.process.terminate()
         process.stop()
 
 
@@ -130,12 +129,12 @@ def rosbridge_server(graph: RosGraph, checkout: Path) -> Iterator[BridgeServer]:
         *(script, "--port", str(port), "--address", LOCAL),
         python_path=[*sources, built],
         ready=None,
+        ends_with_input=False,
     )
     _await_port(process, port)
     try:
         yield BridgeServer("rosbridge_server", f"ws://{LOCAL}:{port}", {}, process)
     finally:
-        process.process.terminate()
         process.stop()
 
 

@@ -7,8 +7,6 @@ import sys
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.errors import ConfigurationError, how_to_install
-
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
@@ -22,16 +20,10 @@ TOKEN = "4242424242:of-the-stand-in-alone-it-opens-nothing"  # noqa: S105 - as i
 async def stand_in() -> AsyncIterator[Control]:
     """Let it run while inside, with Telegram's published limits.
 
-    Raises:
-        ConfigurationError: It is not installed.
+    `rosic.bench.command` has seen that its extras are installed.
     """
-    try:
-        from rosic.testing.telegram import Control as Driver  # noqa: PLC0415 - an extra brings it
-    except ImportError as missing:
-        raise ConfigurationError(
-            "This bench needs the stand-in for Telegram.",
-            hint=f"Install it with: {how_to_install('telegram,testing')}.",
-        ) from missing
+    from rosic.testing.telegram import Control as Driver  # noqa: PLC0415 - an extra brings it
+
     process = await asyncio.create_subprocess_exec(
         sys.executable,
         "-m",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import ConfiguredPerson
 from rosic.bench.senders import BenchMessenger
-from rosic.bench.sites import CLOCK, parts_of
+from rosic.bench.sites import ACTS_AT_MOST, CLOCK, parts_of
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
 from rosic.core.rate_limit import RateLimit
@@ -38,6 +38,8 @@ CHATS = 16
 LIVES_S = float(HOUR_S)
 FILLED_WITHIN_S = 30.0
 LOOK_S = 0.002
+REFUSED_S = 0.1
+"""Fifty who ask again at once leave no time to write down what a stop of everything has ended."""
 WATCHER = "watcher"
 
 
@@ -55,6 +57,7 @@ class BusyRobot(MemoryRobot):
         self.work_s = WORK_S
         self.handed_ns = 0
         self.acted_before = 0
+        self.remember(ACTS_AT_MOST)
         self.hungry = asyncio.Event()
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
@@ -198,7 +201,10 @@ class OrderSenders:
         chats = cycle(f"{number}.{chat}" for chat in range(CHATS))
         text = f"{name} go 0.5 m"
         while True:
-            missing = 0 if robot.gate.latched else self._depth - waiting(name)
+            if robot.gate.latched:  # it is told to go on before its gate is open
+                await asyncio.sleep(LOOK_S)
+                continue
+            missing = self._depth - waiting(name)
             if missing <= 0:
                 robot.hungry.clear()
                 await robot.hungry.wait()
@@ -208,7 +214,7 @@ class OrderSenders:
                 *(self.say(str(number), next(chats), text) for _ in range(together))
             )
             # What was accepted enters its queue; who is refused waits before asking again.
-            await asyncio.sleep(0 if waiting(name) > before else LOOK_S)
+            await asyncio.sleep(0 if waiting(name) > before else REFUSED_S)
 
 
 def crowded_gateway(messenger: Messenger, store: Store, latch: StopLatch, queued: int) -> Gateway:

@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import argparse
+import logging
+import signal
 import sys
+import traceback
 from importlib import import_module
+from importlib.util import find_spec
 from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
+
+from msgspec import structs
 
 from rosic.bench import comparison, output, suite
 from rosic.bench.charts import require_charts
 from rosic.bench.recorder import BenchRecorder
 from rosic.bench.report import BenchReport, as_json, as_text, table_lines
+from rosic.errors import ConfigurationError, RosicError, how_to_install
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
 INTERRUPTED: Final = 130
 MOST: Final = 100_000
@@ -87,7 +94,7 @@ def _above_0(text: str, unit: str, most: int) -> float:
     return value
 
 
-def _api_options(parser: argparse.ArgumentParser) -> None:
+def _add_rosbridge(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--rosbridge",
         type=lambda text: Path(text).absolute(),  # nodes run elsewhere
@@ -120,52 +127,97 @@ class BenchEntry(NamedTuple):
     Attributes:
         summary: One line for the overview.
         options: Adds what it understands beyond what all do; its `measure` takes them by name.
+        extras: Parts of ROSIC that have to be installed for it.
         in_report: ``rosic bench report`` runs it.
         report_options: With these.
     """
 
     summary: str
     options: Callable[[argparse.ArgumentParser], None] = _no_options
+    extras: tuple[str, ...] = ()
     in_report: bool = True
     report_options: tuple[str, ...] = ()
 
     def measure(
         self, name: str, recorder: BenchRecorder, options: Mapping[str, object]
     ) -> BenchReport:
-        """Import it, and run it."""
+        """Import it, and run it.
+
+        Raises:
+            ConfigurationError: A part that it needs is not installed.
+        """
+        missing = [one for one in self.extras if not find_spec(EXTRAS[one])]
+        if missing:
+            names = ", ".join(EXTRAS[one] for one in missing)
+            raise ConfigurationError(
+                NOT_INSTALLED.format(name=name, names=names),
+                hint=f"Run: {how_to_install(','.join(self.extras))}",
+            )
         found: BenchReport = import_module(f"rosic.bench.{name}").measure(recorder, **options)
         return found
 
 
+EXTRAS: Final = {
+    "telegram": "telegram",
+    "testing": "aiohttp",
+    "api": "litestar",
+    "schedule": "scipy",
+}
+"""A module that each brings."""
+STAND_IN: Final = ("telegram", "testing")
+NOT_INSTALLED: Final = "rosic bench {name} needs what is not installed: {names}."
+BESIDE_ROSBRIDGE: Final = "api"
 BENCHES: Final[dict[str, BenchEntry]] = {
-    "api": BenchEntry("WebSocket to ROS 2 topic and back, beside rosbridge_server", _api_options),
-    "fleet": BenchEntry("choosing robots for tasks, and gateways of up to 5,000 robots"),
-    "idle": BenchEntry("what a gateway needs of a processor while nobody does anything"),
+    BESIDE_ROSBRIDGE: BenchEntry(
+        "WebSocket to ROS 2 topic and back, beside rosbridge_server", _add_rosbridge, ("api",)
+    ),
+    "fleet": BenchEntry(
+        "choosing robots for tasks, and gateways of up to 5,000 robots", extras=("schedule",)
+    ),
+    "idle": BenchEntry(
+        "what a gateway needs of a processor while nobody does anything", extras=("api",)
+    ),
     "language": BenchEntry("what reading a line costs"),
-    "latency": BenchEntry("Algorithm 9 of the paper, and an order hop by hop", _latency_options),
+    "latency": BenchEntry(
+        "Algorithm 9 of the paper, and an order hop by hop", _latency_options, STAND_IN
+    ),
     "messages": BenchEntry(
         "Algorithm 6 of the paper: a group's messages into a file, by a real account",
         _message_options,
+        STAND_IN,
         in_report=False,
     ),
     "peers": BenchEntry(
         "beside opsdroid, errbot, python-telegram-bot and aiogram",
         _peers_options,
+        ("telegram",),
         report_options=("--no-install",),
     ),
     "pipeline": BenchEntry("orders a second through a whole gateway, in memory and on disk"),
-    "resources": BenchEntry("what a gateway uses over time; a soak of hours", _resource_options),
-    "schedule": BenchEntry("proposed plans beside first come, first served"),
-    "security": BenchEntry("time of authentication, and attempts that are refused"),
+    "resources": BenchEntry(
+        "what a gateway uses over time; a soak of hours", _resource_options, STAND_IN
+    ),
+    "schedule": BenchEntry("proposed plans beside first come, first served", extras=("schedule",)),
+    "security": BenchEntry(
+        "time of authentication, and attempts that are refused", extras=(*STAND_IN, "api")
+    ),
     "start": BenchEntry("how far apart robots begin that are to begin together"),
     "stop": BenchEntry("how soon a stop is handed over, behind a queue"),
-    "strangers": BenchEntry("how soon a stop takes effect behind a flood"),
+    "strangers": BenchEntry("how soon a stop takes effect behind a flood", extras=STAND_IN),
     "scale": BenchEntry(
-        "Algorithm 11 of the paper, and people, robots and rates without end", _scale_options
+        "Algorithm 11 of the paper, and people, robots and rates without end",
+        _scale_options,
+        STAND_IN,
     ),
-    "telegram": BenchEntry("batches under Telegram's limits, and what receiving costs"),
-    "throughput": BenchEntry("Algorithm 10 of the paper: success and bytes", _throughput_options),
-    "usability": BenchEntry("taps, words and seconds of first times, by scripted people"),
+    "telegram": BenchEntry(
+        "batches under Telegram's limits, and what receiving costs", extras=STAND_IN
+    ),
+    "throughput": BenchEntry(
+        "Algorithm 10 of the paper: success and bytes", _throughput_options, STAND_IN
+    ),
+    "usability": BenchEntry(
+        "taps, words and seconds of first times, by scripted people", extras=STAND_IN
+    ),
 }
 
 
@@ -176,8 +228,16 @@ def main(arguments: Sequence[str], benches: Mapping[str, BenchEntry] = BENCHES) 
         ConfigurationError: Something that it needs is not installed or not there.
     """
     chosen = vars(_parser(benches).parse_args(arguments))
+    chosen["command"] = suite.command_of(("bench", *arguments))
     run: Callable[[dict[str, object]], int] = chosen.pop("run")
-    return run(chosen)
+    # What a gateway that is measured warns of is no part of what is printed.
+    logging.getLogger().addHandler(logging.NullHandler())
+    # Whoever ends it otherwise than by Ctrl-C leaves no process of it behind, either.
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        return run(chosen)
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _parser(benches: Mapping[str, BenchEntry]) -> argparse.ArgumentParser:
@@ -207,6 +267,7 @@ def _add_outputs(parser: argparse.ArgumentParser) -> None:
 
 def _run(name: str, entry: BenchEntry, chosen: dict[str, object]) -> int:
     as_object, csv, xlsx, charts = (chosen.pop(one) for one in ("json", "csv", "xlsx", "charts"))
+    command = str(chosen.pop("command"))
     if xlsx is not None:
         output.require_workbooks()
     if charts is not None:
@@ -215,14 +276,17 @@ def _run(name: str, entry: BenchEntry, chosen: dict[str, object]) -> int:
     progress = sys.stderr if sys.stderr.isatty() else None
     recorder = BenchRecorder(name, quick=bool(chosen.pop("quick")), progress=progress)
     report, status = _measured(entry, recorder, chosen)
-    sys.stdout.write((as_json(report) if as_object else as_text(report)) + "\n")
-    sys.stdout.flush()  # before what did not hold, wherever both go
-    for failure in report.failures:
-        sys.stderr.write(f"failed: {failure}\n")
+    report = structs.replace(report, command=command)
     writers = ((csv, output.write_csv), (xlsx, output.write_xlsx), (charts, output.write_charts))
-    for path, writer in writers:
-        if isinstance(path, Path):
-            writer(report, path)
+    try:
+        for path, writer in writers:
+            if isinstance(path, Path):
+                writer(report, path)
+    finally:  # neither is lost for the other
+        sys.stdout.write((as_json(report) if as_object else as_text(report)) + "\n")
+        sys.stdout.flush()  # before what did not hold, wherever both go
+        for failure in report.failures:
+            sys.stderr.write(f"failed: {failure}\n")
     return status
 
 
@@ -244,8 +308,14 @@ def _measured(
         report = recorder.finished(entry.measure(recorder.bench, recorder, options))
     except KeyboardInterrupt:
         return recorder.partial(CTRL_C), INTERRUPTED
-    except OSError as trouble:  # a full disk, a network that went
-        return recorder.partial(TROUBLE.format(why=trouble.strerror or trouble)), 1
+    except RosicError:
+        raise
+    except Exception as trouble:  # noqa: BLE001 - what was measured before is not thrown away
+        why = (trouble.strerror or str(trouble)) if isinstance(trouble, OSError) else ""
+        if not why:  # else a full disk, a network that went
+            traceback.print_exc()
+            why = f"{type(trouble).__name__}: {trouble}".rstrip(": ")
+        return recorder.partial(TROUBLE.format(why=why)), 1
     return report, 1 if report.failures else 0
 
 
@@ -260,25 +330,47 @@ def _add_report(
     one.add_argument("--quick", action="store_true", help="one short run of each case")
     one.add_argument("--out", type=Path, metavar="FOLDER", help="left out: named by the hour")
     one.add_argument("--only", nargs="+", choices=inside, default=inside, metavar="NAME")
+    _add_rosbridge(one)
+    one.add_argument(
+        "--from",
+        nargs="+",
+        type=Path,
+        metavar="FILE",
+        help="measure nothing: write the page of these reports; of two of one bench, the last",
+    )
     one.set_defaults(run=lambda chosen: _report(chosen, benches))
 
 
 def _report(chosen: Mapping[str, object], benches: Mapping[str, BenchEntry]) -> int:
     suite.require_all()
-    folder, only = chosen["out"], chosen["only"]
+    folder = chosen["out"]
     where = folder if isinstance(folder, Path) else suite.default_folder()
-    output.make_folder(where)
     reports: list[BenchReport] = []
-    runs = [(name, *benches[name].report_options) for name in only]  # type: ignore[attr-defined]
-    for report in suite.measured(runs, where, quick=bool(chosen["quick"])):
+    for report in _reports(chosen, benches, where):
         reports.append(report)
         suite.write_suite(reports, where)
         told = f"{len(report.failures)} did not hold" if report.failures else "measured"
         sys.stdout.write(f"{report.bench}: {told}, {report.took_s:.0f} s\n")
         sys.stdout.flush()
-    told = comparison.in_sum(comparison.judged(reports, comparison.budgets()))
-    sys.stdout.write(f"{told}\nWritten: {where / suite.PAGE}\n")
-    return 1 if any(report.failures for report in reports) else 0
+    table = comparison.judged(reports, comparison.asked(reports))
+    sys.stdout.write(f"{comparison.in_sum(table)}\nWritten: {where / suite.PAGE}\n")
+    return 1 if any(report.failures for report in reports) or comparison.is_broken(table) else 0
+
+
+def _reports(
+    chosen: Mapping[str, object], benches: Mapping[str, BenchEntry], where: Path
+) -> Iterator[BenchReport]:
+    """Yield what earlier runs saw, if that is asked for, else what each bench sees now."""
+    written, rosbridge = chosen["from"], chosen["rosbridge"]
+    if isinstance(written, list):
+        known = [one for path in written for one in comparison.read_reports(path)]
+        return iter({one.bench: one for one in known}.values())
+    beside = {BESIDE_ROSBRIDGE: ("--rosbridge", str(rosbridge))} if rosbridge else {}
+    runs = [
+        (name, *benches[name].report_options, *beside.get(name, ()))
+        for name in chosen["only"]  # type: ignore[attr-defined]
+    ]
+    return suite.measured(runs, where, quick=bool(chosen["quick"]))
 
 
 # ---- beside another hour, and beside what is promised ----
@@ -292,12 +384,21 @@ def _add_compare(names: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
 
 
 def _compare(chosen: Mapping[str, Path]) -> int:
-    found = comparison.changes(*map(comparison.read_reports, (chosen["old"], chosen["new"])))
+    old, new = map(comparison.read_reports, (chosen["old"], chosen["new"]))
+    found = comparison.changes(old, new)
     lines = table_lines(comparison.change_table(found))
     sys.stdout.write("\n".join(lines) + "\n")
-    if (together := comparison.typical(found)) is not None:
-        sys.stdout.write(f"All of them together: {together:.2f} times as long.\n")
-    return 1 if any(one.verdict == comparison.SLOWER for one in found) else 0
+    if (together := comparison.typical(found)) is None:
+        sys.stderr.write("failed: They have no case in common.\n")
+        return 1
+    sys.stdout.write(f"All of them together: {together:.2f} times as long.\n")
+    if gone := [one for one in found if one.verdict == comparison.GONE]:
+        sys.stderr.write(f"failed: {len(gone)} cases are in one of them alone.\n")
+    broken = [report for report in new if report.failures]
+    for report in broken:
+        sys.stderr.write(f"failed: {report.bench}: {report.failures[0]}\n")
+    slower = any(one.verdict == comparison.SLOWER for one in found)
+    return 1 if slower or gone or broken else 0
 
 
 def _add_budgets(names: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -310,4 +411,7 @@ def _budgets(chosen: Mapping[str, Sequence[Path]]) -> int:
     reports = [one for path in chosen["report"] for one in comparison.read_reports(path)]
     table = comparison.judged(reports, comparison.budgets())
     sys.stdout.write("\n".join(table_lines(table)) + "\n")
-    return 1 if any(comparison.BROKEN in row for row in table.rows) else 0
+    if all(comparison.UNSEEN in row for row in table.rows):
+        sys.stderr.write("failed: Nothing that is promised was measured.\n")
+        return 1
+    return 1 if comparison.is_broken(table) else 0

@@ -1,11 +1,14 @@
 """Reports of different hours beside each other, and ratios beside what was promised of them.
 
-What is compared is a figure as a multiple of its pace. It differs by noise where it differs by no
-more than the spread of both runs together and `LEAST_NOISE`.
+What is compared is a time, and the time as a multiple of its pace: a processor at work follows the
+pace, while a network, a disk and a sleep do not. Of both the one counts that says less, and where
+they contradict each other neither does. It is noise up to what runs leave in doubt, in both reports
+together, and `LEAST_NOISE`.
 """
 
 from __future__ import annotations
 
+import re
 import tomllib
 from importlib.resources import files
 from math import exp, log
@@ -24,12 +27,13 @@ if TYPE_CHECKING:
 
 LEAST_NOISE: Final = 0.05
 ONE_RUN: Final = 0.30
-"""So far a case may lie off of which one run was measured, whose spread nobody knows."""
+"""So far a case may lie off of which one run was measured: nobody knows how far it does."""
 FASTER: Final = "faster"
 SLOWER: Final = "slower"
 NOISE: Final = "noise"
 GONE: Final = "only in one"
 BUDGETS: Final = "budgets.toml"
+FILE_NAME: Final = re.compile(r"[a-z0-9][a-z0-9_-]{0,79}")
 NO_REPORT: Final = "{path} is no report of rosic bench: {why}"
 
 
@@ -37,7 +41,8 @@ class CaseChange(NamedTuple):
     """How a case of one report differs from that of another.
 
     Attributes:
-        times: How many times as long it takes as in the old one, both beside their pace.
+        times: How many times as long it takes as in the old one, as far as that is certain: by the
+            clock or beside the pace.
         noise: A difference up to this factor says nothing.
         verdict: ``faster``, ``slower`` or ``noise``; else that it is in one of them alone.
     """
@@ -82,13 +87,24 @@ def read_reports(path: Path) -> list[BenchReport]:
     """
     try:
         content = path.read_bytes()
-        if content.lstrip()[:1] == b"[":
-            return msgspec.json.decode(content, type=list[BenchReport])
-        return [msgspec.json.decode(content, type=BenchReport)]
+        if content.lstrip()[:1] == b"{":
+            content = b"[" + content + b"]"
+        found = msgspec.json.decode(content, type=list[BenchReport])
     except OSError as trouble:
         raise ConfigurationError(f"{path} cannot be read: {trouble.strerror}.") from trouble
     except msgspec.MsgspecError as trouble:
         raise ConfigurationError(NO_REPORT.format(path=path, why=trouble)) from trouble
+    for name in _file_names(found):
+        if not FILE_NAME.fullmatch(name):
+            raise ConfigurationError(NO_REPORT.format(path=path, why=f"no name: {name!r}"))
+    return found
+
+
+def _file_names(reports: Sequence[BenchReport]) -> Iterator[str]:
+    """Yield what files are called by that are written of reports."""
+    for report in reports:
+        yield report.bench
+        yield from (chart.name for chart in report.charts)
 
 
 def changes(old: Sequence[BenchReport], new: Sequence[BenchReport]) -> list[CaseChange]:
@@ -105,21 +121,27 @@ def _cases(reports: Sequence[BenchReport]) -> Iterator[tuple[tuple[str, str], Be
 
 
 def _change(key: tuple[str, str], old: BenchCase | None, new: BenchCase) -> CaseChange:
-    was, now = _paced(old), _paced(new)
-    if old is None or was is None or now is None:
+    if old is None or not (old.p50_us and old.pace_us and new.p50_us and new.pace_us):
         return CaseChange(*key, None, None, GONE)
-    spreads = sum(ONE_RUN if one.spread is None else one.spread for one in (old, new))
-    noise, times = 1 + spreads + LEAST_NOISE, now / was
+    doubts = sum(ONE_RUN if one.doubt is None else one.doubt for one in (old, new))
+    noise = 1 + doubts + LEAST_NOISE
+    times = _certain(new.p50_us / old.p50_us, old.pace_us / new.pace_us)
     if abs(log(times)) <= log(noise):
         return CaseChange(*key, times, noise, NOISE)
     return CaseChange(*key, times, noise, SLOWER if times > 1 else FASTER)
 
 
-def _paced(case: BenchCase | None) -> float | None:
-    """Return the middle time of a case as a multiple of its pace."""
-    if case is None or not case.pace_us or not case.p50_us:
-        return None
-    return case.p50_us / case.pace_us
+def _certain(longer: float, faster: float) -> float:
+    """Return how many times as long something takes whether or not it follows the pace.
+
+    Args:
+        longer: By the clock.
+        faster: How many times as fast the machine was.
+    """
+    paced = longer * faster
+    if log(longer) * log(paced) <= 0:
+        return 1.0
+    return min(longer, paced, key=lambda times: abs(log(times)))
 
 
 def change_table(found: Sequence[CaseChange]) -> BenchTable:
@@ -134,7 +156,7 @@ def change_table(found: Sequence[CaseChange]) -> BenchTable:
         )
         for one in found
     )
-    columns = ("bench", "case", "times as long, beside the pace", "noise up to", "verdict")
+    columns = ("bench", "case", "times as long", "noise up to", "verdict")
     return BenchTable(title="New beside old", columns=columns, rows=rows)
 
 
@@ -153,13 +175,19 @@ def budgets() -> tuple[Budget, ...]:
     return msgspec.convert(tomllib.loads(text)["budget"], tuple[Budget, ...])
 
 
+def asked(reports: Sequence[BenchReport]) -> tuple[Budget, ...]:
+    """Return what is promised of the benches of a report."""
+    benches = {report.bench for report in reports}
+    return tuple(one for one in budgets() if one.bench in benches)
+
+
 def judged(reports: Sequence[BenchReport], promised: Sequence[Budget]) -> BenchTable:
     """Return each budget beside what was measured; what was not is said to be so."""
     seen = _ratios(reports)
     rows = tuple(
         (one.bench, one.ratio, one.bound(), value, _verdict(one, value), one.why)
         for one in promised
-        for value in (seen.get((one.bench, one.ratio)),)
+        for value in (_worst(one, seen.get((one.bench, one.ratio), ())),)
     )
     columns = ("bench", "ratio", "promised", "measured", "verdict", "why")
     return BenchTable(title="Budgets", columns=columns, rows=rows)
@@ -168,6 +196,11 @@ def judged(reports: Sequence[BenchReport], promised: Sequence[Budget]) -> BenchT
 KEPT: Final = "kept"
 BROKEN: Final = "broken"
 UNSEEN: Final = "not measured"
+
+
+def is_broken(table: BenchTable) -> bool:
+    """Whether something of `judged` was not kept."""
+    return any(BROKEN in row for row in table.rows)
 
 
 def in_sum(table: BenchTable) -> str:
@@ -184,7 +217,14 @@ def _verdict(budget: Budget, value: float | None) -> str:
     return KEPT if budget.holds(value) else BROKEN
 
 
-def _ratios(reports: Sequence[BenchReport]) -> Mapping[tuple[str, str], float]:
-    return {
-        (report.bench, ratio.name): ratio.value for report in reports for ratio in report.ratios
-    }
+def _ratios(reports: Sequence[BenchReport]) -> Mapping[tuple[str, str], list[float]]:
+    found: dict[tuple[str, str], list[float]] = {}
+    for report in reports:
+        for ratio in report.ratios:
+            found.setdefault((report.bench, ratio.name), []).append(ratio.value)
+    return found
+
+
+def _worst(budget: Budget, values: Sequence[float]) -> float | None:
+    """Return what broke a promise, of what several reports saw; else what one of them saw."""
+    return next((each for each in values if not budget.holds(each)), values[-1] if values else None)

@@ -74,7 +74,11 @@ def gateway_process(folder: Path, config: str, port: int) -> Iterator[subprocess
         yield process
     finally:
         process.terminate()
-        process.wait(STARTED_WITHIN_S)
+        try:
+            process.wait(STARTED_WITHIN_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
 
 
 def key_headers(config: Path, name: str = "bench", *more: str) -> dict[str, str]:

@@ -175,11 +175,13 @@ class HopSite:
         """Return the first message of the bot in reply to one."""
         seq = first
         while True:
-            for shown in await self._control.messages(self.person, by_bot=True):
+            # Of those after it alone: a chat grows, and reading all of it is no time of an order.
+            found = await self._control.messages(self.person, by_bot=True, after=message)
+            for shown in found:
                 if shown["reply_to"] == message:
                     return shown
-            found = await self._control.wait(seq, 1.0, SEEN_KINDS)
-            seq = max([seq, *(change["seq"] for change in found)])
+            changes = await self._control.wait(seq, 1.0, SEEN_KINDS)
+            seq = max([seq, *(change["seq"] for change in changes)])
 
 
 def _ns(seconds: float) -> int:

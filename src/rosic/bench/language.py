@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rosic.app.features import command_table
+from rosic.bench.recorder import pace_of_machine
 from rosic.bench.report import BenchCase, BenchReport, case_of, machine
-from rosic.bench.strangers import pace_of_machine
 from rosic.config.lexicons import known_phrases
 from rosic.config.profiles import known_units, load_profile, shipped_profiles
 from rosic.core.language import (

@@ -230,7 +230,11 @@ async def _passed(
 async def _ros_site(control: Control) -> AsyncIterator[HopSite]:
     """Run a gateway with a ROS 2 node as robot, in a process of its own."""
     with TemporaryDirectory(prefix="rosic-bench-") as folder, RosGraph(Path(folder)) as graph:
-        graph.start("-m", SIMULATION, "--actuations", Path(folder) / "a", "omni", timeout_s=120.0)
+        graph.start(
+            *("-m", SIMULATION, "--actuations", Path(folder) / "a", "omni"),
+            timeout_s=120.0,
+            ends_with_input=False,
+        )
         async with hop_site(control, ros_omni()) as site:
             opening = RosRuntime.open(
                 TypeRegistry([STATUS]), node_name="bench", domain_id=graph.domain_id

@@ -24,7 +24,7 @@ from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import ConfiguredPerson
 from rosic.bench import sites
 from rosic.bench.senders import BenchMessenger, OrderSending, RobotLane, lanes_of
-from rosic.bench.sites import CLOCK, parts_of
+from rosic.bench.sites import ACTS_AT_MOST, CLOCK, parts_of
 from rosic.core.identity import Address
 from rosic.core.rate_limit import RateLimit
 from rosic.core.robot.profile import Busy, Link, Profile
@@ -102,7 +102,7 @@ async def run(*loads: OrderLoad) -> list[OrderRun]:
         for load, (gateway, sending, lanes, _) in zip(loads, opened, strict=True):
             await sending.send(lanes, load.skills)
             for robot in _robots(gateway):
-                robot.acted.clear()
+                robot.remember(ACTS_AT_MOST)
         for _ in range(turns):
             for load, (_, sending, lanes, _), ran in zip(loads, opened, found, strict=True):
                 times_ns, seconds = await sending.send(lanes, load.orders // turns)
@@ -230,9 +230,13 @@ async def take_turns(load: OrderLoad) -> None:
         runtime.settle()
         await sending.send(lanes, load.skills)
         _print(__version__)
+        kept: dict[int, list[RobotLane]] = {}  # so that a turn goes on where one ended
         for line in sys.stdin:
             orders, in_flight = map(int, line.split())
-            asked = _lanes(msgspec.structs.replace(load, in_flight=in_flight), sending)
+            if in_flight not in kept:
+                wanted = msgspec.structs.replace(load, in_flight=in_flight)
+                kept[in_flight] = _lanes(wanted, sending)
+            asked = kept[in_flight]
             before, began, began_processor = _commits(store), perf_counter(), process_time()
             times_ns, _ = await sending.send(asked, orders)
             seen = OrderTurn(

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 BENCH: Final = "peers"
 TURNS, MESSAGES, UPDATES = 30, 1_000, 1_000
-QUICK_TURNS, QUICK_MESSAGES, QUICK_UPDATES = 5, 500, 100
+QUICK_TURNS, QUICK_MESSAGES, QUICK_UPDATES = 3, 300, 50
 STRETCHES: Final = 5
 """Into so many the turns are parted, to see how far what was seen lies apart."""
 UVLOOP, ASYNCIO = "uvloop", "asyncio"
@@ -58,10 +58,11 @@ ENDED_EARLY: Final = "{name} ended early: {why}"
 METHOD: Final = (
     "Messages that were answered. Each bot runs in a process of its own and is handed messages in "
     "memory, no network, one or 64 at a time; turn for turn, {turns} turns of {messages} messages "
-    "after one that is not counted, and between its turns it stands still. All of ROSIC: {people} "
-    "people, one robot, a message understood, its author authenticated and admitted, the lease "
-    "taken, the order claimed, relayed, acted on once, concluded and told. opsdroid: match_regex "
-    "and message.respond. errbot: a botcmd, its ten threads, its back end in memory. "
+    "after one that is not counted, and between its turns it stands still. Messages of one case "
+    "say the same words, but for the number of a skill where there are several. All of ROSIC: "
+    "{people} people, one robot, a message understood, its author authenticated and admitted, the "
+    "lease taken, the order claimed, relayed, acted on once, concluded and told. opsdroid: "
+    "match_regex and message.respond. errbot: a botcmd, its ten threads, its back end in memory. "
     "python-telegram-bot and aiogram: from an update of the Bot API as JSON to the request that "
     "answers it, made and not sent. Processor: what the whole process used for each message. A "
     "ratio is of the faster of both ways of each, turn for turn. Receiving: from an update to the "

@@ -93,7 +93,7 @@ def measure(recorder: BenchRecorder) -> BenchReport:
     with recorder.turn("decide"):
         how, asked = admission.measure(quick=quick)
         recorder.see(asked)
-    how_weighed, weighed = memory.measure()
+    how_weighed, weighed = memory.measure(quick=quick)
     return BenchReport(
         machine=machine(),
         method=f"{method} {how} {how_weighed}",
@@ -104,7 +104,7 @@ def measure(recorder: BenchRecorder) -> BenchReport:
 
 
 def _briefly(load: OrderLoad) -> OrderLoad:
-    return msgspec.structs.replace(load, orders=max(500, load.orders // 10))
+    return msgspec.structs.replace(load, orders=max(500, load.orders // 20))
 
 
 def _ratio(name: str, runs: Sequence[OrderRun], reference: Sequence[OrderRun]) -> BenchRatio:

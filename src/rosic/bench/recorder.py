@@ -11,7 +11,7 @@ import hashlib
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from statistics import median
-from time import perf_counter, perf_counter_ns
+from time import perf_counter, perf_counter_ns, thread_time_ns
 from typing import TYPE_CHECKING, Final, TextIO
 
 import msgspec
@@ -47,6 +47,28 @@ def calibration_ns() -> int:
 def pace_us() -> float:
     """Return what a calibration loop takes now, on average of `LOOPS`, in microseconds."""
     return sum(calibration_ns() for _ in range(LOOPS)) / LOOPS / 1e3
+
+
+PROMISED_ROUNDS: Final = 3
+PROMISED_COUNT: Final = 20_000
+PROMISED_NS: Final = 7_000_000
+"""What the work of `pace_of_machine` takes on the machine for which figures are promised."""
+
+
+def pace_of_machine() -> float:
+    """Return how many times longer this processor takes than the one figures are promised for.
+
+    1.0 at least; of several tries the best counts, and processor time: not what others use.
+    """
+    return max(1.0, min(_promised_ns() for _ in range(PROMISED_ROUNDS)) / PROMISED_NS)
+
+
+def _promised_ns() -> int:
+    began_ns = thread_time_ns()
+    seen: dict[int, str] = {}
+    for number in range(PROMISED_COUNT):
+        seen[number % 997] = str(number).casefold().replace("1", "one")
+    return thread_time_ns() - began_ns
 
 
 class BenchTurn:

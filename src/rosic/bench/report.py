@@ -7,8 +7,9 @@ import io
 import os
 import platform
 import sqlite3
+from math import ceil, expm1, log, sqrt
 from pathlib import Path
-from statistics import median
+from statistics import NormalDist, median, stdev
 from typing import TYPE_CHECKING, Final
 
 import msgspec
@@ -22,6 +23,11 @@ SHORT_US = 100.0  # below, a table shows nanoseconds
 MOST_SAMPLES: Final = 1_000
 """So many times of a case are kept for a chart, evenly chosen, in the order in which they came."""
 TWO_RUNS: Final = 2
+FEW_T: Final = (63.657, 9.925, 5.841, 4.604, 4.032)
+"""Student's t at 99.5 % for one to five degrees of freedom."""
+MOST_DOUBT: Final = log(100.0)
+ROUNDING: Final = 1e-9
+"""So much of a rank is the rounding of a share."""
 
 
 class BenchCase(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -32,6 +38,7 @@ class BenchCase(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
         pace_us: What the calibration loop took beside it: see `rosic.bench.recorder`.
         spread: How far its runs lay apart, each beside its own pace: half of what is between the
             least and the greatest p50, as a share of the middle one. Left out for a single run.
+        doubt: By which share the mean of its runs may be off, at 99 %: see `doubt_of`.
         permitted_share: Of what a platform permits, how much was used; left out elsewhere.
         bytes_each: Memory of each of many, where that is what a case is about; else not shown.
         cost_m: What a choice costs, where that is what a case is about; else not shown.
@@ -48,6 +55,7 @@ class BenchCase(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     max_us: float | None = None
     pace_us: float | None = None
     spread: float | None = None
+    doubt: float | None = None
     permitted_share: float | msgspec.UnsetType = msgspec.UNSET
     bytes_each: float | None = None
     cost_m: float | None = None
@@ -186,7 +194,9 @@ def case_of(
     *,
     tails: bool = False,
 ) -> BenchCase:
-    """Return the medians over runs.
+    """Return the medians over runs; tails are of all that was seen in any of them.
+
+    A tail's median over runs would hide what only some of them had.
 
     Args:
         name: Of the case.
@@ -195,21 +205,23 @@ def case_of(
         tails: With p90, the longest, and single times for a chart.
     """
     middles_us = [quantile(times, 0.50) / 1e3 for _, times in runs]
+    all_ns = [each for _, times in runs for each in times]
     case = BenchCase(
         name=name,
         rate_per_s=round(median(rate for rate, _ in runs), 1),
         p50_us=round(median(middles_us), 1),
-        p99_us=round(median(quantile(times, 0.99) for _, times in runs) / 1e3, 1),
+        p99_us=round(quantile(all_ns, 0.99) / 1e3, 1),
         pace_us=round(median(paces_us), 2) if paces_us else None,
         spread=spread_of(middles_us, paces_us),
+        doubt=doubt_of(middles_us, paces_us),
     )
     if not tails:
         return case
     return msgspec.structs.replace(
         case,
-        p90_us=round(median(quantile(times, 0.90) for _, times in runs) / 1e3, 1),
-        max_us=round(max(max(times) for _, times in runs) / 1e3, 1),
-        samples_us=samples_us([each for _, times in runs for each in times]),
+        p90_us=round(quantile(all_ns, 0.90) / 1e3, 1),
+        max_us=round(max(all_ns) / 1e3, 1),
+        samples_us=samples_us(all_ns),
     )
 
 
@@ -219,20 +231,47 @@ def samples_us(times_ns: Sequence[float]) -> tuple[float, ...]:
     return tuple(round(each / 1e3, 1) for each in times_ns[::step])
 
 
+def doubt_of(values: Sequence[float], paces_us: Sequence[float] = ()) -> float | None:
+    """Return by which share the mean of runs, each beside its own pace, may be off, at 99 %.
+
+    Student's t of the logarithms, so that few runs are little known and many are known well;
+    nothing for a single run.
+    """
+    logs = [log(value) for value in _paced(values, paces_us) if value]
+    if len(logs) < TWO_RUNS:
+        return None
+    half = _student_t(len(logs) - 1) * stdev(logs) / sqrt(len(logs))
+    return round(expm1(min(MOST_DOUBT, half)), 4)
+
+
+def _student_t(freedom: int) -> float:
+    """Return the quantile of 99.5 % of Student's t (Cornish and Fisher, from six on)."""
+    if freedom <= len(FEW_T):
+        return FEW_T[freedom - 1]
+    z = NormalDist().inv_cdf(0.995)
+    more = (5 * z**5 + 16 * z**3 + 3 * z) / (96 * freedom**2)
+    return z + (z**3 + z) / (4 * freedom) + more
+
+
 def spread_of(values: Sequence[float], paces_us: Sequence[float] = ()) -> float | None:
     """Return how far values lay apart, each beside its own pace; nothing for a single one."""
-    paced = (
-        [value / pace for value, pace in zip(values, paces_us, strict=True)] if paces_us else values
-    )
+    paced = _paced(values, paces_us)
     if len(paced) < TWO_RUNS or not (middle := median(paced)):
         return None
     return round((max(paced) - min(paced)) / 2 / middle, 4)
 
 
+def _paced(values: Sequence[float], paces_us: Sequence[float]) -> Sequence[float]:
+    if not paces_us:
+        return values
+    return [value / pace for value, pace in zip(values, paces_us, strict=True)]
+
+
 def quantile(values: Sequence[float], share: float) -> float:
-    """Return the value below which a share of the values lies (nearest rank)."""
+    """Return the least value that a share of the values does not exceed (nearest rank)."""
     ranked = sorted(values)
-    return float(ranked[min(len(ranked) - 1, int(share * len(ranked)))])
+    rank = ceil(share * len(ranked) - ROUNDING)
+    return float(ranked[min(len(ranked), max(1, rank)) - 1])
 
 
 # ---- as text, JSON and CSV ----

@@ -103,6 +103,8 @@ METHOD: Final = (
     "many messages the admin got meanwhile. Nobody guessed a passkey or a phone code."
 )
 THROUGH: Final = "{name}: {through} of {attempts} attempts were let through."
+INVITED: Final = "You are invited"
+NOTHING_TRIED: Final = "{name}: nothing was done the first time, so nothing was tried."
 REFUSED: Final = "{attempts} attempts of {kinds} kinds: {through} let through."
 
 
@@ -182,6 +184,24 @@ def _timed(
 # ---- what becomes of attempts ----
 
 
+class SiteCounts(NamedTuple):
+    """What is counted of attempts.
+
+    Attributes:
+        acts: How often the robot was told to act.
+        listed: How many attempts the security report counts.
+        told: How many messages the admin has.
+    """
+
+    acts: int
+    listed: int
+    told: int
+
+    def since(self, before: SiteCounts) -> SiteCounts:
+        """Return by how much they have grown."""
+        return SiteCounts(*(now - then for now, then in zip(self, before, strict=True)))
+
+
 class SecuritySite(NamedTuple):
     """A gateway under attack, and who is around it.
 
@@ -208,11 +228,6 @@ class SecuritySite(NamedTuple):
                 await asyncio.sleep(LOOK_S)
         await await_answer(self.control, self.people["Ada"])
 
-    async def acts(self) -> int:
-        """Return how often the robot was told to act."""
-        found = await asyncio.to_thread(figures_of, self.metrics)
-        return int(found.get("cell sent messages", 0))
-
     async def rosic(self, *words: str) -> str:
         """Run a command beside the gateway; return what it printed."""
         command = (sys.executable, "-m", "rosic", *words, "-c", str(self.config))
@@ -221,14 +236,13 @@ class SecuritySite(NamedTuple):
         )
         return ended.stdout
 
-    async def listed(self) -> int:
-        """Return how many attempts the security report counts."""
+    async def counts(self) -> SiteCounts:
+        """Count what is there by now."""
+        figures = await asyncio.to_thread(figures_of, self.metrics)
         report = json.loads(await self.rosic("security", "report", "--json"))
-        return sum(report["attempts"].values())
-
-    async def told(self) -> int:
-        """Return how many messages the admin has."""
-        return len(await self.control.messages(self.people["Ada"], by_bot=True))
+        told = await self.control.messages(self.people["Ada"], by_bot=True)
+        acts = int(figures["cell sent messages"])
+        return SiteCounts(acts, sum(report["attempts"].values()), len(told))
 
     async def order(self, times: int, headers: dict[str, str]) -> int:
         """Give an order over HTTP so many times; return how often the answer was a yes."""
@@ -272,10 +286,12 @@ async def _revoked_person(site: SecuritySite, times: int) -> int:
 
 
 async def _guessed(site: SecuritySite, times: int) -> int:
-    for number in range(times):
-        guest = await site.control.create_user(f"Guest {number}")
+    guests = [await site.control.create_user(f"Guest {number}") for number in range(times)]
+    for guest in guests:
         await site.control.say(guest, guest, f"/start {token_hex(5)}")
-    return 0
+    await site.settled()
+    said = [await site.control.messages(guest, by_bot=True) for guest in guests]
+    return sum(any(INVITED in (each["text"] or "") for each in told) for told in said)
 
 
 async def _edited(site: SecuritySite, times: int) -> int:
@@ -349,6 +365,7 @@ class AttemptFigures(NamedTuple):
     Attributes:
         through: How many were let through.
         listed, told: By how much the security report, and the admin's chat, grew.
+        tried: Whether what is tried could have been let through.
     """
 
     name: str
@@ -356,6 +373,7 @@ class AttemptFigures(NamedTuple):
     through: int
     listed: int
     told: int
+    tried: bool = True
 
 
 async def attempted(
@@ -386,28 +404,24 @@ async def attempted(
             with gateway_process(folder, config, port):
                 site = SecuritySite(control, people, folder / "rosic.toml", port, metrics)
                 await await_answer(control, people["Ada"])
+                before = await site.counts()
                 for kind, attempt in KINDS:
-                    yield await _tried(site, kind, attempt, attempts)
+                    yes = await attempt(site, attempts)
+                    await site.settled()
+                    after = await site.counts()
+                    yield _tried(kind, attempts, yes, after.since(before))
+                    before = after
 
 
-async def _tried(
-    site: SecuritySite,
-    kind: str,
-    attempt: Callable[[SecuritySite, int], Awaitable[int]],
-    attempts: int,
-) -> AttemptFigures:
-    acts, listed, told = await site.acts(), await site.listed(), await site.told()
-    yes = await attempt(site, attempts)
-    await site.settled()
-    acted = await site.acts() - acts
-    through = max(acted + min(yes, 0), yes, 0)
+def _tried(kind: str, attempts: int, yes: int, grown: SiteCounts) -> AttemptFigures:
     own = 1  # the answer that `settled` asks the gateway for
     return AttemptFigures(
         kind,
         attempts,
-        through,
-        await site.listed() - listed,
-        max(0, await site.told() - told - own),
+        max(grown.acts + min(yes, 0), yes, 0),
+        grown.listed,
+        max(0, grown.told - own),
+        tried=yes >= 0 or grown.acts > 0,  # what is repeated has to be done the first time
     )
 
 
@@ -421,7 +435,7 @@ def measure(recorder: BenchRecorder) -> BenchReport:
         recorder: Is told how far it is; keeps what was seen if it is interrupted.
 
     Raises:
-        ConfigurationError: The stand-in is not installed, or the gateway does not start.
+        ConfigurationError: The gateway does not start.
     """
     samples = QUICK_SAMPLES if recorder.quick else SAMPLES
     attempts = QUICK_ATTEMPTS if recorder.quick else ATTEMPTS
@@ -458,8 +472,10 @@ def report_of(
         findings=(REFUSED.format(attempts=tried, kinds=len(seen), through=through),),
         failures=tuple(
             THROUGH.format(name=one.name, through=one.through, attempts=one.attempts)
-            for one in seen
             if one.through
+            else NOTHING_TRIED.format(name=one.name)
+            for one in seen
+            if one.through or not one.tried
         ),
         tables=(BenchTable(title="Attempts", columns=columns, rows=rows),),
     )

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 # What every gateway under measurement is made of, whatever is measured.
 
 CLOCK = SystemClock()
+ACTS_AT_MOST = 1_000_000
+"""So many order numbers a robot remembers whose acts are counted: all of them."""
 
 
 def parts_of(

@@ -85,6 +85,7 @@ STEPS: Final = ("accepted", "waiting its turn", "sent ", "received", "running")
 DECLINED: Final = "Nothing was done."
 """By this ends what a robot says that refuses an order which was sent to it."""
 ENDS: Final = tuple(ended_as(ending.value) for ending in OrderEnding)
+DONE: Final = ended_as(OrderEnding.DONE.value)
 
 
 def is_told(text: str) -> bool:
@@ -156,7 +157,8 @@ class PlacedOrders:
 
     Attributes:
         placed: How many.
-        told_ns: From saying to the end that is told, as the server dates both.
+        told_ns: From before it is said to the end that is told, by the server's clock.
+        done: How many were told to be done.
         summed: How many were told in a summary, together.
     """
 
@@ -164,13 +166,14 @@ class PlacedOrders:
         self._control = control
         self._open: dict[int, dict[int, float]] = {}
         self._summaries: dict[tuple[int, int], int] = {}
-        self.placed = self.summed = 0
+        self.placed = self.summed = self.done = 0
         self.told_ns: list[float] = []
 
     async def place(self, person: int, text: str) -> None:
         """Say an order in somebody's private chat."""
+        said_s = time.time()  # before it is taken: a server that stands still is no free time
         message = await self._control.say(person, person, text)
-        self._open.setdefault(person, {})[message] = time.time()
+        self._open.setdefault(person, {})[message] = said_s
         self.placed += 1
 
     @property
@@ -194,6 +197,7 @@ class PlacedOrders:
                 del waiting[message["reply_to"]]
                 told_s = message["versions"][-1]["received_s"]
                 self.told_ns.append((told_s - said_s) * 1e9)
+                self.done += any(line.startswith(DONE) for line in message["text"].split("\n"))
 
     def _absences(
         self, person: int, waiting: dict[int, float], found: Sequence[dict[str, Any]]

@@ -1,6 +1,6 @@
 """How far apart robots begin to move that were told to begin together.
 
-Twenty robots as ROS 2 nodes in two processes of their own, and a gateway's side for each of them in
+Robots as ROS 2 nodes in two processes of their own, and a gateway's side for each of them in
 this one. Each order carries one moment to begin at. When a robot's motors are first told to move it
 takes down the time itself, so what comes late to this process does not count.
 """
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.skill import Argument
 
 
-ROBOTS, PROCESSES = 20, 2
+ROBOTS, QUICK_ROBOTS, PROCESSES = 20, 4, 2
 ROUNDS, QUICK_ROUNDS = 50, 3
 SIMULATION = "rosic_sim.ros2.simulation"
 STEP_M = 0.05
@@ -89,8 +89,9 @@ def spread_ns(moments_ns: Sequence[int]) -> int:
     return max(moments_ns) - min(moments_ns)
 
 
-def measure(recorder: BenchRecorder, *, robots: int = ROBOTS, rounds: int = 0) -> BenchReport:
+def measure(recorder: BenchRecorder, *, robots: int = 0, rounds: int = 0) -> BenchReport:
     """Let robots begin together, again and again."""
+    robots = robots or (QUICK_ROBOTS if recorder.quick else ROBOTS)
     rounds = rounds or (QUICK_ROUNDS if recorder.quick else ROUNDS)
     granted = _granted()
     cases: list[BenchCase] = []
@@ -146,7 +147,11 @@ def _seen(robots: int, rounds: int, options: Sequence[str]) -> list[StartRound]:
         file = Path(folder) / "starts"
         for first in range(PROCESSES):
             mine = names[first::PROCESSES]
-            graph.start("-m", SIMULATION, "--starts", file, *options, *mine, timeout_s=120.0)
+            graph.start(
+                *("-m", SIMULATION, "--starts", str(file), *options, *mine),
+                timeout_s=120.0,
+                ends_with_input=False,
+            )
         return asyncio.run(_measure(file, names, rounds))
 
 

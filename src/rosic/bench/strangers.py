@@ -16,6 +16,7 @@ from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.app.people import ConfiguredPerson
 from rosic.bench.bot_api_process import TOKEN, stand_in
+from rosic.bench.recorder import pace_of_machine
 from rosic.bench.report import BenchReport, case_of, machine, quantile
 from rosic.bench.sites import CLOCK, parts_of
 from rosic.core.identity import Address
@@ -46,11 +47,6 @@ if TYPE_CHECKING:
 #
 # Nothing else happens between two steps: a stop that arrives during one waits for its end. Time
 # on the processor is counted, not time that passed: others who use the machine lengthen no step.
-
-PACE_ROUNDS = 3
-PACE_COUNT = 200_000
-PACE_NS = 7_000_000
-"""What `pace_of_machine` takes for its work on the machine for which figures are promised."""
 
 
 class LoopStep(NamedTuple):
@@ -121,8 +117,8 @@ class MeteredLoop(asyncio.SelectorEventLoop):
 def _named(callback: Callable[..., object]) -> str:
     owner = getattr(callback, "__self__", None)
     if isinstance(owner, asyncio.Task):
-        return f"{owner.get_coro()!r}"
-    return repr(callback)
+        return getattr(owner.get_coro(), "__qualname__", "a task")
+    return getattr(callback, "__qualname__", repr(callback))
 
 
 @contextmanager
@@ -134,22 +130,6 @@ def undisturbed() -> Iterator[None]:
         yield
     finally:
         gc.unfreeze()
-
-
-def pace_of_machine() -> float:
-    """Return how many times longer this processor takes than the one figures are promised for.
-
-    1.0 at least; of several tries the best counts.
-    """
-    return max(1.0, min(_work_ns() for _ in range(PACE_ROUNDS)) / PACE_NS)
-
-
-def _work_ns() -> int:
-    began_ns = thread_time_ns()
-    seen: dict[int, str] = {}
-    for number in range(PACE_COUNT // 10):
-        seen[number % 997] = str(number).casefold().replace("1", "one")
-    return thread_time_ns() - began_ns
 
 
 # ---- strangers ----
@@ -258,7 +238,7 @@ def measure(recorder: BenchRecorder) -> BenchReport:
     findings = (
         f"A stop behind a flood: p99 {above_s * 1e3:.1f} {promised}.",
         f"A stop behind floods of everybody: p99 {with_known_s * 1e3:.1f} {promised}.",
-        f"The longest step of the event loop: {step}.",
+        f"The longest step of the event loop: {step}; it was {longest.what or 'none'}.",
     )
     kept = (above_s <= ABOVE_QUIET_S, with_known_s <= ABOVE_QUIET_S, step_s <= STEP_S * pace)
     rate = load.samples / found.took_s

@@ -12,7 +12,7 @@ import msgspec
 
 from rosic.bench.charts import require_charts
 from rosic.bench.output import make_folder, require_workbooks, write, write_charts, write_xlsx
-from rosic.bench.page import as_html
+from rosic.bench.page import as_html, as_markdown
 from rosic.bench.report import BenchReport, machine
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ ENDS_WITHIN_S: Final = 30.0
 NOTHING: Final = "It did not measure anything: {why}"
 INTERRUPTED: Final = "Interrupted: the benches after it were not run."
 PAGE: Final = "report.html"
+MARKDOWN: Final = "report.md"
 NUMBERS: Final = "report.json"
 
 
@@ -72,6 +73,9 @@ def _interrupted(process: subprocess.Popen[bytes]) -> tuple[bytes, bytes]:
 
 
 def _report(told: Sequence[str], out: bytes, why: str) -> BenchReport:
+    # Where something lies on this machine is no part of a report that others read.
+    for place in filter(_is_place, told):
+        out, why = out.replace(place.encode(), b"PATH"), why.replace(place, "PATH")
     try:
         found = msgspec.json.decode(out, type=BenchReport)
     except msgspec.MsgspecError:
@@ -82,7 +86,16 @@ def _report(told: Sequence[str], out: bytes, why: str) -> BenchReport:
             failures=(NOTHING.format(why=why or "it said nothing."),),
             bench=told[1],
         )
-    return msgspec.structs.replace(found, command=" ".join(("rosic", *told)))
+    return msgspec.structs.replace(found, command=command_of(told))
+
+
+def command_of(told: Sequence[str]) -> str:
+    """Return what was asked of ``rosic``, without saying where something lies on this machine."""
+    return " ".join(("rosic", *("PATH" if _is_place(word) else word for word in told)))
+
+
+def _is_place(word: str) -> bool:
+    return Path(word).is_absolute()
 
 
 def _last_line(err: bytes | None) -> str:
@@ -91,7 +104,7 @@ def _last_line(err: bytes | None) -> str:
 
 
 def write_suite(reports: Sequence[BenchReport], folder: Path) -> None:
-    """Write what was measured: the numbers and the page, then workbook and charts of the last one.
+    """Write what was measured: numbers, page and Markdown; workbook and charts of the last one.
 
     Raises:
         ConfigurationError: A file cannot be written, or something to draw with is not installed.
@@ -100,6 +113,7 @@ def write_suite(reports: Sequence[BenchReport], folder: Path) -> None:
     make_folder(folder)
     write(folder / NUMBERS, msgspec.json.format(msgspec.json.encode(reports), indent=1))
     write(folder / PAGE, as_html(reports).encode())
+    write(folder / MARKDOWN, as_markdown(reports).encode())
     last = reports[-1]
     write_charts(last, folder)
     if last.cases or last.tables:

@@ -24,6 +24,7 @@ METHOD: Final = (
     "between two; what does not go through is said and counted. {where} Bytes are those of the "
     "content alone, as the paper counts them."
 )
+NOTHING_SENT: Final = "None of {attempted} messages was sent."
 COLUMNS: Final = ("", "attempted", "successful", "success rate, %", "throughput, B/s")
 PAPER: Final = ("the paper", 51, 51, 100.0, 195.12)
 
@@ -87,6 +88,7 @@ def measure(
         method=method,
         cases=recorder.cases(tails=True),
         findings=tuple(dict.fromkeys(seen.said)),
+        failures=() if seen.successful else (NOTHING_SENT.format(attempted=seen.attempted),),
         tables=(BenchTable(title="Algorithm 10", columns=COLUMNS, rows=(ours, PAPER)),),
     )
 

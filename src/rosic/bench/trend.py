@@ -4,6 +4,10 @@ The slope is that of Theil and Sen, the median of the slopes between all pairs, 
 P. K. Sen, Estimates of the regression coefficient based on Kendall's tau, JASA 63 (1968). They are
 wider where neighbours in time have something in common: K. H. Hamed and A. R. Rao, A modified
 Mann-Kendall trend test for autocorrelated data, Journal of Hydrology 204 (1998).
+
+A slope over hours does not show what begins late, or comes at once. So a figure grows, too, whose
+last quarter lies above its first by more than three times what that quarter differs within itself,
+and a twentieth.
 """
 
 from __future__ import annotations
@@ -21,6 +25,9 @@ if TYPE_CHECKING:
 BINS: Final = 24
 """So many means over stretches of equal length stand for the samples."""
 SURE: Final = 0.99
+QUARTER: Final = BINS // 4
+WIDELY: Final = 3.0
+SLIGHT: Final = 0.05
 GROWS: Final = "grows"
 FALLS: Final = "falls"
 LEVEL: Final = "not distinguishable from 0"
@@ -31,16 +38,18 @@ class Trend(NamedTuple):
 
     Attributes:
         low, high: Between these bounds it lies, `SURE` of the times.
+        rose: Its last quarter lies above the first by more than that differs within itself.
     """
 
     per_hour: float
     low: float
     high: float
+    rose: bool = False
 
     @property
     def verdict(self) -> str:
         """Say whether it grows."""
-        if self.low > 0:
+        if self.low > 0 or self.rose:
             return GROWS
         return FALLS if self.high < 0 else LEVEL
 
@@ -63,7 +72,13 @@ def trend_of(times_s: Sequence[float], values: Sequence[float]) -> Trend:
     alike = _alike([value - slope * hour for hour, value in points])
     reach = NormalDist().inv_cdf((1 + SURE) / 2) * sqrt(variance * alike)
     first = max(0, int((len(slopes) - reach) / 2))
-    return Trend(slope, slopes[first], slopes[-1 - first])
+    return Trend(slope, slopes[first], slopes[-1 - first], _rose([value for _, value in points]))
+
+
+def _rose(values: Sequence[float]) -> bool:
+    early, late = values[:QUARTER], values[-QUARTER:]
+    usual = WIDELY * (max(early) - min(early)) + SLIGHT * abs(median(early))
+    return median(late) - median(early) > usual
 
 
 def _binned(times_s: Sequence[float], values: Sequence[float]) -> list[tuple[float, float]]:

@@ -301,13 +301,13 @@ class RosicClient(ContentCalls):
     # ---- what happens ----
 
     async def events(self, *topics: str) -> AsyncGenerator[Happening, None]:
-        """Yield what happens with robots, orders and in one's own conversation, as it happens.
+        """Yield what happens with robots and orders, and what passes, as it happens.
 
         The connection is made again by itself: a `Connected` says each time that it stands, and
         what follows is how things are now; a `Disconnected` says that it does not, and why.
 
         Args:
-            topics: ``robots``, ``orders``, ``chat``, ``rates``.
+            topics: ``robots``, ``orders``, ``rates``; ``chat`` is told to the page of a person.
 
         Raises:
             ApiProblem: The key is none, or not good any more.

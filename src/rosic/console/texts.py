@@ -15,6 +15,9 @@ TEXTS: Final = (
     said("There is no picture now."),
     said("{robot} has no camera."),
     said("What {robot} sees now"),
+    said("{file} is not kept any more."),
+    said("Passkeys are not installed on this gateway."),
+    said("You may not drive {robot} live."),
     said("You"),
     said("Conversation"),
     said("Write as you would in your messenger: omni move 0.5 m left. help says what there is."),
@@ -43,6 +46,10 @@ TEXTS: Final = (
     said("Map"),
     said("Telemetry of {robot}"),
     said("Camera of {robot}"),
+    said(
+        "Robots that stand close together are drawn one below the other; a line leads to where "
+        "each is."
+    ),
     said("No robot says where it is."),
     said("Frame"),
     said("Frame {frame}; a square is {step} m wide."),
@@ -85,6 +92,7 @@ TEXTS: Final = (
     said("its link cannot tell"),
     said("not connected"),
     said("connection lost"),
+    said("no sign of life"),
     said("at rest"),
     said("moving"),
     said("Does"),

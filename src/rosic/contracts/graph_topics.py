@@ -97,6 +97,11 @@ class GraphTopics(Protocol):
         ...
 
     @property
+    def stop_service_type(self) -> str:
+        """Return the type of that service; it says nothing where there is none."""
+        ...
+
+    @property
     def releases_by(self) -> Mapping[str, object]:
         """Return the fields by which that service lets the robot go on; empty: it never does."""
         ...

@@ -9,7 +9,7 @@ from contextlib import aclosing
 import msgspec
 
 from rosic.core.i18n import said
-from rosic.core.identity import Address, CommandId
+from rosic.core.identity import PAGE, PROGRAM, Address, CommandId
 
 # ---- in and out ----
 
@@ -151,6 +151,11 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     written: str = ""
     links: tuple[str, ...] = ()
     live: bool = False
+
+    @property
+    def awaits_answer(self) -> bool:
+        """Whether what sent it waits until it is answered: a program does, and the page."""
+        return self.sender.platform in {PROGRAM, PAGE}
 
 
 class ChatEventKind(enum.Enum):
@@ -318,6 +323,7 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         state: What it comes to.
         code: Of the refusal that it says, as programs read it; empty: it says none.
         offers: What a refusal would accept instead, as it would be typed.
+        retry_after_s: Seconds until a refusal may be none; None: time alone changes nothing.
     """
 
     chat: Chat
@@ -331,6 +337,7 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     state: AnswerState = AnswerState.FINAL
     code: str = ""
     offers: tuple[str, ...] = ()
+    retry_after_s: float | None = None
 
     @property
     def urgent(self) -> bool:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Generic, ParamSpec, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-
 # ---- deferred ----
 
 # A decision that is made by a part which does not exist yet: refused until it does.
@@ -63,6 +62,16 @@ class Signal(Generic[P]):
         self._heard_by = (*self._heard_by, hear)
 
     def emit(self, *args: P.args, **kwargs: P.kwargs) -> None:
-        """Tell everybody; there is no answer."""
+        """Tell everybody; there is no answer, and who fails at hearing it keeps it from nobody.
+
+        Raises:
+            Exception: What the first of them failed with, once all of them were told.
+        """
+        failed: Exception | None = None
         for hear in self._heard_by:
-            hear(*args, **kwargs)
+            try:
+                hear(*args, **kwargs)
+            except Exception as why:  # noqa: BLE001 - raised below
+                failed = failed or why
+        if failed is not None:
+            raise failed

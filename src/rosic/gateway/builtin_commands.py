@@ -164,7 +164,7 @@ class BuiltinCommands:
         self._stops = rooms.stops
         self._profiles = rooms.profiles
         self._choosing = choosing
-        self._help_menu = HelpMenu(rooms)
+        self._help_menu = HelpMenu(rooms, hooks.commands)
         self._earlier = SelectionHistory()
         hooks.commands.register("undo", self.undo)
         hooks.commands.register("again", self.again)

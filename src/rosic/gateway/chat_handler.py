@@ -424,7 +424,7 @@ class ChatHandler:
         messenger, inbound, caller = message.messenger, message.inbound, message.caller
         if isinstance(why, FirstNeeded):
             if not isinstance(line, Do):
-                self._replies.deny(messenger, inbound, why.sentence, why.code)
+                self._replies.reject(messenger, inbound, why)
                 return
             try:
                 origin = CommandSource(cid, inbound.message)
@@ -454,8 +454,8 @@ class ChatHandler:
             if not await self.brought_a_code(messenger, inbound):
                 self._replies.turn_away(messenger, inbound, why.sentence)
         elif isinstance(why, Refusal):
-            if not why.silent:
-                self._replies.deny(messenger, inbound, why.sentence, why.code)
+            if not why.silent or inbound.awaits_answer:
+                self._replies.reject(messenger, inbound, why)
         else:
             log.error("a message could not be handled", exc_info=why)
             self._replies.deny(messenger, inbound, FAULT)

@@ -85,9 +85,17 @@ class CommandRegistry:
     def __init__(self, declared: CommandTable) -> None:
         self._declared = declared
         self._handlers: dict[str, CommandHandler] = {}
+        self._offered: dict[str, Callable[[], bool]] = {}
 
-    def register(self, name: str, handler: CommandHandler) -> None:
+    def register(
+        self, name: str, handler: CommandHandler, *, offered: Callable[[], bool] | None = None
+    ) -> None:
         """Say who does a command.
+
+        Args:
+            name: Of a command that is declared.
+            handler: Does it, and returns what to say.
+            offered: Whether ``help`` names it now; left out: always.
 
         Raises:
             ValueError: It is not declared.
@@ -95,6 +103,12 @@ class CommandRegistry:
         if self._declared.find(name) is None:
             raise ValueError(f"the command {name} is not declared")
         self._handlers[name] = handler
+        if offered is not None:
+            self._offered[name] = offered
+
+    def is_offered(self, name: str) -> bool:
+        """Whether ``help`` names a command now, to whoever can use it."""
+        return name not in self._offered or self._offered[name]()
 
     @property
     def undone(self) -> frozenset[str]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.authoriser.button_tokens import open_button
 from rosic.core.i18n import Catalogue, in_language, said
+from rosic.core.language.parser import REMEMBERED
 from rosic.core.message import Button
 from rosic.gateway.replies import ASK_FIRST
 
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
     from rosic.gateway.components import Components
     from rosic.gateway.hooks import PipelineHooks
 
-KEPT: Final = 1_024
+KEPT: Final = REMEMBERED
+"""Rows: one for each text that is remembered."""
 AGAIN, BACK, MENU = said("Again"), said("Back"), said("Menu")
 ALL_ROBOTS: Final = "robots"
 LAST: Final = "again"
@@ -44,13 +46,23 @@ class EndButtons(dict[Ended, Row]):
         self._rooms = rooms
         self._agreements = agreements
         self._hooks = hooks
+        self._lasting: dict[tuple[str, Catalogue | None], tuple[Button, ...]] = {}
 
     def __missing__(self, ended: Ended) -> Row:
         if len(self) >= KEPT:
             self.clear()
-        made = [button for button in self._made(ended) if button is not None]
-        row = self[ended] = (tuple(made),)
+        name, text, catalogue = ended
+        lasting = self._lasting.get((name, catalogue))
+        if lasting is None:
+            lasting = self._lasting[name, catalogue] = tuple(self._after(name, catalogue))
+        again = self._again(name, text, catalogue)
+        row = self[ended] = (lasting if again is None else (again, *lasting),)
         return row
+
+    def clear(self) -> None:
+        """Make everything anew from now on."""
+        super().clear()
+        self._lasting.clear()
 
     def of_task(self, whom: str, again: str, catalogue: Catalogue | None) -> Row:
         """Return the row beneath the end of a task.
@@ -60,11 +72,16 @@ class EndButtons(dict[Ended, Row]):
             again: What gives it anew; empty, or too long to be carried: it is not offered.
             catalogue: Whose language its author reads.
         """
-        labels = [in_language(label, catalogue) for label in (AGAIN, MENU)]
-        made = [open_button(labels[0], f"{ASK_FIRST}{again}") if again else None]
-        made += self._back(whom, catalogue)
-        made.append(open_button(labels[1], ALL_ROBOTS))
-        return (tuple(button for button in made if button is not None),)
+        made = [open_button(in_language(AGAIN, catalogue), f"{ASK_FIRST}{again}")] if again else []
+        return (tuple(button for button in (*made, *self._after(whom, catalogue)) if button),)
+
+    def _after(self, whom: str, catalogue: Catalogue | None) -> Iterator[Button]:
+        """Yield what stands behind `AGAIN`."""
+        found = (
+            *self._back(whom, catalogue),
+            open_button(in_language(MENU, catalogue), ALL_ROBOTS),
+        )
+        yield from (button for button in found if button is not None)
 
     def _back(self, name: str, catalogue: Catalogue | None) -> Iterator[Button | None]:
         """Yield the way back to whom it was asked of, and a picture where one is to be had."""
@@ -80,11 +97,7 @@ class EndButtons(dict[Ended, Row]):
             for robot in [robot for robot in name.split(SEVERAL) if robot in profiles][:NAMED]:
                 yield open_button(profiles[robot].shown, f"use {robot}")
 
-    def _made(self, ended: Ended) -> Iterator[Button | None]:
-        name, text, catalogue = ended
-        labels = [in_language(label, catalogue) for label in (AGAIN, MENU)]
-        whole = self._agreements.named_for(name, text)
+    def _again(self, name: str, text: str, catalogue: Catalogue | None) -> Button | None:
+        label, whole = in_language(AGAIN, catalogue), self._agreements.named_for(name, text)
         # What is too long to be carried is asked by whoever said it last here.
-        yield open_button(labels[0], f"{ASK_FIRST}{whole}") or open_button(labels[0], LAST)
-        yield from self._back(name, catalogue)
-        yield open_button(labels[1], ALL_ROBOTS)
+        return open_button(label, f"{ASK_FIRST}{whole}") or open_button(label, LAST)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.message import Button
     from rosic.core.policy.roles import Grant
-    from rosic.core.records import Fact, Memory, Record
+    from rosic.core.records import Fact, Memory, Record, Unfinished
     from rosic.core.robot.profile import Presence, RobotId
     from rosic.gateway.access_registry import AccessRegistry
     from rosic.gateway.chat_dashboards import CameraPreview, ChatDashboards, FleetStatus
@@ -166,6 +166,9 @@ class SharedParts:
         views: Makes pictures of what robots show.
         health: Looks at the gateway and its machine.
         explainer: Says what somebody may, and why.
+        not_ready: Tells what of this process speaks against leading anybody here, a line each.
+        in_doubt: Orders of the last run that ended unseen, settled as this one began; whoever tells
+            of orders is made later, and tells of these first.
         grants_ended: Tells of the rights that have just ended by the clock.
         file_offers: Return what may be done with a file that somebody has sent, as buttons.
     """
@@ -185,9 +188,11 @@ class SharedParts:
         self.history: Provided[HistoryReader] = Provided("what was asked before")
         self.health: Provided[HealthFindings] = Provided("what the doctor finds")
         self.explainer: Provided[RightsChecker] = Provided("what somebody may, and why")
+        self.not_ready: Provided[Callable[[], Iterable[str]]] = Provided("whether it is ready")
         self.views: Provided[RobotViews] = Provided("pictures of what robots show")
         self.robot_adder: Provided[RobotAdder] = Provided("adding robots")
         self.alarm_news: Signal[[RobotId, str, bool]] = Signal()
+        self.in_doubt: Provided[Sequence[Unfinished]] = Provided("what the last run left")
         self.grants_ended: Signal[[Sequence[tuple[PrincipalId, Grant]]]] = Signal()
         self.file_offers: list[Callable[[PrincipalId, StoredFile], list[Button]]] = []
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from rosic.core.language.compiled import CompiledParameter, CompiledSkill
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.core.robot.skill import Parameter, Skill
+    from rosic.gateway.commands import CommandRegistry
     from rosic.gateway.components import Components
 
 
@@ -64,9 +65,11 @@ class HelpMenu:
 
     Args:
         rooms: Who may what, and which robots there are.
+        commands: Which are offered now.
     """
 
-    def __init__(self, rooms: Components) -> None:
+    def __init__(self, rooms: Components, commands: CommandRegistry) -> None:
+        self._commands = commands
         self._organiser = rooms.organiser
         self._profiles = rooms.profiles
         self._vocabularies = rooms.vocabularies
@@ -108,6 +111,8 @@ class HelpMenu:
         examples = self.examples(principal, visible) if page is HelpPage.MOVE else []
         yield from (joined("", ("  ", example)) for example in examples)
         for command in self._pages[page]:
+            if not self._commands.is_offered(command.name):
+                continue
             assert command.help is not None  # noqa: S101 - it stands on a page
             yield from self._line(command, command.help.needs, principal, visible, examples)
 

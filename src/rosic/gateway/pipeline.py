@@ -146,7 +146,7 @@ class Pipeline:
             if not self._chat_locks.try_acquire(inbound.chat):
                 await self._chat_locks.take(inbound.chat)
         except Refusal as refusal:
-            self._replies.deny(messenger, inbound, refusal.sentence, refusal.code)
+            self._replies.reject(messenger, inbound, refusal)
             return
         try:
             if len(heard) > LONG:

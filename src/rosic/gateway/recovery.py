@@ -44,7 +44,11 @@ class UnreportedOrders(NamedTuple):
 
 
 class Recovery:
-    """Finishes what the last run could not (safety.md, crash recovery)."""
+    """Finishes what the last run could not (safety.md, crash recovery).
+
+    Attributes:
+        in_doubt: Orders whose end was unknown until `settle` wrote that.
+    """
 
     def __init__(
         self,
@@ -61,6 +65,7 @@ class Recovery:
         self._clock = clock
         self._messengers = messengers
         self._ends = ends
+        self.in_doubt: list[Unfinished] = []
 
     async def settle(self, unfinished: Iterable[Unfinished], exists: Callable[[str], bool]) -> int:
         """Hold robots in doubt, write the missing outcomes, tell what was not told.
@@ -79,6 +84,7 @@ class Recovery:
                     await self._linker.hold_for_good(order.robot, self._linker.halt(order.robot))
                 if not await self._conclude(order):
                     continue  # the next start finds it again
+                self.in_doubt.append(order)
             settled.append(order)
         for told in self._together(settled):
             self._tell(told, exists)

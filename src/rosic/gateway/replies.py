@@ -15,7 +15,7 @@ from rosic.core.language import clean, hears_stop
 from rosic.core.message import AnswerState, Button, ChatKind, Outbound
 from rosic.core.rate_limit import Bucket, RateLimit
 from rosic.core.time_units import MINUTE_NS
-from rosic.errors import Fault, FirstNeeded, Refusal, Repeated, Unrecognised
+from rosic.errors import Fault, FirstNeeded, Refusal, Repeated, TooManyRequests, Unrecognised
 from rosic.gateway.commands import Reply, is_question
 from rosic.gateway.delivery.catch_up import BacklogReplies
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
@@ -168,6 +168,20 @@ class Replies:
         """
         self.say(messenger, inbound, text, AnswerState.NOT_DONE, code)
 
+    def reject(self, messenger: Messenger, inbound: Inbound, refusal: Refusal) -> None:
+        """Answer that something is refused, without buttons, and write nothing of it down."""
+        plain = in_language(refusal.sentence, self._languages.of_sender(inbound))
+        outbound = Outbound(
+            chat=inbound.chat,
+            text=plain,
+            reply_to=reply_id(inbound),
+            cause=inbound.message,
+            state=AnswerState.NOT_DONE,
+            code=refusal.code,
+            retry_after_s=refusal.retry_after_s,
+        )
+        self._say(self._note(messenger, outbound, inbound), inbound)
+
     def offer(self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply) -> None:
         """Answer with buttons that only this person, in this chat, can use, once (I16)."""
         if self._cannot_answer(messenger, inbound, caller, reply):
@@ -259,10 +273,15 @@ class Replies:
         It is only begun, if the messenger waits for it before it confirms anything: nothing moves
         by it, and a stop may wait behind a hundred of them.
         """
+        awaited = message.inbound.awaits_answer
+        # Who waits may say the same again once the limit has passed: it is not settled by it. In a
+        # chat it is: there nobody says it again but the platform.
+        if awaited and isinstance(refusal, TooManyRequests):
+            self.reject(message.messenger, message.inbound, refusal)
+            return
         if refusal.silent:
-            # A program waits for an answer; whoever confirms anew what was done is told so.
-            if message.caller.is_program or message.agreed:
-                self.deny(message.messenger, message.inbound, refusal.sentence, refusal.code)
+            if awaited or message.agreed:  # whoever confirms anew what was done is told so
+                self.reject(message.messenger, message.inbound, refusal)
             return
         writing = self._refuse(message, cid, refusal, asked)
         if self.backlog.settles(message.messenger):
@@ -281,7 +300,7 @@ class Replies:
             await self._container.refuse(cid, caller, refusal, answer)
         except Repeated:  # the same message was settled before
             if message.agreed:
-                self.deny(messenger, inbound, refusal.sentence, refusal.code)
+                self.reject(messenger, inbound, refusal)
             return
         buttons: tuple[tuple[Button, ...], ...] = tuple(
             (Button(label_of(offer, self._vocabularies.current), offer),)
@@ -300,6 +319,7 @@ class Replies:
             state=AnswerState.NOT_DONE,
             code=refusal.code,
             offers=refusal.offers[:OFFERED_AT_MOST],
+            retry_after_s=refusal.retry_after_s,
         )
         who = caller.principal
         told = translated(outbound, self._languages.of(who))

@@ -26,7 +26,11 @@ from rosic.errors import (
     NotUnderstood,
     RecordUnavailable,
     Refusal,
+    RobotMoving,
+    RobotOffline,
     RobotStopped,
+    RobotUnreachable,
+    StillMoves,
     TimeInDoubt,
 )
 from rosic.gateway.button_rows import rows
@@ -80,8 +84,8 @@ class ResumeHandler:
                 overtake, so an older resume can arrive after a younger stop (I5). Or its button was
                 shown before that stop: whoever taps it does not know of it.
             TimeInDoubt: By the clock of this computer it came before the stop: that was set back.
-            Repeated, RecordUnavailable, RobotStopped: Robots not resumed so far stay stopped; the
-                sentence says which were resumed before it came to this.
+            Repeated, RecordUnavailable, RobotOffline, RobotStopped: Robots not resumed so far stay
+                stopped; the sentence says which were resumed before it came to this.
         """
         caller = message.caller
         stopped = self._stopped(caller, line)
@@ -166,13 +170,13 @@ class ResumeHandler:
         """Let a robot go on whose resume is on disk.
 
         Raises:
-            RecordUnavailable, RobotStopped: It stays stopped.
+            RobotMoving, RobotOffline, RecordUnavailable, RobotStopped: It stays stopped.
         """
         shown = self._linker.profile(robot).shown
         try:
             ready = await self._linker.resume(robot, generation)
         except Fault as fault:
-            raise RecordUnavailable(
+            raise _refusal_of(fault)(
                 said("{shown} stays stopped: {fault}", shown=shown, fault=fault.sentence)
             ) from fault
         if not ready:
@@ -269,6 +273,13 @@ class ResumeHandler:
                 offers=(*offers, "resume all") if len(offers) == len(stopped) else offers,
             )
         return stopped
+
+
+def _refusal_of(fault: Fault) -> type[Refusal]:
+    """Return what a program is told by its code: trying again helps where the record failed."""
+    if isinstance(fault, StillMoves):
+        return RobotMoving
+    return RobotOffline if isinstance(fault, RobotUnreachable) else RecordUnavailable
 
 
 def _nothing(_robots: Collection[RobotId]) -> str:

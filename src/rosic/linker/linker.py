@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any, Protocol
+import logging
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from rosic.contracts.background_tasks import BackgroundTasks
 from rosic.contracts.clock import done_within
@@ -13,7 +14,8 @@ from rosic.core import messages
 from rosic.core.i18n import said
 from rosic.core.order import RestReport, Stop
 from rosic.core.order_gate import too_late
-from rosic.errors import RobotOffline, RobotUnreachable, RosicError, StoreFault
+from rosic.core.robot.profile import Presence
+from rosic.errors import RobotOffline, RobotUnreachable, RosicError, StillMoves, StoreFault
 from rosic.linker.pursuit import StopPursuit
 from rosic.linker.robot_queue import QueuedOrder, RobotQueue, execute_live
 
@@ -28,10 +30,11 @@ if TYPE_CHECKING:
     from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.order import Order, Outcome
     from rosic.core.robot.file_transfer import FileForRobot, Receipt
-    from rosic.core.robot.profile import Presence, Profile, RobotId
+    from rosic.core.robot.profile import Profile, RobotId
     from rosic.core.robot.view import View, ViewKind
     from rosic.core.stop_registry import StopRegistry
 
+log = logging.getLogger("rosic.linker")
 
 CLEARED_WITHIN_S = 0.5
 KEPT_WITHIN_S = 1.0
@@ -39,6 +42,7 @@ KEPT_WITHIN_S = 1.0
 
 
 LATCH_HANGS = said("The stop file does not answer.")
+MUTE: Final = Presence(online=False)
 
 
 class PolicyMoved(RosicError):
@@ -112,7 +116,8 @@ class Linker:
         self._latching: BackgroundTasks[Any] = BackgroundTasks()
         self._clearing: BackgroundTasks[None] = BackgroundTasks()
         self._resting: BackgroundTasks[RestReport] = BackgroundTasks()
-        self.pursuit = StopPursuit(self._robots, stops, clock)
+        self._mute: set[RobotId] = set()
+        self.pursuit = StopPursuit(self._robots, self.presence, stops, clock)
 
     @property
     def epoch(self) -> int:
@@ -241,8 +246,9 @@ class Linker:
             False if a later stop has come: it stays stopped.
 
         Raises:
-            RobotUnreachable: It is measured to move, or is not there and was never seen at rest, or
-                its side did not answer; it stays stopped.
+            StillMoves: It is measured to move; it stays stopped.
+            RobotUnreachable: It is not there and was never seen at rest, or its side did not let go
+                or did not answer; it stays stopped.
             StoreFault: The latch cannot be written, or does not answer in time; it stays stopped.
         """
         # A stop's own entry must not be written after the one that undoes it; and the entry comes
@@ -251,8 +257,8 @@ class Linker:
             raise StoreFault(LATCH_HANGS)
         if self._stops[robot_id].generation != generation:
             return False
-        if self._robots[robot_id].presence().moves:
-            raise RobotUnreachable(messages.not_resumed_as_it_moves(self.profile(robot_id).shown))
+        if self.presence(robot_id).moves:
+            raise StillMoves(messages.not_resumed_as_it_moves(self.profile(robot_id).shown))
         if self.pursuit.in_doubt(robot_id):
             raise RobotUnreachable(messages.not_resumed_in_doubt(self.profile(robot_id).shown))
         try:
@@ -342,8 +348,17 @@ class Linker:
         return await deliver(robot_file)
 
     def presence(self, robot: RobotId) -> Presence:
-        """Return what the robot's side last said."""
-        return self._robots[robot].presence()
+        """Return what the robot's side last said; one whose link fails at it is not there."""
+        link = self._robots[robot]
+        try:
+            said_last = link.presence()
+        except Exception:  # of one link: whoever looks at all robots must go on
+            if robot not in self._mute:
+                self._mute.add(robot)
+                log.exception("the link of %s cannot say how it is; it counts as not there", robot)
+            return MUTE
+        self._mute.discard(robot)
+        return said_last
 
     def profile(self, robot: RobotId) -> Profile:
         """Return a robot's profile."""

@@ -7,12 +7,12 @@ import logging
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Mapping
+    from collections.abc import Awaitable, Callable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot
     from rosic.core.order import RestReport, Stop
-    from rosic.core.robot.profile import RobotId
+    from rosic.core.robot.profile import Presence, RobotId
     from rosic.core.stop_registry import StopRegistry
 
 log = logging.getLogger("rosic.stop")
@@ -28,12 +28,19 @@ class StopPursuit:
 
     Args:
         robots: By name; more may come.
+        presence: What a robot's side last said.
         stops: Says whether a stop is still the last one, and stands.
         clock: Counts the pauses.
     """
 
-    def __init__(self, robots: Mapping[RobotId, Robot], stops: StopRegistry, clock: Clock) -> None:
-        self._robots = robots
+    def __init__(
+        self,
+        robots: Mapping[RobotId, Robot],
+        presence: Callable[[RobotId], Presence],
+        stops: StopRegistry,
+        clock: Clock,
+    ) -> None:
+        self._robots, self._presence = robots, presence
         self._stops = stops
         self._clock = clock
         self._under_way: dict[RobotId, asyncio.Task[RestReport | None]] = {}
@@ -71,7 +78,7 @@ class StopPursuit:
 
         What was stopped before this run may have been seen at rest then: that is not known.
         """
-        return robot in self._told and self._robots[robot].presence().online is False
+        return robot in self._told and self._presence(robot).online is False
 
     async def rested(self, robot: RobotId, generation: int) -> RestReport | None:
         """Wait until a stop, or a later one that took its place, was confirmed.
@@ -113,13 +120,13 @@ class StopPursuit:
         asked = first is not None
         # Cut off, this leaves the first try be: its answer is waited for elsewhere, too.
         rest = None if first is None else await _come_of(stop, asyncio.shield(first))
-        unheard = asked and robot.presence().online is not True
+        unheard = asked and self._presence(stop.robot).online is not True
         while rest is None or not rest.confirmed:
             await self._clock.sleep(EVERY_S)
             entry = self._stops.get(stop.robot)
             if entry is None or not entry.latched or entry.generation != stop.generation:
                 return None
-            presence = robot.presence()
+            presence = self._presence(stop.robot)
             if presence.online is False:
                 unheard = asked
             elif presence.at_rest and not asked:

@@ -63,7 +63,7 @@ class MemoryRobot:
     def __init__(self, profile: Profile, gate: OrderGate, clock: Clock) -> None:
         self.profile = profile
         self.gate = gate
-        self.acted: deque[int] = deque(maxlen=100_000)
+        self.acted: deque[int] = deque(maxlen=1_000)
         self.work_s = 0.0
         self.online = True
         self.shows: dict[ViewKind, Content] = {}
@@ -96,6 +96,10 @@ class MemoryRobot:
     def traffic(self) -> TrafficCount:
         """Return how often it was told something, and has answered."""
         return TrafficCount(self._received, self._sent)
+
+    def remember(self, most: int) -> None:
+        """Forget what acted so far, and keep so many order numbers from now on."""
+        self.acted = deque(maxlen=most)
 
     def meet(self, speak: Speak) -> None:
         """Take what it says to other robots by."""

@@ -8,7 +8,7 @@ from unicodedata import combining, normalize
 import pytest
 
 from rosic.app.features import command_table
-from rosic.bench.strangers import pace_of_machine
+from rosic.bench.recorder import pace_of_machine
 from rosic.core.language import clean, clean_name, hears_stop, inert_text, without_codes
 from rosic.core.language.sanitise import MOST_MARKS, drawn, fold_word, normalised, quote
 

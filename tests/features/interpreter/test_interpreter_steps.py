@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.bench.strangers import LoopStep, MeteredLoop, pace_of_machine, undisturbed
+from rosic.bench.recorder import pace_of_machine
+from rosic.bench.strangers import LoopStep, MeteredLoop, undisturbed
 from rosic.core.robot.profile import Link, Profile
 from rosic.core.robot.skill import Parameter, Skill
 from tests.features.interpreter.interpreted import LATER_S, Interpreted

@@ -55,7 +55,9 @@ class Simulated:
         self.link_lost_s = LINK_LOST_S * patience()
         lost = link_lost(self.link_lost_s)
         self.process: RosProcess = graph.start(
-            "-m", SIMULATION, "--actuations", self._file, *lost, *robots, timeout_s=120.0
+            *("-m", SIMULATION, "--actuations", str(self._file), *lost, *robots),
+            timeout_s=120.0,
+            ends_with_input=False,
         )
 
     def actuations(self, robot: str) -> list[str]:
@@ -65,8 +67,6 @@ class Simulated:
 
     def end(self) -> int:
         """End it as a service manager would."""
-        if self.process.process.poll() is None:
-            self.process.process.terminate()
         return self.process.stop()
 
 

@@ -41,7 +41,16 @@ async def test_robots_that_were_told_one_after_another_begin_together(
 ) -> None:
     file, clock = tmp_path / "starts", SystemClock()
     for names in (NAMES[:2], NAMES[2:]):
-        graph.start("-m", SIMULATION, "--starts", file, "--punctual", *names, timeout_s=60 * pace())
+        graph.start(
+            "-m",
+            SIMULATION,
+            "--starts",
+            file,
+            "--punctual",
+            *names,
+            timeout_s=60 * pace(),
+            ends_with_input=False,
+        )
     async with AsyncExitStack() as stack:
         robots = [await stack.enter_async_context(opened(one_more(n), clock)) for n in NAMES]
         start_ns = clock.monotonic_ns() + 3_000_000_000
@@ -80,7 +89,9 @@ async def test_who_hears_of_a_common_start_too_late_does_not_begin(
     graph: RosGraph, tmp_path: Path
 ) -> None:
     file, clock = tmp_path / "starts", SystemClock()
-    graph.start("-m", SIMULATION, "--starts", file, "omni", timeout_s=60 * pace())
+    graph.start(
+        "-m", SIMULATION, "--starts", file, "omni", timeout_s=60 * pace(), ends_with_input=False
+    )
     async with opened(shipped("omni"), clock) as robot:
 
         def late() -> Order:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import hashlib
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import pytest
 
@@ -19,6 +19,8 @@ from tests.real.ros2.simulated import TriedRobot, profile_of
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterator
+
+T = TypeVar("T")
 
 PEER = Path(__file__).with_name("peer.py")
 CONTENT = b"speed: 0.2\n"
@@ -74,9 +76,7 @@ async def delivered(
         await robot.close()
 
 
-async def until_read(
-    peer: RosProcess, words: str, deliver: Callable[[], Awaitable[Receipt]]
-) -> Receipt:
+async def until_read(peer: RosProcess, words: str, deliver: Callable[[], Awaitable[T]]) -> T:
     """Deliver until it was read: who has not found us yet hears nothing, and nobody is told."""
     async with asyncio.timeout(90 * pace()):
         while True:
@@ -115,9 +115,12 @@ async def test_a_topic_of_receipts_says_what_was_read(tmp_path: Path) -> None:
 
 async def test_silence_leaves_doubt(peer: RosProcess, tmp_path: Path) -> None:
     quiet = TOPIC | {"receipt": RECEIPT | {"within_s": 0.3}}
-    with pytest.raises(RobotUnreachable, match=r"Omni has not answered for 0.3 s"):
-        await delivered(quiet, tmp_path, "silent.yaml")
-    await asyncio.to_thread(peer.expect, "read silent.yaml")
+
+    async def in_vain() -> None:
+        with pytest.raises(RobotUnreachable, match=r"Omni has not answered for 0.3 s"):
+            await delivered(quiet, tmp_path, "silent.yaml")
+
+    await until_read(peer, "read silent.yaml", in_vain)
 
 
 async def test_a_small_text_goes_inside_the_message(peer: RosProcess, tmp_path: Path) -> None:

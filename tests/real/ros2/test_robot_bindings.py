@@ -372,55 +372,6 @@ async def test_a_stop_that_says_what_its_service_does_not_ask_is_refused() -> No
         await done(omni(MOVES, stop={**HOLD, "request": {"dat": True}}))
 
 
-LATCH: dict[str, object] = {
-    "service": "/omni/latch",
-    "type": "std_srvs/srv/SetBool",
-    "request": {"data": True},
-    "release": {"data": False},
-}
-
-
-async def test_a_stop_that_holds_is_released_by_a_resume(peer: RosProcess) -> None:
-    robot = omni(MOVES, stop=LATCH)
-    await robot.open(lambda _text: None)
-    try:
-        await until(lambda: all(link.ready() for link in robot._stop_controller.calls))
-        await robot.stop(Stop("omni", 1))
-        await asyncio.to_thread(peer.expect, "latch True", timeout_s=60 * pace())
-        peer.say("jam")
-        await asyncio.to_thread(peer.expect, "ok jam", timeout_s=60 * pace())
-        with pytest.raises(
-            RobotUnreachable, match=r"^The stop of Omni was not released: the button is pressed\.$"
-        ):
-            await robot.resume(1)
-        assert robot.gate.latched
-        peer.say("jam off")
-        await asyncio.to_thread(peer.expect, "ok jam", timeout_s=60 * pace())
-        await robot.resume(1)
-        assert not robot.gate.latched
-        assert [line for line in peer.lines if line.startswith("latch")][-1] == "latch False"
-    finally:
-        await robot.close()
-
-
-async def test_what_holds_since_a_motion_was_ended_is_released_before_the_next(
-    peer: RosProcess,
-) -> None:
-    robot = omni(MOVES, stop=LATCH)
-    await robot.open(lambda _text: None)
-    try:
-        await until(lambda: all(link.ready() for link in robot._stop_controller.calls))
-        await robot._to_rest()
-        await asyncio.to_thread(peer.expect, "latch True", timeout_s=60 * pace())
-        peer.lines.clear()
-        assert (await robot.do("do", {})).ending is OrderEnding.DONE
-        # What it says and what it answers come on two ways.
-        await asyncio.to_thread(peer.expect, "stopped", timeout_s=60 * pace())
-        assert list(peer.lines) == ["latch False", "stopped"]
-    finally:
-        await robot.close()
-
-
 # ---- one node ----
 
 

@@ -161,6 +161,40 @@ async def test_of_what_is_published_nothing_is_lost_and_every_field_is_checked(
     assert heard.split() == [*(str(number) for number in range(BURST)), "last"]
 
 
+async def test_what_was_published_is_sent_before_its_topic_is_given_up(
+    graph: RosGraph, place: ServedGateway
+) -> None:
+    listener = graph.start(LISTENER, "/chatter", str(2 * BURST), ready=None)
+    async with (
+        asyncio.timeout(120 * pace()),
+        bridge(place, await place.key("sharer")) as held,
+        bridge(place, await place.key("sharer", name="Sal")) as client,
+    ):
+        for each in (held, client):
+            await each.say("advertise", topic="/chatter", type=STRING)
+        found = asyncio.ensure_future(asyncio.to_thread(listener.expect, "heard"))
+        while not found.done():
+            await held.say("publish", topic="/chatter", msg={"data": "hello"})
+            await asyncio.wait((found,), timeout=0.05)
+        for word in ("0", "1"):  # each in one piece with what gives its topic up
+            await client.say("advertise", topic="/chatter", type=STRING)
+            client.socket.transport.write(
+                masked({"op": "publish", "topic": "/chatter", "msg": {"data": word}})
+                + masked({"op": "unadvertise", "topic": "/chatter"})
+            )
+        await client.say("call_service", service="/rosapi/get_time", id="after")
+        await client.op("service_response")
+        await held.say("publish", topic="/chatter", msg={"data": "last"})
+        heard = await asyncio.to_thread(listener.expect, "all")
+    assert heard.split() == ["0", "1", "last"]
+
+
+def masked(message: dict[str, Any]) -> bytes:
+    """Return a message as the frame in which a client sends it."""
+    content = json.dumps(message).encode()
+    return bytes([0x81, 0x80 | len(content), 0, 0, 0, 0]) + content
+
+
 async def test_bytes_are_base64_and_forms_are_none_png_and_cbor(
     place: ServedGateway, onlooker: RosRuntime
 ) -> None:
@@ -245,7 +279,14 @@ async def test_a_client_that_takes_nothing_costs_the_others_nothing(
 
 async def test_after_a_stop_nothing_is_published(place: ServedGateway) -> None:
     hal = await place.program("operator")
-    await hal.post("/v1/stop", json={"robots": ["omni"]})
-    async with bridge(place, await place.key("sharer", name="Sal")) as client:
-        await client.say("publish", topic="/chatter", msg={"data": "x"}, id="p")
-        assert "is stopped" in await client.status()
+    async with (
+        bridge(place, await place.key("sharer", name="Sal")) as before,
+        bridge(place, await place.key("sharer", name="Sue")) as after,
+    ):
+        await before.say("advertise", topic="/chatter", type=STRING)
+        await before.say("call_service", service="/rosapi/get_time")
+        await before.op("service_response")
+        await hal.post("/v1/stop", json={"robots": ["omni"]})
+        for client in (before, after):
+            await client.say("publish", topic="/chatter", msg={"data": "x"}, id="p")
+            assert "is stopped" in await client.status()

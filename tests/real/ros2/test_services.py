@@ -11,16 +11,33 @@ from rosic.robots.ros2.errors import BadValue, NoAnswer, NotSent
 from tests.pace import pace
 
 if TYPE_CHECKING:
+    from rosic.robots.ros2.client.rclpy_import import RosObject
     from rosic.robots.ros2.client.runtime import RosRuntime
+    from rosic.robots.ros2.client.services import ServiceLink
+    from rosic.robots.ros2.messages.encode import Values
     from rosic.testing.ros2.graph import RosProcess
 
 TRIGGER = "std_srvs/srv/Trigger"
 SET_BOOL = "std_srvs/srv/SetBool"
 
 
+async def answered(link: ServiceLink, values: Values) -> RosObject:
+    """Call until somebody answers.
+
+    The first response can be lost: a server that has not found its client after 0.1 s drops it
+    (rmw_fastrtps), and on a busy machine that happens.
+    """
+    for _ in range(5):
+        try:
+            return await link.call(values, timeout_s=5 * pace(), found_within_s=30)
+        except NoAnswer:
+            continue
+    raise AssertionError(f"{link.name} never answered")
+
+
 async def test_a_service_answers(runtime: RosRuntime, peer: RosProcess) -> None:
     stop = await runtime.service("/omni/stop", TRIGGER)
-    response = await stop.call({}, timeout_s=30, found_within_s=30)
+    response = await answered(stop, {})
     assert response.success is True
     assert response.message == "at rest"
     await asyncio.to_thread(peer.expect, "stopped")
@@ -52,7 +69,7 @@ async def test_what_does_not_fit_is_not_asked(runtime: RosRuntime, peer: RosProc
 @pytest.mark.usefixtures("peer")
 async def test_more_calls_than_rclpy_bears_all_complete(runtime: RosRuntime) -> None:
     stop = await runtime.service("/omni/stop", TRIGGER)
-    await stop.call({}, timeout_s=30, found_within_s=30)
+    await answered(stop, {})
     answers = await asyncio.gather(*(stop.call({}, timeout_s=60) for _ in range(500)))
     assert all(answer.success for answer in answers)
 
@@ -60,7 +77,7 @@ async def test_more_calls_than_rclpy_bears_all_complete(runtime: RosRuntime) -> 
 @pytest.mark.usefixtures("peer")
 async def test_a_stop_does_not_wait_behind_other_calls(runtime: RosRuntime) -> None:
     slow = await runtime.service("/omni/slow", SET_BOOL)
-    await slow.call({"data": False}, timeout_s=30, found_within_s=30)
+    await answered(slow, {"data": False})
     queue = [asyncio.create_task(slow.call({"data": True}, timeout_s=60)) for _ in range(16)]
     late = asyncio.create_task(slow.call({"data": True}, timeout_s=0.05))
     with pytest.raises(NotSent, match="Too many calls are under way; /omni/slow was not called"):
@@ -85,7 +102,7 @@ async def test_closing_answers_whoever_still_waits(runtime: RosRuntime) -> None:
 @pytest.mark.usefixtures("peer")
 async def test_a_call_that_is_cancelled_leaves_nothing_behind(runtime: RosRuntime) -> None:
     slow = await runtime.service("/omni/slow", SET_BOOL)
-    await slow.call({"data": False}, timeout_s=30, found_within_s=30)
+    await answered(slow, {"data": False})
     call = asyncio.create_task(slow.call({"data": True}, timeout_s=30))
     await wait_until(lambda: bool(slow._handle._pending_requests), "the call", 30)
     call.cancel()
@@ -100,7 +117,7 @@ async def test_a_call_that_is_cancelled_leaves_nothing_behind(runtime: RosRuntim
 async def test_parameters_are_set_or_refused_in_the_nodes_words(runtime: RosRuntime) -> None:
     link = await runtime.service(parameters.service_of("/omni/robot"), parameters.SET_PARAMETERS)
     good: parameters.Parameters = {"speed_m_s": 0.25}
-    answer = await link.call(parameters.request(good), timeout_s=30, found_within_s=30)
+    answer = await answered(link, parameters.request(good))
     assert parameters.refusals(good, answer) == ()
     bad: parameters.Parameters = {"speed_m_s": "fast", "colour": 1}
     answer = await link.call(parameters.request(bad), timeout_s=30)

@@ -216,7 +216,7 @@ async def placed(
 
 @pytest.mark.usefixtures("interfaces")
 async def test_a_simulated_robot_films_itself_and_knows_its_room(graph: RosGraph) -> None:
-    await asyncio.to_thread(graph.start, "-m", "rosic", "sim", "omni")
+    await asyncio.to_thread(graph.start, "-m", "rosic", "sim", "omni", ends_with_input=False)
     clock = SystemClock()
     async with opened(shipped("omni"), clock) as made:
         view = await first(made, ViewKind.PICTURE)

@@ -20,8 +20,6 @@ from rosic.api.settings import HostPort, hostname
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
     from rosic.gateway.feature import Kernel
 
 HEAD_BYTES: Final = 8_192
@@ -49,20 +47,14 @@ class MetricsEndpoint:
     Args:
         kernel: Of a gateway that is open.
         settings: Where, and by which names.
-        not_ready: Tells what speaks against leading anybody here besides, a line each.
 
     Attributes:
         port: On which it listens; 0: not yet.
     """
 
-    def __init__(
-        self,
-        kernel: Kernel,
-        settings: MetricsSettings,
-        not_ready: Callable[[], Iterable[str]],
-    ) -> None:
+    def __init__(self, kernel: Kernel, settings: MetricsSettings) -> None:
         self._settings = settings
-        self._metrics = GatewayMetrics(kernel, not_ready)
+        self._metrics = GatewayMetrics(kernel)
         self._open = 0
         self.port = 0
         self._hosts = settings.listen.names.union(settings.hosts)

@@ -21,7 +21,7 @@ from rosic.core.order import OrderStage
 from rosic.core.time_units import SECOND_NS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Iterator
 
     from rosic.core.identity import CommandId
     from rosic.core.order import Order, Outcome, StageReport
@@ -118,14 +118,13 @@ class GatewayMetrics:
 
     Args:
         kernel: Of a gateway that is open.
-        besides: Tells what else speaks against leading anybody here, a line each.
 
     Attributes:
         loop: Has to run, to measure the event loop.
     """
 
-    def __init__(self, kernel: Kernel, besides: Callable[[], Iterable[str]]) -> None:
-        self._kernel, self._besides = kernel, besides
+    def __init__(self, kernel: Kernel) -> None:
+        self._kernel = kernel
         self._orders = OrderMetrics(kernel)
         self.loop = LoopMonitor()
         kernel.pipeline.executor.watching.observe(self._orders)
@@ -145,7 +144,8 @@ class GatewayMetrics:
         links = [is_connected(messenger) for messenger in self._kernel.messengers]
         deaf = links and all(link is False for link in links)
         heard = ("no messenger is connected",) if deaf else ()
-        return (*late, *heard, *self._besides())
+        process = self._kernel.shared.not_ready.find()
+        return (*late, *heard, *(() if process is None else process()))
 
     def page(self) -> bytes:
         """Return all of it as Prometheus reads it."""

@@ -47,7 +47,6 @@ _STATUS: Final = {
 }
 NO_GOAL: Final = said("You have no such goal under way.")
 TOO_MANY: Final = said("Too many goals and calls at once. Wait for an answer first.")
-LOST: Final = said("How this ends is not known here: too many orders came after it. It may go on.")
 
 
 class _Goal(NamedTuple):
@@ -242,8 +241,8 @@ class ClientCalls:
         return self._context.feed[placed.id], placed.text
 
     async def _over(self, entry: OrderEntry) -> None:
-        """Wait until an order is over, or nobody hears of it any more."""
-        while not entry.is_over and self._context.feed[entry.id] is entry:
+        """Wait until an order is over; the feed keeps it as long as it is not."""
+        while not entry.is_over:
             await self._speech.wait(entry, LOOK_S)
 
     async def _result_of(self, entry: OrderEntry) -> None:
@@ -273,8 +272,6 @@ class ClientCalls:
         It is what the robot's side has answered; of a robot that is on no graph here it is what
         ROSIC knows, as most robots' answers have it.
         """
-        if not entry.is_over:
-            return self._context.callers.read_by(LOST, self._caller), False
         note = self._context.callers.read_by(entry.note, self._caller) or entry.ending
         graph = self._graph(entry)
         if graph is None:

@@ -47,7 +47,7 @@ from rosic.errors import (
 from rosic.gateway.send_queue import SendQueue
 
 if TYPE_CHECKING:
-    from collections.abc import Coroutine
+    from collections.abc import Callable, Coroutine
 
     from rosic.api.callers import ApiCaller
     from rosic.api.rosbridge.calls import ClientCalls
@@ -87,11 +87,47 @@ _SERVING: Final = frozenset(
 )
 
 
-class _Publishing(NamedTuple):
-    """A topic that this client publishes to, and may as long as its right holds."""
+class _Publishing:
+    """A topic that this client publishes to, and may as long as its right holds.
 
-    right: PublishingRight
-    publisher: OpenedPublisher
+    What comes in one step of the loop is sent together after it. A message that is sent by itself
+    wakes its subscribers and a thread of DDS, which takes longer than all the rest of its way.
+
+    Args:
+        right: Asked before each message.
+        publisher: By which it is sent.
+        refuse: Tells why a message was not sent.
+    """
+
+    def __init__(
+        self,
+        right: PublishingRight,
+        publisher: OpenedPublisher,
+        refuse: Callable[[RosicError, Publish], None],
+    ) -> None:
+        self._right, self._publisher, self._refuse = right, publisher, refuse
+        self._waiting: list[tuple[bytes, Publish]] = []
+
+    async def put(self, heard: Publish) -> None:
+        """Check a message, and send it after this step of the loop.
+
+        Raises:
+            RosicError: It does not fit; nothing was sent.
+        """
+        content = await self._publisher.packed(heard.msg)
+        if not self._waiting:
+            asyncio.get_running_loop().call_soon(self.send)
+        self._waiting.append((content, heard))
+
+    def send(self) -> None:
+        """Send what waits."""
+        waiting, self._waiting = self._waiting, []
+        for content, heard in waiting:
+            try:
+                self._right.check()
+                self._publisher.send(content)
+            except RosicError as why:
+                self._refuse(why, heard)
 
 
 class _Subscription(NamedTuple):
@@ -138,6 +174,7 @@ class RosbridgeConnection:
         await asyncio.gather(*tasks, return_exceptions=True)
         for topic, used in self._publishing.items():
             if not isinstance(used, TopicDriver):
+                used.send()
                 await self._parts.hub.release(topic)
         for topic, (_, queue) in self._subscriptions.items():
             queue.close()
@@ -150,16 +187,17 @@ class RosbridgeConnection:
         if text is None or (self.caller is None and len(text) > UNKNOWN_BYTES):
             text = ""
         heard = read(text)
-        if isinstance(heard, Publish) and (used := self._publishing.get(heard.topic)) is not None:
+        used = self._publishing.get(absolute(heard.topic)) if isinstance(heard, Publish) else None
+        if isinstance(heard, Publish) and used is not None:
             try:
                 await self._publish(used, heard)
             except RosicError as why:
-                self._refuse(why, heard.id, *about(heard))
+                self._refuse_heard(why, heard)
             return
         try:
             await self._follow(heard)
         except RosicError as why:
-            self._refuse(why, heard.id, *about(heard))
+            self._refuse_heard(why, heard)
 
     async def _follow(self, heard: Heard | RefusedMessage) -> None:
         if isinstance(heard, RefusedMessage):
@@ -211,9 +249,7 @@ class RosbridgeConnection:
         if isinstance(used, TopicDriver):
             used.put(heard.msg)
         else:
-            content = await used.publisher.packed(heard.msg)
-            used.right.check()
-            used.publisher.send(content)
+            await used.put(heard)
 
     async def _opened(
         self, caller: ApiCaller, topic: str, type_name: str
@@ -237,21 +273,19 @@ class RosbridgeConnection:
             else:
                 right = PublishingRight(parts.context, caller, access)
                 right.check()
-                used = _Publishing(right, await parts.hub.publisher(access))
+                used = _Publishing(right, await parts.hub.publisher(access), self._refuse_heard)
             self._publishing[name] = used
-        if topic != name:
-            self._publishing[topic] = used
         return used
 
     async def _unadvertise(self, heard: Unadvertise) -> None:
         name = absolute(heard.topic)
         used = self._publishing.pop(name, None)
-        self._publishing.pop(heard.topic, None)
         if used is None:
             self._status("warning", said("You publish to no {topic}.", topic=name), heard.id)
         elif isinstance(used, TopicDriver):
             used.close()
         else:
+            used.send()
             await self._parts.hub.release(name)
 
     # ---- subscribing ----
@@ -334,7 +368,7 @@ class RosbridgeConnection:
         try:
             await work
         except RosicError as why:
-            self._refuse(why, heard.id, *about(heard))
+            self._refuse_heard(why, heard)
 
     # ---- what it is told ----
 
@@ -355,6 +389,9 @@ class RosbridgeConnection:
         """
         if self._note(why, op, name) or (known is not None and op != "publish"):
             self._status(level, why.sentence, known)
+
+    def _refuse_heard(self, why: RosicError, heard: Heard | RefusedMessage) -> None:
+        self._refuse(why, heard.id, *about(heard))
 
     def _refuse_driving(self, topic: str, why: RosicError, level: str) -> None:
         self._refuse(why, None, "publish", topic, level)

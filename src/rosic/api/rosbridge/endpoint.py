@@ -49,6 +49,7 @@ MANY: Final = "Too many connections are open already. Close one first."
 SOCKETS: Final = "Clients of rosbridge come in here, by a WebSocket."
 UNREAD: Final = said("That address cannot be read. Name a ticket in it, or nothing.")
 NOBODY: Final = "No key was shown in time. Show one by the op auth, in a header, or by a ticket."
+NO_KEYS: Final = "Too many keys were shown that are not known here, or not any more."
 
 log = logging.getLogger("rosic.api")
 
@@ -159,7 +160,9 @@ class RosbridgeEndpoint:
         while True:
             await asyncio.sleep(LOOK_S)
             caller, now_s = client.caller, loop.time()
-            if client.rejected or (caller is None and now_s - begun_s > KNOWN_WITHIN_S):
+            if client.rejected:
+                raise _Left(ENDED, NO_KEYS)
+            if caller is None and now_s - begun_s > KNOWN_WITHIN_S:
                 raise _Left(ENDED, NOBODY)
             if unknown and caller is not None:
                 unknown = False

@@ -60,23 +60,25 @@ class GraphIntrospection:
         return {"topics": [one.topic for one in found if plain_type(one.type) == kind]}
 
     def _services(self, caller: ApiCaller, _request: Mapping[str, Any]) -> dict[str, Any]:
-        return {"services": self._named(caller, SERVICE)}
+        return {"services": sorted(self._types(caller, SERVICE))}
 
     def _service_type(self, caller: ApiCaller, request: Mapping[str, Any]) -> dict[str, Any]:
         name = absolute(str(request.get("service", "")))
-        found = (one.type for one in self._bindings.all(caller) if one.name == name)
-        return {"type": next(found, "")}
+        return {"type": self._types(caller).get(name, "")}
 
     def _services_for_type(self, caller: ApiCaller, request: Mapping[str, Any]) -> dict[str, Any]:
         kind = plain_type(str(request.get("type", "")))
-        found = self._bindings.all(caller)
-        return {"services": sorted({one.name for one in found if plain_type(one.type) == kind})}
+        found = self._types(caller).items()
+        return {"services": sorted(name for name, each in found if plain_type(each) == kind)}
 
     def _action_servers(self, caller: ApiCaller, _request: Mapping[str, Any]) -> dict[str, Any]:
-        return {"action_servers": self._named(caller, ACTION)}
+        return {"action_servers": sorted(self._types(caller, ACTION))}
 
-    def _named(self, caller: ApiCaller, kind: str) -> list[str]:
-        return sorted({one.name for one in self._bindings.all(caller) if one.kind == kind})
+    def _types(self, caller: ApiCaller, kind: str = "") -> dict[str, str]:
+        """Return what somebody may call, and of which type it is; of one kind alone, or of all."""
+        stops = {} if kind == ACTION else self._bindings.stop_services(caller)
+        skills = (one for one in self._bindings.all(caller) if kind in {"", one.kind})
+        return stops | {one.name: one.type for one in skills}
 
     def _time(self, _caller: ApiCaller, _request: Mapping[str, Any]) -> dict[str, Any]:
         sec, rest = divmod(self._context.kernel.machine_clock.wall_ns(), SECOND_NS)

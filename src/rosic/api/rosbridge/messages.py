@@ -5,6 +5,7 @@ See https://github.com/RobotWebTools/rosbridge_suite/blob/ros2/ROSBRIDGE_PROTOCO
 
 from __future__ import annotations
 
+import re
 from array import array
 from typing import TYPE_CHECKING, Annotated, Any, Final, TypeAlias
 
@@ -154,7 +155,7 @@ class RefusedMessage(msgspec.Struct, frozen=True):
 
 def read(text: str) -> Heard | RefusedMessage:
     """Return what a client says, or what is wrong with it."""
-    if text.count("[") + text.count("{") + text.count('":') > PARTS_AT_MOST:
+    if _has_too_many_parts(text):
         return RefusedMessage(TOO_MANY_PARTS)
     try:
         return _read(text)
@@ -162,6 +163,18 @@ def read(text: str) -> Heard | RefusedMessage:
         return RefusedMessage("That is nested too deeply.")
     except (msgspec.MsgspecError, UnicodeError) as error:
         return _misread(text, str(error))
+
+
+def _has_too_many_parts(text: str) -> bool:
+    if len(text) <= PARTS_AT_MOST:  # nearly every message: a part is a letter at least
+        return False
+    lists = text.count("[") + text.count("{")
+    if lists + text.count(":") <= PARTS_AT_MOST:
+        return False
+    return lists + sum(1 for _ in _FIELD.finditer(text)) > PARTS_AT_MOST
+
+
+_FIELD: Final = re.compile(r'"\s*:')
 
 
 def _misread(text: str, why: str) -> RefusedMessage:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from rosic.api.callers import ApiCaller
     from rosic.api.context import ApiContext
+    from rosic.contracts.graph_topics import GraphTopics
     from rosic.core.language.compiled import CompiledParameter
     from rosic.core.robot.profile import RobotId
     from rosic.core.robot.skill import Meaning, Skill
@@ -65,12 +66,21 @@ class OrderBindings:
 
     def stops(self, caller: ApiCaller, service: str) -> RobotId | None:
         """Return the robot that a service stops, of those that somebody may see."""
-        linker, name = self._context.kernel.rooms.linker, absolute(service)
+        name = absolute(service)
+        found = self._with_stop_service(caller)
+        return next((robot for robot, topics in found if topics.stop_service == name), None)
+
+    def stop_services(self, caller: ApiCaller) -> dict[str, str]:
+        """Return the services that stop robots which somebody may see, and their types."""
+        found = (topics for _, topics in self._with_stop_service(caller))
+        return {topics.stop_service: topics.stop_service_type for topics in found}
+
+    def _with_stop_service(self, caller: ApiCaller) -> Iterator[tuple[RobotId, GraphTopics]]:
+        linker = self._context.kernel.rooms.linker
         for robot in self._context.visible(caller):
             topics = linker.graph_topics(robot)
-            if topics is not None and topics.stop_service == name:
-                return robot
-        return None
+            if topics is not None and topics.stop_service:
+                yield robot, topics
 
     def releases(self, robot: RobotId, request: Mapping[str, Any]) -> bool:
         """Whether a call of the service that stops a robot says that it may go on."""

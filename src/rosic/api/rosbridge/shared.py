@@ -82,7 +82,10 @@ class RefusalNotes:
         self._serial = 0
 
     def note(self, caller: ApiCaller, why: RosicError, asked: str, *, written: bool) -> None:
-        """Count a refusal, and write it down; a disk that hangs keeps nobody waiting."""
+        """Count a refusal that is told, and write it down; a disk that hangs keeps nobody waiting.
+
+        It was told on the connection: no later run says it again.
+        """
         if not isinstance(why, Refusal) or len(self._writing) >= REFUSALS_AT_MOST:
             return
         with contextlib.suppress(Unrecognised):
@@ -109,8 +112,10 @@ class RefusalNotes:
         chat = Chat(address.platform, address.account)
         name = self._context.messenger(caller).name
         answer = KeptAnswer(name, chat, "", str(why.sentence), asked[:200])
+        container = self._context.kernel.rooms.container
         with contextlib.suppress(Repeated):
-            await self._context.kernel.rooms.container.refuse(cid, known, why, answer)
+            await container.refuse(cid, known, why, answer)
+            container.told(cid)
 
 
 class RosbridgeParts(NamedTuple):

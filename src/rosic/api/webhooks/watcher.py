@@ -13,6 +13,7 @@ from rosic.api.schemas import moment
 from rosic.api.webhooks.delivery import WebhookDelivery, WebhookEvent
 from rosic.api.webhooks.settings import WebhookTopic
 from rosic.core.i18n import said
+from rosic.core.order import OrderEnding
 from rosic.core.time_units import SECOND_NS
 
 if TYPE_CHECKING:
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from rosic.api.webhooks.settings import WebhookSettings
     from rosic.core.identity import PrincipalId
     from rosic.core.order import Order, Outcome, StageReport
+    from rosic.core.records import Unfinished
     from rosic.core.robot.profile import RobotId
     from rosic.gateway.feature import Kernel
 
@@ -64,9 +66,21 @@ class WebhookWatcher:
         for delivery in self.deliveries:
             delivery.news.connect(partial(self._say, delivery.shown))
             delivery.put("", WebhookEvent("gateway.started", moment(self._clock.wall_ns()), {}))
+        self._tell_in_doubt(kernel.shared.in_doubt.find() or ())
         kernel.pipeline.executor.watching.observe(self)
         kernel.shared.alarm_news.connect(self._see_alarm)
         self._rooms.stops.changed.connect(self._note_stop)
+
+    def _tell_in_doubt(self, orders: Sequence[Unfinished]) -> None:
+        """Tell of orders of the last run that ended unseen, and of their robots, held for that."""
+        held = dict.fromkeys(order.robot for order in orders)
+        for robot in held:
+            if robot in self._online and (entry := self._rooms.stops[robot]).latched:
+                self._tell_stop(WebhookStop(robot, entry.by, entry.at_ns, stopped=True))
+        for order in orders:
+            data = {"order": order_id(order.cid), "skill": order.skill}
+            how = {"state": OrderEnding.UNKNOWN.value, "note": "", "code": ""}
+            self._tell(WebhookTopic.ORDERS, order.robot, "order.ended", data | how)
 
     async def run(self) -> None:
         """Look at robots until cancelled. What fails is logged, and looked at again."""
@@ -101,17 +115,18 @@ class WebhookWatcher:
 
     def _tell_stops(self) -> None:
         self._telling = None
-        directory = self._rooms.authoriser.directory
         for _ in range(min(CHUNK, len(self._stops))):
-            one = self._stops.popleft()
-            data: dict[str, Any] = {}
-            if one.stopped:
-                by = directory.name(one.by) if one.by else ""
-                data = {"by": by, "stopped": self._rooms.stops[one.robot].latched}
-            what = "robot.stopped" if one.stopped else "robot.resumed"
-            self._tell(WebhookTopic.STOPS, one.robot, what, data, one.at_ns)
+            self._tell_stop(self._stops.popleft())
         if self._stops:
             self._telling = asyncio.get_running_loop().call_soon(self._tell_stops)
+
+    def _tell_stop(self, one: WebhookStop) -> None:
+        data: dict[str, Any] = {}
+        if one.stopped:
+            by = self._rooms.authoriser.directory.name(one.by) if one.by else ""
+            data = {"by": by, "stopped": self._rooms.stops[one.robot].latched}
+        what = "robot.stopped" if one.stopped else "robot.resumed"
+        self._tell(WebhookTopic.STOPS, one.robot, what, data, one.at_ns)
 
     def _see_presence(self, robot: RobotId, *, stood_still: bool) -> None:
         online = self._rooms.linker.presence(robot).online

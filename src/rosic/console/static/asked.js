@@ -8,9 +8,9 @@ import { spoken, t } from "./texts.js";
 const EVERY_MS = 10_000;
 // What a question of the conversation is in until it is answered: asked first, or agreed to by others.
 const WAITS = new Set(["asked", "agreed"]);
-const NOTHING = { data: null, why: "" };
+const NOTHING = { data: null, why: "", status: 0 };
 
-/** Ask for something now and again while it is shown: { data, why, again }. Old data is none. */
+/** Ask for something now and again while it is shown: { data, why, status, again }. Old data is none. */
 export function useAsked(path, everyMs = EVERY_MS) {
   const { link } = useStore();
   const [found, know] = useState({ path: "", ...NOTHING });
@@ -28,8 +28,8 @@ export function useAsked(path, everyMs = EVERY_MS) {
         const answer = await ask("GET", path);
         if (over || mine !== turn) return;
         know((before) => {
-          if (answer.ok) return { path, data: answer.data, why: "" };
-          return { path, data: before.path === path ? before.data : null, why: answer.why };
+          if (answer.ok) return { path, data: answer.data, why: "", status: answer.status };
+          return { path, data: before.path === path ? before.data : null, why: answer.why, status: answer.status };
         });
       }
       timer = setTimeout(look.current, everyMs);

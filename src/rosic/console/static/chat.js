@@ -12,12 +12,46 @@ function time(ns) {
   });
 }
 
+const SHOWN = ["image/png", "image/jpeg", "image/webp", "image/gif"];
+
+/** A file that came with a message: a picture is seen, and each is saved; one that is gone says so. */
+function MessageFile({ file }) {
+  const [why, tell] = useState("");
+  const path = `/v1/chat/${encodeURIComponent(file.id)}/file`;
+  const gone = () => tell(t("{file} is not kept any more.", { file: file.name }));
+  async function save(event) {
+    // Looked up before it is saved: a browser would save the refusal, or say nothing.
+    event.preventDefault();
+    const answer = await fetch(path, { cache: "no-store" }).catch(() => null);
+    if (!answer) return tell(t("The gateway does not answer."));
+    if (!answer.ok) {
+      if (answer.status === 404) return gone();
+      const problem = await answer.json().catch(() => null);
+      return tell(problem?.detail || t("The gateway does not answer."));
+    }
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(await answer.blob());
+    link.download = file.name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+    return tell("");
+  }
+  if (why) return html`<p class="quiet small file-gone" role="status">${why}</p>`;
+  return html`<div class="message-file">
+    ${SHOWN.includes(file.media_type) &&
+    html`<img src=${path} alt=${file.name} loading="lazy" onError=${gone} />`}
+    <a href=${path} download=${file.name} aria-label=${t("Save {file}", { file: file.name })} onClick=${save}>
+      ${file.name}
+    </a>
+  </div>`;
+}
+
 /** One message, with its buttons. */
 export function Message({ message, onTap }) {
   return html`<li class=${message.own ? "own" : `theirs ${message.state}`}>
     <p class="who">${message.own ? t("You") : "ROSIC"} <time>${time(message.sent_ns)}</time></p>
     <p class="text">${message.text}</p>
-    ${message.file && html`<p class="quiet small">${message.file.name}</p>`}
+    ${message.file && html`<${MessageFile} file=${message.file} />`}
     ${message.buttons.map(
       (row) => html`<div class="buttons">
         ${row.map(

@@ -26,10 +26,17 @@ function Missing({ chosen, all, onRobot }) {
   </section>`;
 }
 
+/** Why there is nothing to steer by: a robot that takes velocities has a time-out for them. */
+function noJog(robot, offered) {
+  if (!offered) return t("This gateway offers no live control.");
+  if (robot.watchdog_s === null) return t("{robot} cannot be driven live.", { robot: robot.name });
+  return t("You may not drive {robot} live.", { robot: robot.name });
+}
+
 /** One robot at a time. */
 export function Drive({ robot: wanted, onRobot }) {
   const { robots, abilities } = useStore();
-  const [skills, know] = useState([]);
+  const [known, know] = useState(null);
   const all = [...robots.values()];
   const [first, settle] = useState("");
   useEffect(() => {
@@ -40,6 +47,8 @@ export function Drive({ robot: wanted, onRobot }) {
   if (!robot) return html`<${Missing} chosen=${chosen} all=${all} onRobot=${onRobot} />`;
   const [kind, words] = connection(robot);
   const old = isOld(robot);
+  const skills = known || [];
+  const offered = abilities.has("jog");
   const streamed = skills.filter((skill) => skill.streams);
   return html`<div class="drive">
     <section class="panel choose" aria-label=${t("Robot")}>
@@ -48,7 +57,7 @@ export function Drive({ robot: wanted, onRobot }) {
         <select
           value=${robot.id}
           onChange=${(event) => {
-            know([]);
+            know(null);
             onRobot(event.target.value);
           }}
         >
@@ -68,13 +77,9 @@ export function Drive({ robot: wanted, onRobot }) {
     </section>
     <section class="panel jog" aria-labelledby="h-jog">
       <h2 id="h-jog">${t("Live control")}</h2>
-      ${abilities.has("jog") && streamed.length
+      ${offered && streamed.length
         ? html`<${Jog} key=${robot.id} robot=${robot} skills=${streamed} />`
-        : html`<p class="quiet">
-            ${abilities.has("jog")
-              ? t("{robot} cannot be driven live.", { robot: robot.name })
-              : t("This gateway offers no live control.")}
-          </p>`}
+        : known && html`<p class="quiet">${noJog(robot, offered)}</p>`}
     </section>
     <section class="panel talk" aria-labelledby="h-chat">
       <h2 id="h-chat">${t("Conversation")}</h2>

@@ -86,6 +86,7 @@ export function PoseMap() {
   const box = bounds([...now, ...drawn, ...ways.flat()]);
   const size = box.height / 22;
   const step = squareOf(box);
+  const moved = drawn.some((at, index) => at.y !== now[index].y);
   const told = there.map((robot) => `${robot.name}: ${poseText(robot.presence.pose)}`).join("; ");
   return html`<figure class="map">
     ${all.length > 1 &&
@@ -121,6 +122,9 @@ export function PoseMap() {
         </g>`;
       })}
     </svg>
-    <figcaption>${t("Frame {frame}; a square is {step} m wide.", { frame: frame || "–", step })}</figcaption>
+    <figcaption>
+      ${t("Frame {frame}; a square is {step} m wide.", { frame: frame || "–", step })}${" "}
+      ${moved && t("Robots that stand close together are drawn one below the other; a line leads to where each is.")}
+    </figcaption>
   </figure>`;
 }

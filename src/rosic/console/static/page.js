@@ -11,7 +11,7 @@ import { html, render, useEffect, useLayoutEffect, useRef, useState } from "./li
 import { Live } from "./live.js";
 import { People } from "./people.js";
 import { dropLinkedCode, SignIn, takeLinkedCode } from "./signin.js";
-import { StopBar } from "./stop.js";
+import { StopBar, StopSaid } from "./stop.js";
 import { begin, changed, notice, signOut, state, useStore } from "./store.js";
 import { t } from "./texts.js";
 import { Times } from "./times.js";
@@ -112,6 +112,7 @@ function Page() {
         <button type="button" class="plain" onClick=${signOut}>${t("Sign out")}</button>
       </p>
       <${Tabs} part=${part} />
+      <${StopSaid} />
     </header>
     <${StopBar} />
     ${said &&

@@ -35,6 +35,8 @@ function answered(credential) {
   };
 }
 
+const NOT_FOUND = 404; // its routes are not there without their library
+const notHere = () => t("Passkeys are not installed on this gateway.");
 const NOT_SHOWN = () => ({ ok: false, kind: "warn", text: t("No passkey was shown. Nothing was done.") });
 const refused = (answer) => ({ ok: false, kind: "bad", text: answer.why });
 
@@ -64,6 +66,7 @@ async function make(name) {
 /** Sign in with whichever one its owner chooses; return why it was not possible. */
 export async function signInByPasskey() {
   const asked = await ask("POST", "/v1/sessions/passkey/options", {});
+  if (asked.status === NOT_FOUND) return notHere();
   if (!asked.ok) return asked.why;
   const options = asked.data;
   let shown;
@@ -100,6 +103,7 @@ export function Passkeys() {
       const answer = await ask("DELETE", `/v1/passkeys/${encodeURIComponent(key.id)}`);
       return answer.ok ? { kind: "good", text: t("{name} signs nobody in any more.", { name: key.name }) } : refused(answer);
     }).then(asked.again);
+  if (asked.status === NOT_FOUND) return html`<p class="quiet">${notHere()}</p>`;
   return html`<p class="quiet">
       ${t("A passkey signs you in by your finger, your face or a key, without a code from your chat.")}
     </p>

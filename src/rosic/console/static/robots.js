@@ -12,7 +12,8 @@ export const isOld = (robot) => state.link !== "up" || state.stale.has(robot.id)
 export function connection(robot) {
   if (state.link !== "up") return ["unknown", t("unknown: no connection to the gateway")];
   if (state.stale.has(robot.id)) return ["unknown", t("not heard of yet")];
-  const { online, age_s: age } = robot.presence;
+  const { online, age_s: age, late } = robot.presence;
+  if (online === true && late) return ["warn", t("no sign of life")];
   if (online === true) return ["good", t("connected")];
   if (online === null) return ["unknown", t("its link cannot tell")];
   if (age === null) return ["bad", t("not connected")];

@@ -96,9 +96,34 @@ function onClick() {
   if (performance.now() - pressedAt > 1000) stopAll(); // by a key, or by what reads the page aloud
 }
 
+function dismiss() {
+  state.stop = null;
+  changed();
+}
+
+/** What came of the newest stop: a part of the header, which lies over nothing that cannot be scrolled
+ *  from under it. What is not confirmed cannot be put away. */
+export function StopSaid() {
+  const { stop } = useStore();
+  const said = {
+    stopping: t("Stopping …"),
+    "at-rest": t("At rest"),
+    "not-confirmed": t("Not confirmed: look!"),
+  };
+  return html`<p
+    class=${`stop-said ${stop ? stop.phase : ""}`}
+    role="status"
+    aria-live="assertive"
+    tabindex=${stop ? "0" : undefined}
+  >
+    ${stop && html`<strong>${said[stop.phase]}</strong> ${stop.at && html`<time>${clock(stop.at)}</time>${" "}`}<span>${stop.text}</span>`}
+    ${stop?.phase === "at-rest" &&
+    html` <button type="button" class="plain" onClick=${dismiss}>${t("Dismiss")}</button>`}
+  </p>`;
+}
+
 /** The bar that is in view on every page. */
 export function StopBar() {
-  const { stop } = useStore();
   useEffect(() => {
     addEventListener("keydown", onKey, true);
     addEventListener("keyup", onKey, true);
@@ -107,15 +132,7 @@ export function StopBar() {
       removeEventListener("keyup", onKey, true);
     };
   }, []);
-  const said = {
-    stopping: t("Stopping …"),
-    "at-rest": t("At rest"),
-    "not-confirmed": t("Not confirmed: look!"),
-  };
   return html`<section class="stopbar" aria-label=${t("Stop")}>
-    <p class=${`stop-said ${stop ? stop.phase : ""}`} role="status" aria-live="assertive">
-      ${stop && html`<strong>${said[stop.phase]}</strong> ${stop.at && html`<time>${clock(stop.at)}</time>${" "}`}<span>${stop.text}</span>`}
-    </p>
     <button
       class="stop"
       type="button"

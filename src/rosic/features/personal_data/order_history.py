@@ -6,6 +6,7 @@ that robot: what its users asked of it is shown to nobody else (I11).
 
 from __future__ import annotations
 
+import asyncio
 import re
 from typing import TYPE_CHECKING, Final, TypeVar
 
@@ -45,6 +46,9 @@ TASK: Final = "task "
 _STEP: Final = re.compile(r"(.+), step (\d+) of (\d+)")
 """What stands behind an order that belongs to a task, in the record's own English."""
 MORE: Final = 50
+FEW: Final = 100
+STEP: Final = 20
+"""So many lines are put into words before others have their turn."""
 LONGEST: Final = 300
 """Letters of what somebody wrote or a robot said that one line repeats."""
 NOTHING_YET: Final = said("Nothing was asked for yet, as far as the record goes back.")
@@ -77,6 +81,7 @@ class OrderHistory:
 
     def __init__(self, data_context: ContainerContext) -> None:
         self._data_context = data_context
+        self._many = asyncio.Lock()
 
     async def history(self, asked: CommandContext) -> Reply:
         """Show one's own, or a robot's.
@@ -108,12 +113,22 @@ class OrderHistory:
 
     async def read(self, query: HistoryQuery) -> tuple[HistoryLine, ...]:
         """Return what was asked, in words; see `HistoryReader`."""
+        if query.limit <= FEW:
+            return await self._read(query)
+        async with self._many:  # one long table after the other: a stop has its turn beside one
+            return await self._read(query)
+
+    async def _read(self, query: HistoryQuery) -> tuple[HistoryLine, ...]:
         try:
             found = await self._data_context.container_store.history(query)
         except StoreFault as fault:
             raise RecordUnavailable(words.NOT_READABLE) from fault
-        vocabulary = self._data_context.vocabulary
-        return tuple(HistoryLine(entry, _asked(entry, vocabulary), _came(entry)) for entry in found)
+        vocabulary, lines = self._data_context.vocabulary, list[HistoryLine]()
+        for number, entry in enumerate(found, start=1):
+            lines.append(HistoryLine(entry, _asked(entry, vocabulary), _came(entry)))
+            if number % STEP == 0:  # thousands hold up nobody's stop
+                await asyncio.sleep(0)
+        return tuple(lines)
 
     def _robot(self, who: PrincipalId, named: list[str]) -> RobotId:
         if not named:

@@ -7,7 +7,7 @@ from urllib.parse import urlsplit
 
 from rosic.core.hosts import is_this_machine
 from rosic.core.i18n import filled, joined, said
-from rosic.core.language.command import Command, HelpPage
+from rosic.core.language.command import Command, HelpEntry, HelpPage
 from rosic.core.message import ChatKind
 from rosic.errors import NotPermitted
 from rosic.gateway.commands import Reply
@@ -25,7 +25,7 @@ COMMANDS: Final = (
         aliases=("anmelden",),
         typed=said("/signin"),
         summary=said("Sign in on the page"),
-        page=HelpPage.SHARE,
+        help=HelpEntry(HelpPage.SHARE, 105),
     ),
     Command(
         name="signout",
@@ -61,8 +61,11 @@ class SignInCommands:
 
     def register(self, commands: CommandRegistry) -> None:
         """Take these commands."""
-        commands.register("signin", self.sign_in)
+        commands.register("signin", self.sign_in, offered=self._is_there)
         commands.register("signout", self.sign_out)
+
+    def _is_there(self) -> bool:
+        return self._page_url() is not None
 
     async def sign_in(self, asked: CommandContext) -> Reply:
         """Give a code to somebody who asks in their own chat.

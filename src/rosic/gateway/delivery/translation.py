@@ -58,6 +58,7 @@ class ChatLanguages:
         self._imperial: set[PrincipalId] = set()
         self._imperials: dict[Catalogue | None, Catalogue] = {}
         self._heard: OrderedDict[PrincipalId, str] = OrderedDict()
+        self._suggested: OrderedDict[PrincipalId, str] = OrderedDict()
         self._readers: dict[PrincipalId, Catalogue] = {}
 
     def of(self, principal: PrincipalId) -> Catalogue | None:
@@ -129,18 +130,34 @@ class ChatLanguages:
             self._settle(self._heard.popitem(last=False)[0])
 
     def suggest(self, principal: PrincipalId, locale: str) -> None:
-        """Note what somebody's browser asks for: it counts where no messenger has said anything."""
-        if locale and principal not in self._heard:
-            self.hear(principal, locale)
+        """Note what somebody's browser asks for.
+
+        It counts where no messenger is set to a language that is spoken here besides English,
+        which is also what a messenger or a terminal says that nobody has set.
+        """
+        if not locale or principal in self._suggested:
+            return
+        self._suggested[principal] = locale
+        self._settle(principal)
+        if len(self._suggested) > HEARD_AT_MOST:
+            self._settle(self._suggested.popitem(last=False)[0])
+
+    def _wanted(self, principal: PrincipalId) -> str:
+        """Return what somebody chose, else what a messenger, else what their browser is set to."""
+        if chosen := self._chosen.get(principal):
+            return chosen
+        heard = self._heard.get(principal, "")
+        if _plain_code(heard) != "en" and self.spoken(heard) is not None:
+            return heard
+        return self._suggested.get(principal, heard)
 
     def code(self, principal: PrincipalId) -> str:
         """Return the code of the language that somebody reads."""
-        code = self._chosen.get(principal) or self._heard.get(principal, "")
+        code = self._wanted(principal)
         return "en" if self.spoken(code) is None else _plain_code(code)
 
     def _settle(self, principal: PrincipalId) -> None:
-        code = self._chosen.get(principal) or self._heard.get(principal, "")
-        catalogue = self.spoken(code)
+        catalogue = self.spoken(self._wanted(principal))
         if principal in self._imperial:
             catalogue = self._imperials.setdefault(catalogue, ImperialCatalogue(catalogue))
         if catalogue is None:

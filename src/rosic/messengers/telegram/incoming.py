@@ -7,7 +7,8 @@ to a bot (``/stop@this_bot``), and only with the bot's own.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, NamedTuple
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.identity import Address
 from rosic.core.language import hears_stop
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 PLATFORM = "telegram"
+CHATS_KEPT: Final = 4_096
 
 _ADDRESSED = re.compile(r"(?P<command>/[A-Za-z0-9_]{1,64})@(?P<name>[A-Za-z0-9_]{1,64})(?!\w)")
 _NAMED = re.compile(r"@(?P<name>[A-Za-z0-9_]{1,64})(?!\w)")
@@ -371,7 +373,13 @@ def _chat(
 ) -> Chat:
     kind = _KINDS.get(chat.type, ChatKind.GROUP)
     thread = message.message_thread_id if message is not None and message.is_topic_message else None
-    return Chat(PLATFORM, str(chat.id), kind, "" if thread is None else str(thread))
+    return _place(chat.id, kind, thread)
+
+
+@lru_cache(maxsize=CHATS_KEPT)
+def _place(chat: int, kind: ChatKind, thread: int | None) -> Chat:
+    """Return a chat: one for all its messages, of which thousands are remembered for a while."""
+    return Chat(PLATFORM, str(chat), kind, "" if thread is None else str(thread))
 
 
 def _channel(_: updates.TelegramMessage) -> MessageValidity:

@@ -208,6 +208,7 @@ class UpdateWindow:
     async def idle(self, at_most_s: float) -> None:
         """Wait until everything has been received, but not for long: a stop may come meanwhile."""
         await asyncio.sleep(0)
+        await asyncio.sleep(0)  # what a message has begun has its turn before the next poll
         if self._idle.is_set():
             return
         waits = [

@@ -177,9 +177,10 @@ class CheckedPublisher:
             NotSent: The link is closed, or too much is open.
         """
         content = self._publishers[-1].packed(to_message(self._cls, unpacked(self._cls, fields)))
-        depth = next((each for each in SAID if len(content) * each <= SAID_BYTES), SAID[-1])
-        if depth < self._depth:
-            await self._keep_fewer(depth)
+        if len(content) * self._depth > SAID_BYTES:
+            depth = next((each for each in SAID if len(content) * each <= SAID_BYTES), SAID[-1])
+            if depth < self._depth:
+                await self._keep_fewer(depth)
         return content
 
     def send(self, content: bytes) -> None:
@@ -232,6 +233,11 @@ class OpenTopics:
         """Return the absolute name of the service that stops the robot."""
         stop = self._told.stop
         return check_graph_name(stop.service) if stop is not None and stop.service else ""
+
+    @property
+    def stop_service_type(self) -> str:
+        """Return the type of that service."""
+        return self._told.stop.type if self._told.stop is not None else ""
 
     @property
     def releases_by(self) -> Mapping[str, object]:

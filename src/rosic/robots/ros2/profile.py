@@ -203,7 +203,7 @@ class StopBinding(AnswerFields, frozen=True, kw_only=True):
             says anything, a brake may take for "release". Empty for a service without any.
         release: For a stop that holds until it is told otherwise: the same fields, as they release
             it. Sent by a resume, and before an order where no stop was meant: what ROSIC itself
-            broke off or cancelled. Empty: it holds nothing.
+            broke off or cancelled, in an earlier run, too. Empty: it holds nothing.
         zero: A velocity topic that is sent zero, and its type.
         cancel_only: This robot has neither, and holds when all its goals are cancelled.
     """

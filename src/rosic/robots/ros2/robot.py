@@ -296,7 +296,7 @@ class Ros2Robot:
             if order.skill.actuates and carrier is not self._dialogue:
                 self._loose.check(self.profile.shown)
                 await self._settling.check(call)
-                await self._release()
+                await self._release(order)
             return await carrier.carry(call)
         except BadValue as fault:
             _log.warning("an order for %s was not sent: %s", self.profile.id, fault)
@@ -316,16 +316,16 @@ class Ros2Robot:
                 if call.unsettled:
                     self._settling.begin()
 
-    async def _release(self) -> None:
+    async def _release(self, order: Order) -> None:
         """Release what holds it since a motion was ended without that anybody stopped it.
 
         Raises:
             RobotOffline: It was not released; nothing else was sent.
         """
-        if not self._stop_controller.holds or self.gate.latched:
-            return
         try:
-            await self._stop_controller.release()
+            await self._stop_controller.release_for_order(
+                lambda: self.gate.latched, self._patience_s(order)
+            )
         except RobotUnreachable as fault:
             raise RobotOffline(joined(" ", (fault.sentence, said("Nothing was sent.")))) from fault
 

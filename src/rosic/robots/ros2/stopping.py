@@ -60,7 +60,8 @@ class StopController:
     crash, has sent: a robot that is told to stop stops.
 
     Attributes:
-        holds: Its own stop was called, and holds until it is released.
+        holds: Its own stop was called, and holds until it is released; None: not known, as it may
+            hold since an earlier run.
         zeros: Publishers of velocities, by topic as the profile names it.
         calls: Services: the robot's own stop, and the cancelling of each of its actions.
     """
@@ -72,7 +73,7 @@ class StopController:
         self._requests: dict[ServiceLink, Values] = {}
         self._answers: dict[ServiceLink, BindingAnswer] = {}
         self._profile = profile
-        self.holds = False
+        self.holds: bool | None = None if self.releases else False
         self.zeros: dict[str, Publisher] = {}
 
     def types(self) -> set[str]:
@@ -148,22 +149,70 @@ class StopController:
         Raises:
             RobotUnreachable: It may hold still: nobody answered, or the answer is no success.
         """
-        link, stop, shown = self.own, self._profile.stop, self._profile.shown
-        if link is None or stop is None or not stop.release:
+        self._check_released(await self._release())
+
+    async def release_for_order(self, stopped: Callable[[], bool], found_within_s: float) -> None:
+        """Release its own stop before an order, where that holds or may hold since an earlier run.
+
+        A stop of which it is not known whether it holds may decline: the order is tried then, and
+        whoever holds still declines that.
+
+        Args:
+            stopped: Whether it is stopped by somebody: what holds then is not released.
+            found_within_s: How long to look for whoever releases it.
+
+        Raises:
+            RobotUnreachable: It may hold still, as in `release`.
+        """
+        if self.holds is False or stopped():
             return
         try:
-            response = await link.call(stop.release, timeout_s=RELEASE_WITHIN_S, urgent=True)
+            declined = await self._release(stopped, found_within_s)
+        except RobotUnreachable:
+            if not stopped():
+                raise
+            return
+        if self.holds:
+            self._check_released(declined)
+        elif declined:
+            _log.info("the stop of %s releases nothing: %s", self._profile.id, declined)
+
+    def _check_released(self, declined: str) -> None:
+        if declined:
+            shown = self._profile.shown
+            raise RobotUnreachable(
+                said("The stop of {shown} was not released: {why}.", shown=shown, why=declined)
+            )
+
+    async def _release(
+        self, stopped: Callable[[], bool] = lambda: False, found_within_s: float = 0.0
+    ) -> str:
+        """Release its own stop, where that holds. Return what it says against it, "" if nothing."""
+        link, stop, shown = self.own, self._profile.stop, self._profile.shown
+        if link is None or stop is None or not stop.release:
+            return ""
+
+        def leave() -> None:
+            if stopped():  # while whoever releases it was looked for
+                raise NotSent(f"{self._profile.id} was stopped meanwhile; nothing was sent.")
+
+        try:
+            response = await link.call(
+                stop.release,
+                timeout_s=RELEASE_WITHIN_S,
+                found_within_s=found_within_s,
+                urgent=True,
+                leave=leave,
+            )
         except RosicError as fault:
             _log.warning("the stop of %s was not released: %s", self._profile.id, fault)
             raise RobotUnreachable(
                 said("The stop of {shown} has not answered to its release.", shown=shown)
             ) from fault
-        declined = self.declined(link, response)
-        if declined:
-            raise RobotUnreachable(
-                said("The stop of {shown} was not released: {why}.", shown=shown, why=declined)
-            )
-        self.holds = False
+        declined = self.declined(link, response) or ""
+        if not declined:
+            self.holds = False
+        return declined
 
     def zero(self) -> None:
         """Send zero wherever velocities are sent. It waits for nobody and never raises."""

@@ -210,6 +210,8 @@ class RosProcess:
         command: Sequence[str],
         environment: dict[str, str],
         patience_s: float = 3.0,
+        *,
+        ends_with_input: bool = True,
     ) -> None:
         """Start it.
 
@@ -217,8 +219,10 @@ class RosProcess:
             command: Program and arguments.
             environment: All of it.
             patience_s: How long each way of ending it is given.
+            ends_with_input: It ends once its standard input does; else it is asked (SIGTERM).
         """
         self._patience_s = patience_s
+        self._ends_with_input = ends_with_input
         self.lines: deque[str] = deque(maxlen=_LINES_KEPT)
         self._unseen: deque[str] = deque(maxlen=_LINES_KEPT)
         self._over = False
@@ -259,11 +263,19 @@ class RosProcess:
                 if self._over or not self._heard.wait(end - time.monotonic()):
                     raise AssertionError(self._silence(beginning, timeout_s))
 
-    def stop(self) -> int:
-        """End it: by closing its input, then by asking, then by force. Returns its exit code."""
+    def begin_to_stop(self) -> None:
+        """Have it end, without waiting for that; `stop` must follow."""
         assert self.process.stdin is not None
+        if self.process.stdin.closed:
+            return
         with suppress(BrokenPipeError):
             self.process.stdin.close()
+        if not self._ends_with_input:
+            self.process.terminate()
+
+    def stop(self) -> int:
+        """End it: as it is used to, then by asking, then by force. Returns its exit code."""
+        self.begin_to_stop()
         code = self._ended()
         for persuade in (self.process.terminate, self.process.kill):
             if code is None:
@@ -335,6 +347,8 @@ class RosGraph:
         trace: TracebackType | None,
     ) -> None:
         for process in self._processes:
+            process.begin_to_stop()
+        for process in self._processes:
             process.stop()
         _set(self._before)
         sweep(self.domain_id)
@@ -346,6 +360,7 @@ class RosGraph:
         python_path: Sequence[Path] = (),
         ready: str | None = READY,
         timeout_s: float = 60.0,
+        ends_with_input: bool = True,
     ) -> RosProcess:
         """Run a Python program on this graph, and wait until it says that it is ready.
 
@@ -354,11 +369,13 @@ class RosGraph:
             python_path: Folders that it needs besides, such as built interfaces.
             ready: How the line begins that it says when it is up; None does not wait.
             timeout_s: For that line.
+            ends_with_input: As `RosProcess` has it.
         """
         environment = dict(self.environment)
         folders = [*map(str, python_path), *filter(None, [environment.get("PYTHONPATH")])]
         environment |= {"PYTHONPATH": os.pathsep.join(folders), "PYTHONUNBUFFERED": "1"}
-        process = RosProcess([sys.executable, *map(str, command)], environment)
+        line = [sys.executable, *map(str, command)]
+        process = RosProcess(line, environment, ends_with_input=ends_with_input)
         self._processes.append(process)
         if ready is not None:
             process.expect(ready, timeout_s=timeout_s)
