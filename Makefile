@@ -2,7 +2,7 @@
 #
 #   make demo          six simulated robots in the terminal; no account, no ROS
 #   make test          every check and every test
-#   make servers       install what tests use and no wheel brings (by apt, as root or with sudo); nothing where it is there
+#   make servers       install what tests use and no wheel brings (by apt, as root or with sudo), and Synapse in an environment of its own; nothing where it is there
 #   make check         the checks alone: style, types, imports
 #   make pictures      draw the chats and the page in docs/pictures anew, from what is said today
 #   make campaign      the long runs; hours, not minutes
@@ -107,9 +107,11 @@ endef
 
 # ---- upkeep ----
 
-# Universal (one file for every supported Python), with hashes, without addresses. The smaller set keeps to the larger.
+# Universal (one file for every supported Python), with hashes, without addresses. The smaller set keeps to the larger;
+# the homeserver that tests start has an environment of its own, and keeps to nothing.
 compile = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
-    --custom-compile-command "make requirements" pyproject.toml requirements/build.in
+    --custom-compile-command "make requirements"
+of_rosic = pyproject.toml requirements/build.in
 
 texts: $(VENV)/.dev
 	@$(BIN)/python -m tests.texts $(LANGUAGE)
@@ -118,9 +120,10 @@ texts: $(VENV)/.dev
 
 requirements:
 	@test -x $(BIN)/uv || $(MAKE) $(VENV)/.dev
-	$(compile) --extra dev $(if $(UPGRADE),--upgrade) --output-file requirements/dev.txt
-	$(compile) --constraint requirements/dev.txt --no-annotate --extra telegram --extra pictures \
+	$(compile) $(of_rosic) --extra dev $(if $(UPGRADE),--upgrade) --output-file requirements/dev.txt
+	$(compile) $(of_rosic) --constraint requirements/dev.txt --no-annotate --extra telegram --extra pictures \
 	    --output-file requirements/core.txt
+	$(compile) requirements/synapse.in --only-binary :all: $(if $(UPGRADE),--upgrade) --output-file requirements/synapse.txt
 
 clean:
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .import_linter_cache .hypothesis

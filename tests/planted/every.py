@@ -16,6 +16,7 @@ from tests.planted.faults_of_hanging import OF_HANGING
 from tests.planted.faults_of_interpreting import OF_INTERPRETING
 from tests.planted.faults_of_keeping import OF_KEEPING
 from tests.planted.faults_of_live import OF_LIVE
+from tests.planted.faults_of_matrix import OF_MATRIX
 from tests.planted.faults_of_orders import OF_ORDERS
 from tests.planted.faults_of_programs import OF_PROGRAMS
 from tests.planted.faults_of_reading import OF_READING
@@ -49,6 +50,7 @@ ALL = (
     *OF_SCHEDULING,
     *OF_PROGRAMS,
     *OF_RECORDING,
+    *OF_MATRIX,
     *OF_ROSBRIDGE,
     *OF_WAYS,
     *OF_WEBHOOKS,

@@ -1,0 +1,300 @@
+"""Whose device something came from, and whose devices are spoken to: one account's keys, joined."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import secrets
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from urllib.parse import quote
+
+from msgspec.structs import replace
+
+from rosic.core.message import ChatKind, MessageValidity
+from rosic.errors import ConfigurationError, MessengerFault
+from rosic.messengers.matrix.cross_signing import CrossSigning, OlmDeviceAccount
+from rosic.messengers.matrix.errors import bear_anything
+from rosic.messengers.matrix.replay_guard import ReplayGuard
+from rosic.messengers.matrix.trust import (
+    RequestWeight,
+    SenderAssurance,
+    Trust,
+    permits,
+)
+from rosic.messengers.matrix.user_keys import KeyDirectory
+from rosic.messengers.matrix.verification import PREFIX, EmojiVerification
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterable, Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.message import Inbound
+    from rosic.messengers.matrix.client import MatrixClient
+    from rosic.messengers.matrix.identity_book import KeyChange
+    from rosic.messengers.matrix.reading import ReadEvent
+    from rosic.messengers.matrix.sas import ShownCode
+    from rosic.messengers.matrix.settings import MatrixSettings
+    from rosic.messengers.matrix.verification_protocols import (
+        VerificationPrompt,
+        VerificationResult,
+    )
+
+TO_DEVICE: Final = "/_matrix/client/v3/sendToDevice"
+TOLD_AT_MOST: Final = 1_000
+STEPS_AT_MOST: Final = 200
+"""Of verifications, that wait to be taken; anybody may send any number."""
+
+log = logging.getLogger("rosic.messengers.matrix")
+
+
+class DirectTransport:
+    """Carries verifications for one account."""
+
+    def __init__(self, client: MatrixClient) -> None:
+        self._client = client
+
+    async def to_device(
+        self, user: str, device: str, kind: str, content: Mapping[str, Any]
+    ) -> None:
+        """Send one to-device message.
+
+        Raises:
+            MessengerFault: It was not sent, or it cannot be known.
+        """
+        path = f"{TO_DEVICE}/{quote(kind, safe='')}/{secrets.token_urlsafe(16)}"
+        messages = {"messages": {user: {device: dict(content)}}}
+        await self._client.persist(lambda: self._client.call("PUT", path, messages))
+
+    async def in_room(self, room: str, kind: str, content: Mapping[str, Any]) -> str:
+        """Send one event into a room.
+
+        Raises:
+            MessengerFault: It was not sent, or it cannot be known.
+        """
+        return await self._client.send(room, kind, content)
+
+
+class VerificationHandler:
+    """Passes on to whoever compares emoji at our end: nobody, until somebody is named.
+
+    Args:
+        name: Of the messenger, for the log.
+
+    Attributes:
+        prompt: Who compares; None: nobody, so that nothing is begun.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.prompt: VerificationPrompt | None = None
+        self._name = name
+
+    def ask(self, prompt: VerificationPrompt) -> None:
+        """Ask this one from now on."""
+        self.prompt = prompt
+
+    def accepts(self, user: str) -> bool:
+        """Whether this person may begin one."""
+        return self.prompt is not None and self.prompt.accepts(user)
+
+    def show(self, code: ShownCode) -> None:
+        """Show a code to whoever compares it."""
+        if self.prompt is not None:
+            self.prompt.show(code)
+
+    def tell(self, result: VerificationResult) -> None:
+        """Say how one ended."""
+        log.info("%s: verifying %s: %s", self._name, result.user, result.end.value)
+        if self.prompt is not None:
+            self.prompt.tell(result)
+
+
+class TrustNotices(NamedTuple):
+    """Who is told.
+
+    Attributes:
+        changed: Told that somebody's keys are others, or that they have a new device.
+        explain: Tells whoever wrote something why it is not followed.
+    """
+
+    changed: Callable[[KeyChange], None]
+    explain: Callable[[Inbound, SenderAssurance], Awaitable[None]]
+
+
+class DeviceTrust:
+    """Nothing can be asked of it before `start`.
+
+    Args:
+        name: Of the messenger, for the log.
+        prompt: Compares emoji at our end.
+        notices: Told what people must hear of.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        client: MatrixClient,
+        settings: MatrixSettings,
+        clock: Clock,
+        *,
+        prompt: VerificationPrompt,
+        notices: TrustNotices,
+    ) -> None:
+        self._name = name
+        self._client = client
+        self._settings = settings
+        self._clock = clock
+        self._prompt = prompt
+        self._changed, self._explain = notices
+        self._guard = ReplayGuard(settings.folder)
+        self._cross_signing: CrossSigning | None = None
+        self._trust: Trust | None = None
+        self._verification: EmojiVerification | None = None
+        self._steps: asyncio.Queue[tuple[str, Mapping[str, Any]]] = asyncio.Queue(STEPS_AT_MOST)
+        self._stale: set[str] = set()
+        self._looked_at: set[str] = set()
+        self._explained: dict[tuple[str, str], None] = {}
+
+    @property
+    def verification(self) -> EmojiVerification:
+        """Comparing emoji with people.
+
+        Raises:
+            MessengerFault: It has not begun yet.
+        """
+        if self._verification is None:
+            raise MessengerFault(f"The messenger {self._name} is not connected yet.")
+        return self._verification
+
+    async def start(self) -> None:
+        """Have this device signed by the account's own keys, which are made the first time.
+
+        Raises:
+            ConfigurationError: The account has other keys than this folder, and only verified
+                devices are followed.
+            MessengerFault: The homeserver did not answer.
+        """
+        library = self._client.library
+        await self._client.upkeep()
+        await self._client.renew_fallback_key()
+        if self._cross_signing is None:
+            await self._guard.open()
+            self._client.refuse_replays(self._guard)
+            self._client.verify_nothing()
+            bear_anything(library.olm)
+            signing = CrossSigning(
+                OlmDeviceAccount(library.olm),
+                self._client.call,
+                self._client.folder,
+                KeyDirectory(self._client.call),
+                self._changed,
+            )
+            self._cross_signing = signing
+            self._trust = Trust(signing, trust_on_first_use=self._settings.trust_on_first_use)
+            self._verification = EmojiVerification(
+                signing, DirectTransport(self._client), self._clock, self._prompt
+            )
+        self._cross_signing.directory.forget_all()
+        self._looked_at.clear()
+        try:
+            await self._cross_signing.start(self._settings.password)
+        except ConfigurationError as error:
+            if self._settings.require_verified:
+                raise
+            log.warning("%s: %s", self._name, error)
+
+    # ---- what comes ----
+
+    async def weigh(self, one: ReadEvent) -> Inbound:
+        """Return a message as it counts: from whom nobody can be sure of, it moves nothing (I17).
+
+        Whoever wrote it is told so, once.
+        """
+        inbound, room = one.inbound, one.inbound.chat.id
+        if self._trust is None or not await self._is_on_disk():
+            return replace(inbound, standing=MessageValidity.ANONYMOUS)
+        assurance = await self._trust.assess(one.evidence)
+        strict = self._settings.require_verified
+        # Nobody's client encrypts a reaction. Where unverified devices are followed, whoever runs
+        # the homeserver could add one as well, so a reaction is worth no less there.
+        tapped = one.reaction and not strict and assurance is SenderAssurance.PLAIN
+        if tapped or permits(
+            assurance,
+            RequestWeight.ACT,
+            require_verified=strict,
+            room_encrypted=self._client.is_encrypted(room),
+        ):
+            return inbound
+        if inbound.standing is not MessageValidity.FRESH:
+            return inbound
+        about = (room, inbound.sender.account)
+        if assurance is not SenderAssurance.FORGED and about not in self._explained:
+            if len(self._explained) >= TOLD_AT_MOST:
+                self._explained.clear()
+            self._explained[about] = None
+            if inbound.chat.kind is ChatKind.PRIVATE or one.known:
+                await self._explain(inbound, assurance)
+        return replace(inbound, standing=MessageValidity.ANONYMOUS)
+
+    async def _is_on_disk(self) -> bool:
+        """Whether nothing that was decrypted could be given out again as something new."""
+        try:
+            await self._guard.settle()
+        except MessengerFault as fault:
+            log.error("%s: %s", self._name, fault)  # noqa: TRY400 - what broke is a full disk
+            return False
+        return True
+
+    def devices_changed(self, users: Iterable[str]) -> None:
+        """Ask anew for the keys of these people: a sync named them."""
+        for user in users:
+            self._stale.add(user)
+            self._looked_at.discard(user)
+            if self._cross_signing is not None:  # nothing that comes with it is judged by old keys
+                self._cross_signing.directory.forget(user)
+
+    def heard(self, room: str, source: Mapping[str, Any]) -> None:
+        """Take a step of a verification: in a room, or to this device, where the room is empty."""
+        kind, content = source.get("type"), source.get("content")
+        stated = content.get("msgtype") if isinstance(content, dict) else None
+        ours = any(isinstance(one, str) and one.startswith(PREFIX) for one in (kind, stated))
+        if ours and not self._steps.full():
+            self._steps.put_nowait((room, source))
+
+    async def follow(self) -> None:
+        """Take steps of verifications, one after the other, until cancelled."""
+        while True:
+            room, source = await self._steps.get()
+            if self._verification is None:
+                continue
+            if room:
+                await self._verification.on_room_event(room, source)
+            else:
+                await self._verification.on_to_device(source)
+
+    async def look_after(self) -> None:
+        """Look whose devices are new; to be called when a sync is through. Never raises a fault."""
+        stale, self._stale = self._stale, set()
+        if self._cross_signing is not None:
+            await self._cross_signing.keys_changed(stale)
+        if self._verification is not None:
+            await self._verification.expire()
+
+    # ---- what goes ----
+
+    async def before_sending(self, room: str) -> None:
+        """Give no keys to devices that a homeserver may have added. Never raises a fault."""
+        if self._trust is None or not self._client.is_encrypted(room):
+            return
+        library = self._client.library
+        for user in sorted(self._client.members(room) - self._looked_at - {self._client.user}):
+            try:
+                withheld = await self._trust.withheld(user)
+            except MessengerFault as fault:
+                log.info("%s: keys could not be looked up: %s", self._name, fault)
+                continue
+            self._looked_at.add(user)
+            for device in library.device_store.active_user_devices(user):
+                if device.id in withheld:
+                    library.blacklist_device(device)
+                elif library.olm.is_device_blacklisted(device):
+                    library.unblacklist_device(device)

@@ -1,0 +1,110 @@
+"""What is asked of a homeserver about one room."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
+
+import nio
+
+from rosic.messengers.matrix.client import API
+from rosic.messengers.matrix.errors import MatrixError, MatrixErrorKind
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rosic.messengers.matrix.client import MatrixClient
+
+
+class RoomCalls:
+    """Makes them for one account."""
+
+    def __init__(self, client: MatrixClient) -> None:
+        self._client = client
+
+    async def state(self, room: str, kind: str) -> dict[str, Any]:
+        """Return a part of a room's state; empty where there is none.
+
+        Raises:
+            MatrixError: It cannot be known.
+        """
+        path = f"{API}/rooms/{quote(room, safe='')}/state/{quote(kind, safe='')}"
+        try:
+            found: dict[str, Any] = await self._client.persist(
+                lambda: self._client.call("GET", path)
+            )
+        except MatrixError as error:
+            if error.kind is MatrixErrorKind.NOT_FOUND:
+                return {}
+            raise
+        return found
+
+    async def set_state(self, room: str, kind: str, content: Mapping[str, Any]) -> None:
+        """Change a part of a room's state.
+
+        Raises:
+            MatrixError: Not changed, or it cannot be known.
+        """
+        path = f"{API}/rooms/{quote(room, safe='')}/state/{quote(kind, safe='')}"
+        await self._client.persist(lambda: self._client.call("PUT", path, content))
+
+    async def read_own(self, room: str, message: str) -> dict[str, Any] | None:
+        """Return what a message of ours was sent with; None where there is none, or no more.
+
+        Raises:
+            MatrixError: It cannot be known.
+        """
+        try:
+            found = await self._client.persist(
+                lambda: self._client.library.room_get_event(room, message)
+            )
+        except MatrixError as error:
+            if error.kind in {
+                MatrixErrorKind.NOT_FOUND,
+                MatrixErrorKind.FORBIDDEN,
+                MatrixErrorKind.REFUSED,
+            }:
+                return None
+            raise
+        event = found.event
+        if isinstance(event, nio.MegolmEvent):
+            event.room_id = room
+            event = self._client.decrypt(event)
+        if event is None or event.source.get("sender") != self._client.user:
+            return None
+        content = event.source.get("content")
+        return content if isinstance(content, dict) and "body" in content else None
+
+    async def join(self, room: str) -> None:
+        """Join a room that we were invited to, or that anybody may join.
+
+        Raises:
+            MatrixError: We are not in it, or it cannot be known.
+        """
+        await self._client.persist(
+            lambda: self._client.call("POST", f"{API}/join/{quote(room, safe='')}", {})
+        )
+
+    async def leave(self, room: str) -> None:
+        """Leave a room, or decline to join it.
+
+        Raises:
+            MatrixError: Not done, or it cannot be known.
+        """
+        path = f"{API}/rooms/{quote(room, safe='')}/leave"
+        await self._client.persist(lambda: self._client.call("POST", path, {}))
+
+    async def earlier(
+        self, room: str, before: str, until: str, limit: int
+    ) -> tuple[list[Any], str]:
+        """Return events from before a point, newest first, and the point that they reach back to.
+
+        Raises:
+            MatrixError: They cannot be had.
+        """
+        found = await self._client.persist(
+            lambda: self._client.library.room_messages(
+                room, before or None, until or None, limit=limit
+            )
+        )
+        return list(found.chunk), str(found.end or "")

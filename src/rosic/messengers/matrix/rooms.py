@@ -1,0 +1,204 @@
+"""Which rooms we are in, what kind each is, and what happens to them."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Any, Final
+
+from rosic.core.identity import Address
+from rosic.core.message import Chat, ChatEvent, ChatEventKind, ChatKind
+from rosic.errors import MessengerFault
+from rosic.messengers.matrix.incoming import PLATFORM
+from rosic.messengers.matrix.room_calls import RoomCalls
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from rosic.contracts.messenger import Knows, Passed
+    from rosic.messengers.matrix.client import MatrixClient
+
+MEMBER: Final = "m.room.member"
+TOMBSTONE: Final = "m.room.tombstone"
+CREATE: Final = "m.room.create"
+ENCRYPTION: Final = "m.room.encryption"
+PRIVATE_MEMBERS: Final = 2
+JOINS_AT_MOST: Final = 20
+"""Rooms joined after one sync; anybody may invite us into any number."""
+
+log = logging.getLogger("rosic.messengers.matrix")
+
+
+class Rooms:
+    """Joins, leaves, and tells whoever watches.
+
+    Args:
+        name: Of the messenger, for the log.
+    """
+
+    def __init__(self, name: str, client: MatrixClient) -> None:
+        self._name = name
+        self._client = client
+        self._calls = RoomCalls(client)
+        self._known: Knows = _nobody
+        self._passed: Passed = _untold
+        self._invited: dict[str, bool] = {}
+        self._moving: dict[str, str] = {}
+
+    def begin(self, known: Knows, passed: Passed) -> None:
+        """Begin a run: ask and tell these; say first that everything is heard in every room."""
+        self._known, self._passed = known, passed
+        self._invited, self._moving = {}, {}
+        self._tell(ChatEvent(chat=Chat(PLATFORM, ""), what=ChatEventKind.HEARING))
+
+    def kind(self, room: str) -> ChatKind:
+        """Return how many can read along: two at the most, invited ones counted, are private."""
+        few = len(self._client.members(room)) <= PRIVATE_MEMBERS
+        return ChatKind.PRIVATE if few else ChatKind.GROUP
+
+    def chat(self, room: str) -> Chat:
+        """Return a room as a chat."""
+        return Chat(PLATFORM, room, self.kind(room))
+
+    # ---- what a sync says ----
+
+    def invited(self, rooms: Mapping[str, Any]) -> None:
+        """Note where we were invited to, from what a sync says of it."""
+        for room, info in rooms.items():
+            for event in info.invite_state:
+                source = event.source
+                if source.get("type") != MEMBER or source.get("state_key") != self._client.user:
+                    continue
+                content, sender = source.get("content"), source.get("sender")
+                direct = isinstance(content, dict) and content.get("is_direct") is True
+                welcome = isinstance(sender, str) and self._known(Address(PLATFORM, sender))
+                self._invited[room] = direct or welcome
+
+    def left(self, rooms: Iterable[str]) -> None:
+        """Note rooms that we are not in any more."""
+        for room in rooms:
+            self._invited.pop(room, None)
+            self._tell(
+                ChatEvent(chat=Chat(PLATFORM, room, ChatKind.GROUP), what=ChatEventKind.REMOVED)
+            )
+
+    def happened(self, room: str, source: Mapping[str, Any]) -> None:
+        """Follow an event that is about the room itself."""
+        content = source.get("content")
+        if not isinstance(content, dict) or "state_key" not in source:
+            return
+        if source.get("type") == MEMBER:
+            self._member(room, source, content)
+        elif source.get("type") == TOMBSTONE:
+            replacement = content.get("replacement_room")
+            if isinstance(replacement, str) and replacement.startswith("!"):
+                self._moving[room] = replacement
+
+    def _member(self, room: str, source: Mapping[str, Any], content: Mapping[str, Any]) -> None:
+        who, sender = source.get("state_key"), source.get("sender")
+        if not isinstance(who, str) or self.kind(room) is not ChatKind.GROUP:
+            return
+        now, before = str(content.get("membership")), _before(source)
+        by = Address(PLATFORM, sender) if isinstance(sender, str) else None
+        if who == self._client.user:
+            if now == "join" and before != "join":
+                what, told = ChatEventKind.ADDED, by
+            else:
+                return
+        elif now in {"leave", "ban"} and before == "join":
+            what, told = ChatEventKind.LEFT, Address(PLATFORM, who)
+        else:
+            return
+        self._tell(ChatEvent(chat=self.chat(room), what=what, who=told, title=self._title(room)))
+
+    def _title(self, room: str) -> str:
+        found = self._client.rooms.get(room)
+        return "" if found is None else str(found.name or "")
+
+    # ---- what follows from it ----
+
+    @property
+    def has_work(self) -> bool:
+        """Whether there is a room to join or to decline."""
+        return bool(self._invited or self._moving)
+
+    async def follow(self) -> None:
+        """Join where we are welcome, decline the rest, and go where rooms have moved."""
+        for room in list(self._invited)[:JOINS_AT_MOST]:
+            act = self._calls.join if self._invited.pop(room) else self._calls.leave
+            await self._attempt(act, room)
+        for old, new in list(self._moving.items())[:JOINS_AT_MOST]:
+            del self._moving[old]
+            if await self._attempt(self._calls.join, new) and await self._is_successor(old, new):
+                self._tell(
+                    ChatEvent(
+                        chat=Chat(PLATFORM, old, ChatKind.GROUP),
+                        what=ChatEventKind.MOVED,
+                        new_id=new,
+                    )
+                )
+
+    async def _is_successor(self, old: str, new: str) -> bool:
+        """Whether a room says of itself that it follows another: both must say so.
+
+        An upgraded room that is not encrypted any more follows nothing.
+        """
+        try:
+            created = await self._calls.state(new, CREATE)
+            encrypted = await self._calls.state(new, ENCRYPTION)
+        except MessengerFault:
+            return False
+        before = created.get("predecessor")
+        named = isinstance(before, dict) and before.get("room_id") == old
+        return named and (bool(encrypted) or not self._client.is_encrypted(old))
+
+    async def _attempt(self, act: Callable[[str], Any], room: str) -> bool:
+        try:
+            await act(room)
+        except MessengerFault as fault:
+            log.info("%s: a room was not entered or left: %s", self._name, fault)
+            return False
+        return True
+
+    def _tell(self, passing: ChatEvent) -> None:
+        try:
+            self._passed(passing)
+        except Exception:
+            log.exception("%s: what happened to a room was not followed", self._name)
+
+
+def entered_at(events: list[Any], own: str) -> int:
+    """Return where in what a sync brought of a room our own time there begins; 0: before it.
+
+    What was written since we were invited is meant for us: people write before we have joined.
+    """
+    joined = invited = 0
+    for number, event in enumerate(events):
+        source = event.source
+        if event.decrypted or source.get("type") != MEMBER or source.get("state_key") != own:
+            continue  # any member can encrypt what looks like an event of the room itself
+        content = source.get("content")
+        membership = content.get("membership") if isinstance(content, dict) else None
+        if membership == "invite":
+            invited = number + 1
+        elif membership == "join" and _before(source) != "join":
+            joined = number + 1
+    return invited or joined
+
+
+def has_entered(events: list[Any], own: str) -> bool:
+    """Whether a sync brought our own entering of a room."""
+    return entered_at(events, own) > 0
+
+
+def _before(source: Mapping[str, Any]) -> object:
+    unsigned = source.get("unsigned")
+    before = unsigned.get("prev_content") if isinstance(unsigned, dict) else None
+    return before.get("membership") if isinstance(before, dict) else None
+
+
+def _nobody(_who: Address) -> bool:
+    return False
+
+
+def _untold(_what: object) -> None:
+    pass
