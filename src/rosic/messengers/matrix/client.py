@@ -15,13 +15,13 @@ import nio
 
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.matrix.errors import MatrixError, MatrixErrorKind, refusal, trouble
+from rosic.messengers.matrix.olm_machine import AccountClient
 from rosic.messengers.matrix.sealed_folder import SealedFolder
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Mapping
 
     from rosic.contracts.clock import Clock
-    from rosic.messengers.matrix.replay_guard import ReplayGuard
     from rosic.messengers.matrix.settings import MatrixSettings
 
 T = TypeVar("T")
@@ -140,7 +140,7 @@ class MatrixClient:
             store_sync_tokens=False,
             request_timeout=CALL_S,
         )
-        return nio.AsyncClient(
+        return AccountClient(
             self._settings.homeserver,
             self._settings.user,
             store_path=str(self._settings.folder),
@@ -155,16 +155,6 @@ class MatrixClient:
 
     def _machine(self) -> Any:  # noqa: ANN401 - matrix-nio has no types
         return self._nio.olm
-
-    def refuse_replays(self, guard: ReplayGuard) -> None:
-        """Have what was decrypted in earlier runs known, too."""
-        machine = self._machine()
-        machine.message_index_store = guard
-
-    def verify_nothing(self) -> None:
-        """Leave verifications to us, for rooms as well: matrix-nio would answer by itself."""
-        machine = self._machine()
-        machine.handle_key_verification = _pass_over
 
     def _kept(self) -> SignedIn | None:
         content = self.folder.read(DEVICE_FILE)
@@ -494,7 +484,3 @@ def _refused(response: Any) -> MatrixError:  # noqa: ANN401 - matrix-nio has no 
             "soft_logout": response.soft_logout,
         },
     )
-
-
-def _pass_over(_event: object) -> None:
-    pass

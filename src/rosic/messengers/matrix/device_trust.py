@@ -13,7 +13,6 @@ from msgspec.structs import replace
 from rosic.core.message import ChatKind, MessageValidity
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.matrix.cross_signing import CrossSigning, OlmDeviceAccount
-from rosic.messengers.matrix.errors import bear_anything
 from rosic.messengers.matrix.replay_guard import ReplayGuard
 from rosic.messengers.matrix.trust import (
     RequestWeight,
@@ -178,9 +177,7 @@ class DeviceTrust:
         await self._client.renew_fallback_key()
         if self._cross_signing is None:
             await self._guard.open()
-            self._client.refuse_replays(self._guard)
-            self._client.verify_nothing()
-            bear_anything(library.olm)
+            library.olm.refuse_replays(self._guard)
             signing = CrossSigning(
                 OlmDeviceAccount(library.olm),
                 self._client.call,

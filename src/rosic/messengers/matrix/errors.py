@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import enum
 import logging
-from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
-from nio.exceptions import EncryptionError, LocalProtocolError, OlmTrustError
+from nio.exceptions import LocalProtocolError, OlmTrustError
 
 from rosic.errors import MessengerFault, RosicError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
 log = logging.getLogger("rosic.messengers.matrix")
 
@@ -146,36 +145,3 @@ def _wait_s(value: object) -> float:
     if isinstance(value, int | float) and not isinstance(value, bool) and value > 0:
         return value / 1_000
     return DEFAULT_WAIT_S
-
-
-# ---- what others encrypted ----
-
-
-def bear_anything(machine: Any) -> None:  # noqa: ANN401 - matrix-nio has no types
-    """Have what cannot be decrypted passed over, whatever it makes the libraries raise.
-
-    Otherwise a sync with one such event of a stranger would fail, and be asked for again for ever,
-    with a stop behind it.
-
-    Args:
-        machine: nio's, which decrypts.
-    """
-    machine.handle_to_device_event = partial(_borne, machine.handle_to_device_event)
-    machine.decrypt_megolm_event = partial(_decrypted, machine.decrypt_megolm_event)
-
-
-def _borne(handle: Callable[[Any], Any], event: Any) -> Any:  # noqa: ANN401 - nio's
-    try:
-        return handle(event)
-    except Exception:
-        log.exception("a message to this device was passed over")
-        return None
-
-
-def _decrypted(decrypt: Callable[..., Any], *event: Any, **more: Any) -> Any:  # noqa: ANN401
-    try:
-        return decrypt(*event, **more)
-    except EncryptionError:
-        raise
-    except Exception as error:
-        raise EncryptionError(f"what was decrypted is no event: {type(error).__name__}") from error
