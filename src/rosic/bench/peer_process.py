@@ -51,7 +51,7 @@ class AnswerCount:
 
 
 def update(number: int) -> dict[str, Any]:
-    """Return an update of Telegram's Bot API, as a connection gives it."""
+    """Return an update of Telegram's Bot API, taken apart."""
     person = 7_000_000_001 + number % PEOPLE
     who = {"id": person, "is_bot": False, "first_name": "Person", "language_code": "en"}
     return {
@@ -64,6 +64,11 @@ def update(number: int) -> dict[str, Any]:
             "text": SAID,
         },
     }
+
+
+def payload(number: int) -> bytes:
+    """Return the answer of Telegram's that brings an update, as a connection gives it."""
+    return json.dumps({"ok": True, "result": [update(number)]}).encode()
 
 
 def answered(method: str) -> dict[str, Any]:
@@ -104,6 +109,7 @@ async def telegram(skills: int, answers: AnswerCount) -> AsyncIterator[Send]:
     """Run an application of python-telegram-bot, its connection replaced by memory."""
     from telegram import Update
     from telegram.ext import Application, MessageHandler, filters
+    from telegram.request import BaseRequest
 
     called_ns = 0
 
@@ -127,10 +133,17 @@ async def telegram(skills: int, answers: AnswerCount) -> AsyncIterator[Send]:
         raw = update(number)
         began_ns = time.perf_counter_ns()
         await application.process_update(Update.de_json(raw, application.bot))
-        return (time.perf_counter_ns() if skills else called_ns) - began_ns
+        return time.perf_counter_ns() - began_ns
+
+    async def receive(number: int) -> int:
+        came = payload(number)
+        began_ns = time.perf_counter_ns()
+        (raw,) = BaseRequest.parse_json_payload(came)["result"]
+        await application.process_update(Update.de_json(raw, application.bot))
+        return called_ns - began_ns
 
     async with application:
-        yield send
+        yield send if skills else receive
 
 
 def memory_session(answers: AnswerCount) -> Any:
@@ -181,9 +194,16 @@ async def aiogram(skills: int, answers: AnswerCount) -> AsyncIterator[Send]:
         raw = update(number)
         began_ns = time.perf_counter_ns()
         await dispatcher.feed_raw_update(bot, raw)
-        return (time.perf_counter_ns() if skills else called_ns) - began_ns
+        return time.perf_counter_ns() - began_ns
 
-    yield send
+    async def receive(number: int) -> int:
+        came = payload(number)
+        began_ns = time.perf_counter_ns()
+        (raw,) = bot.session.json_loads(came)["result"]
+        await dispatcher.feed_raw_update(bot, raw)
+        return called_ns - began_ns
+
+    yield send if skills else receive
 
 
 def memory_connector(bot: Any, answers: AnswerCount) -> Any:

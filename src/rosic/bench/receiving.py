@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import json
 import os
 import tempfile
 from contextlib import AsyncExitStack, asynccontextmanager
@@ -13,8 +14,10 @@ from time import perf_counter_ns
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import msgspec
 from telegram import Bot, Update
 from telegram.ext import Application, MessageHandler, filters
+from telegram.request import BaseRequest
 
 from rosic.app import runtime
 from rosic.app.gateway import Gateway, GatewaySettings
@@ -31,6 +34,7 @@ from rosic.core.time_units import SECOND_NS
 from rosic.messengers.telegram.bot_client import BotClient
 from rosic.messengers.telegram.messenger import TelegramMessenger
 from rosic.messengers.telegram.settings import read_settings
+from rosic.messengers.telegram.updates import ApiAnswer
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore
@@ -84,11 +88,11 @@ class ScriptedBotClient(BotClient):
     def __init__(self, token: str = TOKEN) -> None:
         super().__init__(read_settings("bench", {"token": token}))
         self.given_ns = 0
-        self._next: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+        self._next: asyncio.Queue[bytes] = asyncio.Queue()
 
-    def hand(self, update: dict[str, Any]) -> None:
-        """Have the next poll bring this."""
-        self._next.put_nowait(update)
+    def hand(self, payload: bytes) -> None:
+        """Have the next poll bring this, as it comes over the wire."""
+        self._next.put_nowait(payload)
 
     @asynccontextmanager
     async def held(self) -> AsyncIterator[Any]:
@@ -109,11 +113,11 @@ class ScriptedBotClient(BotClient):
             return []
         try:
             async with asyncio.timeout(timeout_s):
-                update = await self._next.get()
+                payload = await self._next.get()
         except TimeoutError:
             return []
         self.given_ns = perf_counter_ns()
-        return [update]
+        return msgspec.json.decode(payload, type=ApiAnswer).result or []
 
 
 class _Anybody:
@@ -227,7 +231,7 @@ async def _rosic(store: Store) -> AsyncIterator[Callable[[int], Awaitable[int]]]
     async def one(number: int) -> int:
         given = asyncio.get_running_loop().create_future()
         WAITING.append(given)
-        line.hand(_update(number))
+        line.hand(_payload(number))
         given_ns: int = await asyncio.wait_for(given, 10)
         while len(gateway.pipeline.executor):  # noqa: ASYNC110 - a length tells nobody
             await asyncio.sleep(PAUSE_S)
@@ -256,8 +260,9 @@ async def empty_handler(control: Control) -> AsyncIterator[Callable[[int], Await
     application.add_handler(MessageHandler(filters.ALL, nothing))
 
     async def one(number: int) -> int:
-        raw = _update(number)
+        payload = _payload(number)
         began_ns = perf_counter_ns()
+        (raw,) = BaseRequest.parse_json_payload(payload)["result"]
         await application.process_update(Update.de_json(raw, bot))
         await asyncio.sleep(PAUSE_S)
         return called_ns - began_ns
@@ -266,10 +271,11 @@ async def empty_handler(control: Control) -> AsyncIterator[Callable[[int], Await
         yield one
 
 
-def _update(number: int) -> dict[str, Any]:
+def _payload(number: int) -> bytes:
+    """Return the answer of Telegram's that brings an update."""
     person = 7_000_000_001 + number % PEOPLE
     name = f"Person {person}"
-    return {
+    update = {
         "update_id": 1_000 + number,
         "message": {
             "message_id": 1_000 + number,
@@ -279,6 +285,7 @@ def _update(number: int) -> dict[str, Any]:
             "text": "omni go 0.5 m",
         },
     }
+    return json.dumps({"ok": True, "result": [update]}).encode()
 
 
 def _gateway(messenger: TelegramMessenger, store: Store) -> Gateway:
