@@ -109,6 +109,16 @@ def _resource_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _matrix_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--synapse",
+        type=lambda text: Path(text).absolute(),
+        metavar="PYTHON",
+        help="of an environment with Synapse; left out: one in your cache, made if need be",
+    )
+    parser.add_argument("--no-install", action="store_true", help="make none")
+
+
 def _peers_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--environment",
@@ -161,6 +171,7 @@ EXTRAS: Final = {
     "telegram": "telegram",
     "testing": "aiohttp",
     "api": "litestar",
+    "matrix": "nio",
     "schedule": "scipy",
 }
 """A module that each brings."""
@@ -180,6 +191,13 @@ BENCHES: Final[dict[str, BenchEntry]] = {
     "language": BenchEntry("what reading a line costs"),
     "latency": BenchEntry(
         "Algorithm 9 of the paper, and an order hop by hop", _latency_options, STAND_IN
+    ),
+    "matrix": BenchEntry(
+        "an order and its answer over Matrix, beside a bare echo",
+        _matrix_options,
+        ("matrix",),
+        in_report=False,
+        report_options=("--no-install",),
     ),
     "messages": BenchEntry(
         "Algorithm 6 of the paper: a group's messages into a file, by a real account",

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING
 import pytest
 
 from tests.real.matrix.database import found_in
-from tests.real.matrix.synapse import Synapse
+from tests.real.matrix.synapse import synapse_in
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from tests.real.matrix.synapse import Synapse
 
 TEXT = "drive 1.5 2 für „Ada“"
 
@@ -22,7 +24,7 @@ TEXT = "drive 1.5 2 für „Ada“"
 @pytest.fixture
 def kept(tmp_path: Path) -> Synapse:
     """A homeserver that never ran, with a database that this test writes."""
-    synapse = Synapse(tmp_path)
+    synapse = synapse_in(tmp_path)
     with closing(sqlite3.connect(synapse.database)) as database, database:
         database.execute("CREATE TABLE events (id INTEGER, said TEXT, raw BLOB)")
         database.execute("CREATE TABLE 'to \"be\" sent' (said TEXT)")

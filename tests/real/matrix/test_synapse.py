@@ -14,18 +14,18 @@ import httpx
 import pytest
 
 from tests.pace import pace
-from tests.real.matrix.synapse import DOMAIN, NotReady, Synapse
+from tests.real.matrix.synapse import DOMAIN, HomeserverFault, synapse_in
 
 if TYPE_CHECKING:
-    from tests.real.matrix.synapse import Account
+    from tests.real.matrix.synapse import Account, Synapse
 
 
 ROOT = Path(__file__).parents[3]
 STARTS_ONE = """
 import sys, time
 from pathlib import Path
-from tests.real.matrix.synapse import Synapse
-with Synapse(Path(sys.argv[1])) as running:
+from tests.real.matrix.synapse import synapse_in
+with synapse_in(Path(sys.argv[1])) as running:
     print(running.url, flush=True)
     time.sleep(600)
 """
@@ -67,8 +67,8 @@ def test_it_limits_nobody(synapse: Synapse) -> None:
 
 
 def test_one_that_cannot_start_says_why(tmp_path: Path) -> None:
-    with pytest.raises(NotReady, match=r"Synapse did not start: .*invalid format"):
-        Synapse(tmp_path, server_name="not a name").start()
+    with pytest.raises(HomeserverFault, match=r"Synapse did not start: .*invalid format"):
+        synapse_in(tmp_path, server_name="not a name").start()
 
 
 def test_one_whose_port_another_takes_meanwhile_finds_another(
@@ -76,9 +76,9 @@ def test_one_whose_port_another_takes_meanwhile_finds_another(
 ) -> None:
     taken = int(synapse.url.rpartition(":")[2])
     ports = iter((taken, taken + 1 if taken < 31_999 else taken - 1))
-    monkeypatch.setattr("tests.real.matrix.synapse._free_port", lambda: next(ports))
+    monkeypatch.setattr("rosic.testing.matrix.synapse._free_port", lambda: next(ports))
 
-    with Synapse(tmp_path) as other:
+    with synapse_in(tmp_path) as other:
         assert other.url != synapse.url
         assert log_in(other.create_account("Ada")).status_code == httpx.codes.OK
 
