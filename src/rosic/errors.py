@@ -3,6 +3,7 @@
 RosicError
 |-- Refusal                the person: may not, or not now. Expected; no traceback; never retried
 |   |-- Unrecognised       authoriser: a stranger, or a key that is revoked or expired
+|   |-- Unverified         pipeline: nobody can be sure who sent it, so it may look, and no more
 |   |-- NotUnderstood      container: the words do not say what to do
 |   |-- OutOfBounds        container: understood, but outside what the robot allows
 |   |-- NotPermitted       organiser: no role gives this right
@@ -117,6 +118,12 @@ class Unrecognised(Refusal):
     """A stranger, or a key that is revoked or has expired. Nothing about robots is disclosed."""
 
     code = "unrecognised"
+
+
+class Unverified(Refusal):
+    """Nobody can be sure who sent it: it may look and stop. Nothing else of it was done (I17)."""
+
+    code = "unverified"
 
 
 class NotUnderstood(Refusal):

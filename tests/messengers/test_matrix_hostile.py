@@ -13,6 +13,7 @@ from nio.exceptions import EncryptionError
 
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound, MessageValidity
+from rosic.core.policy.roles import Assurance
 from rosic.messengers.matrix.olm_machine import OlmMachine
 from rosic.messengers.matrix.reading import ReadEvent
 from rosic.messengers.matrix.rooms import entered_at
@@ -58,8 +59,10 @@ async def test_beside_a_stop_that_nobody_looked_at_nothing_counts(text: str) -> 
     assert (found.text, found.standing) == (text, MessageValidity.ANONYMOUS)
 
 
-async def test_a_stop_alone_is_what_it_is() -> None:
-    assert (await handed_over("stop")).standing is MessageValidity.FRESH
+async def test_what_turns_out_to_be_no_stop_may_only_look() -> None:
+    found = await handed_over("stop")
+    assert found.standing is MessageValidity.UNVERIFIED
+    assert found.assurance is Assurance.PROVIDER_READABLE
 
 
 def raising(error: Exception) -> Callable[..., Any]:

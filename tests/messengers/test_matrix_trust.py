@@ -82,7 +82,11 @@ async def test_what_came_in_the_open_is_worth_nothing(world: World) -> None:
 async def test_a_person_whose_key_nobody_compared_is_not_verified(world: World) -> None:
     assert await world.assess(world.eve.phone) is SenderAssurance.ENCRYPTED_UNVERIFIED
     first = Trust(world.account.cross_signing, trust_on_first_use=True)
-    assert await first.assess(_evidence(world.eve.phone)) is SenderAssurance.ENCRYPTED_VERIFIED
+    found = await first.assess(_evidence(world.eve.phone))
+    assert found is SenderAssurance.TRUSTED_ON_FIRST_USE
+    assert found.channel is Assurance.E2EE_UNVERIFIED, "nobody has compared anything"
+    found = await first.assess(_evidence(world.ada.phone))
+    assert found is SenderAssurance.ENCRYPTED_VERIFIED
 
 
 async def test_a_message_of_eve_in_adas_name_is_forged(world: World) -> None:
@@ -192,6 +196,7 @@ def test_a_stop_is_always_obeyed(
         (SenderAssurance.FORGED, False, False, False, False),
         (SenderAssurance.PLAIN, True, True, False, False),
         (SenderAssurance.ENCRYPTED_UNVERIFIED, True, True, True, False),
+        (SenderAssurance.TRUSTED_ON_FIRST_USE, True, True, True, True),
         (SenderAssurance.ENCRYPTED_VERIFIED, True, True, True, True),
     ],
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import FAULTS
 from tests.planted.faults_of_alerts import OF_ALERTS
 from tests.planted.faults_of_among import OF_AMONG
+from tests.planted.faults_of_assurance import OF_ASSURANCE
 from tests.planted.faults_of_breaks import OF_BREAKS
 from tests.planted.faults_of_busy import OF_BUSY
 from tests.planted.faults_of_cancelling import OF_CANCELLING
@@ -39,6 +40,7 @@ ALL = (
     *OF_FLEET,
     *OF_TASKS,
     *OF_KEEPING,
+    *OF_ASSURANCE,
     *OF_BREAKS,
     *OF_LIVE,
     *OF_CANCELLING,

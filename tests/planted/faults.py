@@ -212,7 +212,7 @@ FAULTS = (
     Fault(
         name="I17 edited and forwarded messages are accepted",
         file="gateway/pipeline.py",
-        guard="if inbound.standing is not FRESH:",
+        guard="if inbound.standing is not FRESH and inbound.standing is not UNVERIFIED:",
         without="if False:",
         caught_by=(f"{WAY}::test_what_is_not_fresh_changes_nothing",),
     ),

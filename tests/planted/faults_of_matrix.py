@@ -38,8 +38,8 @@ OF_MATRIX = (
     Fault(
         name="a session that was handed on counts as its owner's",
         file="messengers/matrix/trust.py",
-        guard="if verified and not evidence.forwarded:",
-        without="if verified:",
+        guard="return SenderAssurance.ENCRYPTED_UNVERIFIED if evidence.forwarded else worth",
+        without="return worth",
         caught_by=(f"{TRUST}::test_a_session_that_was_handed_on_is_hearsay",),
     ),
     Fault(

@@ -22,6 +22,7 @@ ABOUT: Final = "/problems/"
 _STATUS: Final[Mapping[str, HTTPStatus]] = {
     "unrecognised": HTTPStatus.UNAUTHORIZED,
     "not-permitted": HTTPStatus.FORBIDDEN,
+    "unverified": HTTPStatus.FORBIDDEN,
     "inert": HTTPStatus.FORBIDDEN,
     "not-found": HTTPStatus.NOT_FOUND,
     "nothing-to-see": HTTPStatus.NOT_FOUND,

@@ -181,6 +181,13 @@ class ButtonTokens:
         bound = self._bound.get(nonce)
         return None if bound is None or bound.principal == ANYBODY else bound.principal
 
+    def says(self, nonce: str) -> str | None:
+        """Return what a button says, and leave it as good as it is; None: that is not known."""
+        bound = self._bound.get(nonce)
+        if bound is not None:
+            return bound.command
+        return nonce[1:] if nonce.startswith(OPEN) else None
+
     def redeem(self, nonce: str, principal: PrincipalId, inbound: Inbound) -> RedeemedButton:
         """Return what the tap says and agrees to, and void the button.
 

@@ -10,6 +10,7 @@ import msgspec
 
 from rosic.core.i18n import said
 from rosic.core.identity import PAGE, PROGRAM, Address, CommandId
+from rosic.core.policy.roles import Assurance
 
 # ---- in and out ----
 
@@ -37,6 +38,8 @@ class MessageValidity(enum.Enum):
     VIA_BOT = "via-bot"
     CHANNEL = "channel"
     ANONYMOUS = "anonymous"
+    UNVERIFIED = "unverified"
+    """Nobody can be sure that whoever it names has sent it: it may look, and changes nothing."""
     DROPPED = "dropped"
     """Its messenger could not wait for its turn any longer: it is only told of."""
 
@@ -125,6 +128,10 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
             own count; empty where the whole chat shares the number, or there is one account only.
         shared: What every account of ours that is in the chat knows it by, where its number is one
             account's own; empty where nothing is, or there is one account only.
+        assurance: What the way that it came is worth, where that is told of each message; None:
+            what its messenger is worth.
+        remedy: Of one whose sender nobody can be sure of: what its author can do about that, in a
+            sentence; empty: nothing is known.
     """
 
     sender: Address
@@ -151,6 +158,8 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     written: str = ""
     links: tuple[str, ...] = ()
     live: bool = False
+    assurance: Assurance | None = None
+    remedy: str = ""
 
     @property
     def awaits_answer(self) -> bool:

@@ -52,6 +52,7 @@ COMMANDS: Final = (
     ),
     Command(
         name="information",
+        observes=True,
         summary="what a robot has said of itself (the paper's Algorithm 7)",
         pairs=(("request", "information"),),
     ),

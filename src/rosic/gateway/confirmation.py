@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import msgspec
 
+from rosic.contracts.assurance import assurance_of
 from rosic.contracts.clock import ClockReading, passed_ns, reading
 from rosic.core.i18n import joined, said
 from rosic.core.identity import REQUEST_ID_BYTES, Caller, CommandId, PrincipalId
@@ -16,7 +17,7 @@ from rosic.core.message import AnswerState, Button
 from rosic.core.policy.evaluate import may_agree
 from rosic.core.policy.limits import limit_in_words
 from rosic.core.policy.query import AuthContext, Deny, PolicyCode, Query
-from rosic.core.policy.roles import ASSURANCES, Assurance, StepRequired
+from rosic.core.policy.roles import StepRequired
 from rosic.errors import Expired, FirstNeeded, NotPermitted
 from rosic.gateway import cancel_messages as words
 from rosic.gateway.agreement import ResolvedAct
@@ -337,8 +338,7 @@ class Confirmation:
         """
         if asked.caller.is_program:
             raise NotPermitted(said("Only a person can agree to it."))
-        worth = ASSURANCES.get(asked.messenger.assurance, Assurance.PROVIDER_READABLE)
-        auth_context = AuthContext(channel=worth)
+        auth_context = AuthContext(channel=assurance_of(asked.messenger, asked.inbound))
         for ask in request.asks:
             decision = self._organiser.decision(
                 asked.caller, ask.robot, ask.skill, ask.arguments, auth_context

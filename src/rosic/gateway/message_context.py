@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
+from rosic.contracts.assurance import assurance_of
 from rosic.core.language.skill_values import is_understood
 from rosic.core.policy.query import AuthContext
-from rosic.core.policy.roles import ASSURANCES, Assurance
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -108,7 +108,7 @@ class MessageContext:
         """Return what counts besides who they are; asked only where it matters."""
         self.proven = self.stepped_up(self.caller.principal, self.inbound.chat)
         return AuthContext(
-            channel=ASSURANCES.get(self.messenger.assurance, Assurance.PROVIDER_READABLE),
+            channel=assurance_of(self.messenger, self.inbound),
             stepped_up=self.proven,
             confirmed=self.confirmed,
             second=self.second,

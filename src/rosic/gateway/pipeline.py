@@ -29,6 +29,7 @@ from rosic.gateway.replies import Replies
 from rosic.gateway.reply_context import GroupConversations, RobotFollowers
 from rosic.gateway.requests import RequestFactory, line_id
 from rosic.gateway.unfollowed_messages import UnfollowedMessages
+from rosic.gateway.unverified_messages import UnverifiedMessages
 from rosic.gateway.urgent_lane import UrgentLane
 
 if TYPE_CHECKING:
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
 
 LONG = 1_000
 FRESH = MessageValidity.FRESH
+UNVERIFIED = MessageValidity.UNVERIFIED
 PRIVATE = ChatKind.PRIVATE
 
 
@@ -124,6 +126,7 @@ class Pipeline:
             GroupConversations(clock),
         )
         self._chat = ChatHandler(rooms, chat_sender, replies, hooks, self.agreements, parts)
+        self._unverified = UnverifiedMessages(self._chat, rooms, reader, replies)
         self._unfollowed = UnfollowedMessages(
             rooms, reader, replies, self._chat.addressed, self._chat.brought_a_code, clock
         )
@@ -139,7 +142,7 @@ class Pipeline:
         if urgent is not None and await self._urgent.take(messenger, inbound, urgent):
             await self._unfollowed.take(messenger, inbound)
             return
-        if inbound.standing is not FRESH:
+        if inbound.standing is not FRESH and inbound.standing is not UNVERIFIED:
             await self._unfollowed.take(messenger, inbound)
             return
         try:
@@ -161,7 +164,7 @@ class Pipeline:
         What is said beside orders is answered by the chat handler. How an order ends comes back by
         way of the executor, which awaits what `Linker.dispatch` returns.
         """
-        rooms, chat = self._rooms, self._chat
+        rooms, chat = self._rooms, self._chat if inbound.standing is FRESH else self._unverified
         try:
             if may_bring_a_code(inbound) and await chat.brought_a_code(messenger, inbound):
                 return

@@ -43,6 +43,7 @@ CLOCK_SET_BACK = said(
     "it is right, or it has caught up. Stop still works."
 )
 ANY_CHANNEL = {
+    Assurance.E2EE_UNVERIFIED: said("a chat that is encrypted from end to end"),
     Assurance.E2EE_VERIFIED: said("a chat that only the two of us can read, with keys compared"),
     Assurance.LOCAL: said("somebody at the machine itself"),
 }

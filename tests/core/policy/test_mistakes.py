@@ -69,7 +69,7 @@ def test_the_default_roles_and_a_good_junior_are_without_mistake() -> None:
             "assurance",
             (
                 "'secret' is no assurance of a channel. "
-                "Known: provider-readable, e2ee-verified, local."
+                "Known: provider-readable, e2ee-unverified, e2ee-verified, local."
             ),
         ),
         (

@@ -7,8 +7,8 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from rosic.core.message import Button, MessageValidity, Outbound
+from rosic.core.policy.roles import Assurance
 from rosic.messengers.matrix.messenger import MatrixMessenger, matrix_messenger
-from rosic.messengers.matrix.room_calls import RoomCalls
 from rosic.messengers.matrix.signs import KEYS
 from rosic.messengers.matrix.verification_protocols import VerificationEnd
 from rosic.system import SystemClock
@@ -100,17 +100,6 @@ class Place:
         await until(lambda: bool(self.admin.results))
         assert self.admin.results[0].end is VerificationEnd.COMPARED
 
-    async def told(self) -> str:
-        """Return what the messenger has last written."""
-        async with asyncio.timeout(30 * pace()):
-            while True:
-                events, _ = await RoomCalls(self.ada.client).earlier(self.room, "", "", 20)
-                said = [one.source for one in events if one.sender == self.messenger.account]
-                texts = [one["content"].get("body") for one in said if "state_key" not in one]
-                if any(texts):
-                    return str(next(filter(None, texts)))
-                await asyncio.sleep(0.1)
-
 
 @asynccontextmanager
 async def place(synapse: Synapse, folder: Path) -> AsyncIterator[Place]:
@@ -132,15 +121,17 @@ async def place(synapse: Synapse, folder: Path) -> AsyncIterator[Place]:
 async def test_nothing_moves_before_emoji_were_compared(synapse: Synapse, tmp_path: Path) -> None:
     async with place(synapse, tmp_path) as lab:
         unverified = await lab.says("omni move 1 m")
-        assert unverified.standing is MessageValidity.ANONYMOUS
-        assert "Nobody has verified your device" in await lab.told()
+        assert unverified.standing is MessageValidity.UNVERIFIED
+        assert "/verify" in unverified.remedy
+        assert unverified.assurance is Assurance.E2EE_UNVERIFIED
         stop = await lab.says("stop")
-        assert stop.standing is MessageValidity.FRESH
+        assert stop.standing is MessageValidity.UNVERIFIED, "nobody looked whose device it was"
 
         await lab.verify()
 
         verified = await lab.says("omni move 2 m")
         assert verified.standing is MessageValidity.FRESH
+        assert verified.assurance is Assurance.E2EE_VERIFIED
 
 
 async def test_a_reaction_moves_nothing_and_a_number_does(synapse: Synapse, tmp_path: Path) -> None:
@@ -153,7 +144,8 @@ async def test_a_reaction_moves_nothing_and_a_number_does(synapse: Synapse, tmp_
         tapped = await lab.taps(message)
         replied = await lab.says("1", {"m.relates_to": {"m.in_reply_to": {"event_id": message}}})
 
-        assert (tapped.nonce, tapped.standing) == (GO.nonce, MessageValidity.ANONYMOUS)
+        assert (tapped.nonce, tapped.standing) == (GO.nonce, MessageValidity.UNVERIFIED)
+        assert "reply to the message with the number" in tapped.remedy
         assert (replied.nonce, replied.standing) == (GO.nonce, MessageValidity.FRESH)
 
 

@@ -104,6 +104,8 @@ class Command(msgspec.Struct, frozen=True, kw_only=True):
         verbs: Words in other languages that may follow, each with the English one that it means.
         explained: Said alone it changes nothing: it says how it is said, or shows what there is. So
             ``help NAME`` says that.
+        observes: It shows something and changes nothing, whatever follows it: so it is answered
+            where nobody can be sure who asks.
         redacted_unless: What stands behind it lets somebody in, so none of it is kept; except this
             word. None: nothing secret stands behind it.
         help: Its place in ``help``. None: it stands in none.
@@ -127,6 +129,7 @@ class Command(msgspec.Struct, frozen=True, kw_only=True):
     page: HelpPage | None = None
     verbs: Mapping[str, str] = {}
     explained: bool = False
+    observes: bool = False
     redacted_unless: str | None = None
     help: HelpEntry | None = None
     menu: MenuEntry | None = None

@@ -22,14 +22,17 @@ class Assurance(enum.IntEnum):
     """Who else could read or write in a conversation; a greater one is worth every smaller one.
 
     ``PROVIDER_READABLE``: whoever runs the platform can read along and could write in a person's
-    name. ``E2EE_VERIFIED``: only the two ends can, and their keys were compared; the platform sees
-    nothing. ``LOCAL``: no network lies between; whoever sits there has the machine itself in
-    their hands, and no cipher would keep them from anything.
+    name. ``E2EE_UNVERIFIED``: it is encrypted from end to end, but whose the other end is nobody
+    has seen: the platform could have put itself there. ``E2EE_VERIFIED``: only the two ends can,
+    and their keys were compared; the platform sees nothing. ``LOCAL``: no network lies between;
+    whoever sits there has the machine itself in their hands, and no cipher would keep them from
+    anything.
     """
 
     PROVIDER_READABLE = 0
-    E2EE_VERIFIED = 1
-    LOCAL = 2
+    E2EE_UNVERIFIED = 1
+    E2EE_VERIFIED = 2
+    LOCAL = 3
 
     @property
     def said(self) -> str:

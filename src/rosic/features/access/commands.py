@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 COMMANDS: Final = (
     Command(
         name="me",
+        observes=True,
         aliases=("ich",),
         typed=said("/me"),
         summary=said("What you may do, and until when"),

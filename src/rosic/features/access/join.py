@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from rosic.authoriser import messages
 from rosic.authoriser.enrolment_records import ApprovalPending, CodeRedeemed, EnrolmentRefused
 from rosic.authoriser.invite_codes import code_said
+from rosic.contracts.assurance import assurance_of
 from rosic.core.i18n import joined
 from rosic.core.message import ChatKind, MessageValidity
 from rosic.core.rate_limit import Bucket, RateLimit
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
 
 LONG = 1_000
 SILENT = Reply("")
+# Whose device it came from need not be known: what they may do by what comes from it, it is asked.
+MAY_JOIN = frozenset({MessageValidity.FRESH, MessageValidity.UNVERIFIED})
 """It was about joining, and is done; there is nothing to say."""
 # Answers to what is no good code: all addresses share them.
 ANSWERS = RateLimit(burst=10.0, per_s=0.5)
@@ -91,7 +94,7 @@ class JoinHandler:
             known = self._newcomer_chat.knows(inbound.nonce)
             return await self._tapped(messenger, inbound) if known else None
         private = inbound.chat.kind is ChatKind.PRIVATE
-        if private and inbound.standing is not MessageValidity.FRESH:
+        if private and inbound.standing not in MAY_JOIN:
             return None
         if not private:
             return await self._in_group(messenger, inbound, text)
@@ -125,7 +128,7 @@ class JoinHandler:
                 inbound.chat,
                 inbound.message,
             )
-        shown = words.invited(what, messenger.platform, messenger.assurance)
+        shown = words.invited(what, messenger.platform, assurance_of(messenger, inbound).said)
         return Reply(shown, self._newcomer_chat.offer(inbound, offered))
 
     async def _in_group(self, messenger: Messenger, inbound: Inbound, text: str) -> Reply | None:

@@ -50,6 +50,10 @@ NOBODY_TO_ASK: Final = said("I can reach no admin now, so ask one yourself.")
 _READ_ALONG: Final = {
     "local": None,
     "e2ee-verified": said("who writes when, but not what (the messages are end-to-end encrypted)"),
+    "e2ee-unverified": said(
+        "who writes when, and what as well if it has put a device of its own here (the messages "
+        "are end-to-end encrypted, but nobody has compared keys)"
+    ),
     "provider-readable": said("everything here ({platform} is not end-to-end encrypted)"),
 }
 

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 COMMANDS: Final = (
     Command(
         name="alerts",
+        observes=True,
         aliases=("alarme",),
         typed=said("/alerts"),
         summary=said("What is wrong now, and what was"),

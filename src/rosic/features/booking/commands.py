@@ -48,6 +48,7 @@ COMMANDS: Final = (
     ),
     Command(
         name="slots",
+        observes=True,
         aliases=("zeiten",),
         typed=said("/slots"),
         summary=said("Which times are whose"),

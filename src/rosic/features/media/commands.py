@@ -181,14 +181,21 @@ class _Take:
 COMMANDS: Final = (
     Command(
         name="picture",
+        observes=True,
         aliases=("bild",),
         typed=said("/picture"),
         summary=said("What its camera shows now"),
         help=HelpEntry(HelpPage.SEE, 50, HelpNeed.PICTURE),
     ),
-    Command(name="clip", summary="what its camera shows, for some seconds", page=HelpPage.SEE),
+    Command(
+        name="clip",
+        summary="what its camera shows, for some seconds",
+        page=HelpPage.SEE,
+        observes=True,
+    ),
     Command(
         name="map",
+        observes=True,
         aliases=("karte",),
         typed=said("/map"),
         summary=said("Where it is on its map"),
@@ -196,6 +203,7 @@ COMMANDS: Final = (
     ),
     Command(
         name="chart",
+        observes=True,
         aliases=("verlauf",),
         typed=said("/chart"),
         summary=said("A value over time"),
@@ -204,6 +212,7 @@ COMMANDS: Final = (
     ),
     Command(
         name="trajectory",
+        observes=True,
         aliases=("weg",),
         typed=said("/trajectory"),
         summary=said("The way it has gone"),
@@ -212,6 +221,7 @@ COMMANDS: Final = (
     ),
     Command(
         name="path",
+        observes=True,
         summary="the same as trajectory",
     ),
 )

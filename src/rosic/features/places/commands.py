@@ -48,6 +48,7 @@ COMMANDS: Final = (
     ),
     Command(
         name="places",
+        observes=True,
         aliases=("orte",),
         summary="which places robots have",
         page=HelpPage.MOVE,

@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 import logging
 import secrets
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import quote
 
 from msgspec.structs import replace
 
-from rosic.core.message import ChatKind, MessageValidity
+from rosic.core.i18n import said
+from rosic.core.message import MessageValidity
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.matrix.cross_signing import CrossSigning, OlmDeviceAccount
 from rosic.messengers.matrix.replay_guard import ReplayGuard
@@ -24,7 +26,7 @@ from rosic.messengers.matrix.user_keys import KeyDirectory
 from rosic.messengers.matrix.verification import PREFIX, EmojiVerification
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.core.message import Inbound
@@ -39,11 +41,24 @@ if TYPE_CHECKING:
     )
 
 TO_DEVICE: Final = "/_matrix/client/v3/sendToDevice"
-TOLD_AT_MOST: Final = 1_000
 STEPS_AT_MOST: Final = 200
 """Of verifications, that wait to be taken; anybody may send any number."""
 
 log = logging.getLogger("rosic.messengers.matrix")
+
+
+def remedy_for(assurance: SenderAssurance, *, tapped: bool) -> str:
+    """Return what somebody can do whose message may only look.
+
+    Args:
+        assurance: What it is worth.
+        tapped: It is a tap in an encrypted room.
+    """
+    if tapped and assurance is SenderAssurance.PLAIN:
+        return said("A reaction is not encrypted: reply to the message with the number instead.")
+    if assurance is SenderAssurance.PLAIN:
+        return said("It came without encryption: write it in an encrypted room.")
+    return said("Verify me in your client, or say: /verify")
 
 
 class DirectTransport:
@@ -107,25 +122,13 @@ class VerificationHandler:
             self.prompt.tell(result)
 
 
-class TrustNotices(NamedTuple):
-    """Who is told.
-
-    Attributes:
-        changed: Told that somebody's keys are others, or that they have a new device.
-        explain: Tells whoever wrote something why it is not followed.
-    """
-
-    changed: Callable[[KeyChange], None]
-    explain: Callable[[Inbound, SenderAssurance], Awaitable[None]]
-
-
 class DeviceTrust:
     """Nothing can be asked of it before `start`.
 
     Args:
         name: Of the messenger, for the log.
         prompt: Compares emoji at our end.
-        notices: Told what people must hear of.
+        changed: Told that somebody's keys are others, or that they have a new device.
     """
 
     def __init__(
@@ -136,14 +139,14 @@ class DeviceTrust:
         clock: Clock,
         *,
         prompt: VerificationPrompt,
-        notices: TrustNotices,
+        changed: Callable[[KeyChange], None],
     ) -> None:
         self._name = name
         self._client = client
         self._settings = settings
         self._clock = clock
         self._prompt = prompt
-        self._changed, self._explain = notices
+        self._changed = changed
         self._guard = ReplayGuard(settings.folder)
         self._cross_signing: CrossSigning | None = None
         self._trust: Trust | None = None
@@ -151,7 +154,6 @@ class DeviceTrust:
         self._steps: asyncio.Queue[tuple[str, Mapping[str, Any]]] = asyncio.Queue(STEPS_AT_MOST)
         self._stale: set[str] = set()
         self._looked_at: set[str] = set()
-        self._explained: dict[tuple[str, str], None] = {}
 
     @property
     def verification(self) -> EmojiVerification:
@@ -202,9 +204,9 @@ class DeviceTrust:
     # ---- what comes ----
 
     async def weigh(self, one: ReadEvent) -> Inbound:
-        """Return a message as it counts: from whom nobody can be sure of, it moves nothing (I17).
+        """Return a message as it counts: from whom nobody can be sure of, it may look (I17).
 
-        Whoever wrote it is told so, once.
+        One that is surely not from whom it names counts like that of nobody.
         """
         inbound, room = one.inbound, one.inbound.chat.id
         if self._trust is None or not await self._is_on_disk():
@@ -214,23 +216,17 @@ class DeviceTrust:
         # Nobody's client encrypts a reaction. Where unverified devices are followed, whoever runs
         # the homeserver could add one as well, so a reaction is worth no less there.
         tapped = one.reaction and not strict and assurance is SenderAssurance.PLAIN
-        if tapped or permits(
-            assurance,
-            RequestWeight.ACT,
-            require_verified=strict,
-            room_encrypted=self._client.is_encrypted(room),
-        ):
+        encrypted = self._client.is_encrypted(room)
+        inbound = replace(inbound, assurance=assurance.channel)
+        if tapped or inbound.standing is not MessageValidity.FRESH:
             return inbound
-        if inbound.standing is not MessageValidity.FRESH:
+        asks = partial(permits, assurance, require_verified=strict, room_encrypted=encrypted)
+        if asks(RequestWeight.ACT):
             return inbound
-        about = (room, inbound.sender.account)
-        if assurance is not SenderAssurance.FORGED and about not in self._explained:
-            if len(self._explained) >= TOLD_AT_MOST:
-                self._explained.clear()
-            self._explained[about] = None
-            if inbound.chat.kind is ChatKind.PRIVATE or one.known:
-                await self._explain(inbound, assurance)
-        return replace(inbound, standing=MessageValidity.ANONYMOUS)
+        if not asks(RequestWeight.OBSERVE):
+            return replace(inbound, standing=MessageValidity.ANONYMOUS)
+        remedy = remedy_for(assurance, tapped=inbound.nonce is not None and encrypted)
+        return replace(inbound, standing=MessageValidity.UNVERIFIED, remedy=remedy)
 
     async def _is_on_disk(self) -> bool:
         """Whether nothing that was decrypted could be given out again as something new."""

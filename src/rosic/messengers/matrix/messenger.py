@@ -10,7 +10,7 @@ from rosic.core.i18n import said
 from rosic.core.identity import Address
 from rosic.errors import MessengerFault
 from rosic.messengers.matrix.client import MatrixClient
-from rosic.messengers.matrix.device_trust import DeviceTrust, TrustNotices, VerificationHandler
+from rosic.messengers.matrix.device_trust import DeviceTrust, VerificationHandler
 from rosic.messengers.matrix.files import MediaFetcher
 from rosic.messengers.matrix.identity_book import KeyChangeKind
 from rosic.messengers.matrix.incoming import PLATFORM
@@ -20,7 +20,6 @@ from rosic.messengers.matrix.rooms import Rooms
 from rosic.messengers.matrix.settings import USER, MatrixSettings, read_settings
 from rosic.messengers.matrix.signs import Signs
 from rosic.messengers.matrix.sync import SyncLoop, SyncParts
-from rosic.messengers.matrix.trust import SenderAssurance
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Mapping
@@ -76,7 +75,7 @@ class MatrixMessenger:
             settings,
             clock,
             prompt=self._prompt,
-            notices=TrustNotices(self._keys_changed, self._explain),
+            changed=self._keys_changed,
         )
         self._speaker = RoomSender(
             self._client,
@@ -199,22 +198,6 @@ class MatrixMessenger:
                 who=change.user,
             )
         self._alarm(MessengerFault(told))
-
-    async def _explain(self, inbound: Inbound, assurance: SenderAssurance) -> None:
-        """Tell somebody why what they wrote is not followed."""
-        if inbound.nonce is not None and self._client.is_encrypted(inbound.chat.id):
-            told = said(
-                "A reaction is not encrypted, so it moves nothing. Reply to the message with the"
-                " number instead."
-            )
-        elif assurance is SenderAssurance.PLAIN:
-            told = said("That came without encryption, so I only follow a stop here.")
-        else:
-            told = said(
-                "Nobody has verified your device, so I only follow a stop from it. Begin to verify"
-                " me in your client, and have an admin compare the emoji."
-            )
-        await self._speaker.answer(inbound.chat, told)
 
     async def _cannot_read(self, room: str) -> None:
         await self._speaker.answer(

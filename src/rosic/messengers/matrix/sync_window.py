@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 from msgspec.structs import replace
 
 from rosic.core.message import MessageValidity
+from rosic.core.policy.roles import Assurance
 
 if TYPE_CHECKING:
     from asyncio import TaskGroup
@@ -124,8 +125,11 @@ class SyncWindow:
 def _stop_alone(inbound: Inbound) -> Inbound:
     """Return a message with a stop in it, which waits for no look at keys.
 
-    So nobody knows yet who sent it: of what stands beside the stop nothing counts.
+    So nobody knows yet who sent it: of what stands beside the stop nothing counts, and what turns
+    out to be no stop may only look.
     """
-    if inbound.standing is not MessageValidity.FRESH or len(inbound.text.splitlines()) <= 1:
+    if inbound.standing is not MessageValidity.FRESH:
         return inbound
-    return replace(inbound, standing=MessageValidity.ANONYMOUS)
+    alone = len(inbound.text.splitlines()) <= 1
+    standing = MessageValidity.UNVERIFIED if alone else MessageValidity.ANONYMOUS
+    return replace(inbound, standing=standing, assurance=Assurance.PROVIDER_READABLE)

@@ -41,7 +41,9 @@ class SenderAssurance(enum.IntEnum):
     """It came in the open: whoever runs a homeserver can have written it."""
     ENCRYPTED_UNVERIFIED = 2
     """Some device encrypted it; that it is that person's is what the homeserver says."""
-    ENCRYPTED_VERIFIED = 3
+    TRUSTED_ON_FIRST_USE = 3
+    """As before; by the keys that were the first to be seen of that person, which count here."""
+    ENCRYPTED_VERIFIED = 4
     """A device of that person encrypted it, by keys that two people have compared."""
 
     @property
@@ -49,7 +51,8 @@ class SenderAssurance(enum.IntEnum):
         """What the conversation is worth to the policy."""
         if self is SenderAssurance.ENCRYPTED_VERIFIED:
             return Assurance.E2EE_VERIFIED
-        return Assurance.PROVIDER_READABLE
+        encrypted = self >= SenderAssurance.ENCRYPTED_UNVERIFIED
+        return Assurance.E2EE_UNVERIFIED if encrypted else Assurance.PROVIDER_READABLE
 
 
 class RequestWeight(enum.IntEnum):
@@ -109,14 +112,18 @@ def evidence_of(olm: Olm, room: str, event: Any) -> SessionEvidence | None:  # n
 
 
 def assurance_of(
-    evidence: SessionEvidence, device: DeviceIdentity | None, *, verified: bool, others: bool
+    evidence: SessionEvidence,
+    device: DeviceIdentity | None,
+    *,
+    worth: SenderAssurance,
+    others: bool,
 ) -> SenderAssurance:
     """Return how sure it is who has sent a message that was decrypted.
 
     Args:
         evidence: Of the message.
         device: The sender's device that has the session's identity key; None for none.
-        verified: That device is the person's, by keys that two people have compared.
+        worth: What comes from that device is worth so much, if it does.
         others: Somebody else's device has that identity key.
     """
     if evidence.stated_room != evidence.room or (device is None and others):
@@ -127,9 +134,7 @@ def assurance_of(
         return SenderAssurance.FORGED
     if device.ed25519 != evidence.ed25519 and not evidence.forwarded:
         return SenderAssurance.FORGED
-    if verified and not evidence.forwarded:
-        return SenderAssurance.ENCRYPTED_VERIFIED
-    return SenderAssurance.ENCRYPTED_UNVERIFIED
+    return SenderAssurance.ENCRYPTED_UNVERIFIED if evidence.forwarded else worth
 
 
 def permits(
@@ -155,7 +160,7 @@ def permits(
     if weight is RequestWeight.OBSERVE:
         return True
     if require_verified:
-        return assurance is SenderAssurance.ENCRYPTED_VERIFIED
+        return assurance >= SenderAssurance.TRUSTED_ON_FIRST_USE
     return assurance is not SenderAssurance.PLAIN or not room_encrypted
 
 
@@ -206,12 +211,21 @@ class Trust:
         except MessengerFault as fault:
             _LOGGER.warning("Nobody knows whose keys these are: %s", fault)
             return SenderAssurance.ENCRYPTED_UNVERIFIED
-        verified = device is not None and self._cross_signing.is_verified(
-            device, standing, trust_on_first_use=self._trust_on_first_use
-        )
+        worth = SenderAssurance.ENCRYPTED_UNVERIFIED
+        if device is not None:
+            worth = self._worth(device, standing)
         owners = self._cross_signing.directory.claimants(evidence.sender_key)
         others = bool(owners - {evidence.sender})
-        return assurance_of(evidence, device, verified=verified, others=others)
+        return assurance_of(evidence, device, worth=worth, others=others)
+
+    def _worth(self, device: DeviceIdentity, standing: IdentityStanding) -> SenderAssurance:
+        """Return what comes from a device is worth, if it does."""
+        is_verified = self._cross_signing.is_verified
+        if is_verified(device, standing, trust_on_first_use=False):
+            return SenderAssurance.ENCRYPTED_VERIFIED
+        if self._trust_on_first_use and is_verified(device, standing, trust_on_first_use=True):
+            return SenderAssurance.TRUSTED_ON_FIRST_USE
+        return SenderAssurance.ENCRYPTED_UNVERIFIED
 
     async def withheld(self, user: str) -> frozenset[str]:
         """Return which devices of a person are given no keys; see `withheld_devices`.
