@@ -1,4 +1,4 @@
-"""One place for five scenarios: a gateway, the fake server, ten robots as ROS 2 nodes."""
+"""One place for five scenarios: a gateway, people in one messenger, ten robots as ROS 2 nodes."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ import msgspec
 
 from rosic.robots.ros2.bindings.parameters import SET_PARAMETERS
 from rosic.robots.ros2.client.runtime import RosRuntime
+from rosic.robots.ros2.interfaces.cache import ensure_built, make_importable
 from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.testing.ros2.graph import RosGraph
 from rosic_sim.scenarios.robots import FOLDER
-from tests.journeys.fleet import Person
-from tests.journeys.lab import Lab, lab
+from tests.journeys.gateway import Start
 from tests.journeys.ros import VARIABLES
+from tests.journeys.running import Gateway, Launcher
 from tests.pace import pace
 from tests.real.ros2.simulated import link_lost, set_fault
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
     from rosic.testing.ros2.graph import RosProcess
-    from tests.journeys.running import Launcher
+    from tests.journeys.chats import PrivateChats, ShownMessage
 
 PROGRAM = Path(__file__).with_name("ros_robots.py")
 BRAINS = Path(__file__).parents[1] / "real" / "ros2" / "fellow_peer.py"
@@ -43,7 +44,9 @@ MADE = (
 )
 SHIPPED = ("kuka1", *DRONES)
 STUDENTS = tuple(f"Student {number}" for number in range(1, 21))
+ADMIN = "Ada"
 PEOPLE = {
+    ADMIN: "admin",
     "Ranger": "ranger",
     **dict.fromkeys(STUDENTS, "student"),
     "Teacher": "teacher",
@@ -53,6 +56,17 @@ PEOPLE = {
     "Night manager": "keeper",
     "Search leader": "leader",
 }
+SHOWN = 10
+GATEWAY = """
+[gateway]
+data = "data"
+lease_idle_s = 20.0
+preempt = ["kuka1"]
+
+[limits]
+burst = 100000
+per_s = 100000
+"""
 MISSION = """
 name: restock
 title: Restock
@@ -91,75 +105,79 @@ class Scenes:
     """Everybody and everything.
 
     Attributes:
-        place: The fake server, and what people do there.
-        people: Accounts, by name.
+        chats: What people do there.
         brains: The rovers' own nodes.
     """
 
-    def __init__(
-        self, place: Lab, runtime: RosRuntime, acted: Path, people: dict[str, int]
-    ) -> None:
-        self.place = place
-        self.people = people
+    def __init__(self, chats: PrivateChats, runtime: RosRuntime, acted: Path) -> None:
+        self.chats = chats
         self.brains: RosProcess | None = None
         self._runtime = runtime
         self._acted = acted
         self._from: dict[str, int] = {}
 
-    async def asks(self, who: str, text: str, expected: str) -> dict[str, Any]:
+    async def asks(self, who: str, text: str, expected: str) -> ShownMessage:
         """Have somebody write; return the reply that says what is expected."""
-        return await self.place.ask(self.people[who], text, expected)
+        return await self.reads(who, expected, to=await self.says(who, text))
 
     async def gives(self, who: str, text: str) -> str:
         """Have somebody give a task; return its number."""
         given = await self.asks(who, f"/task {text}", "Task ")
-        found = re.match(r"Task (\d+): ", given["text"])
-        assert found, given["text"]
+        found = re.match(r"Task (\d+): ", given.text)
+        assert found, given.text
         return found[1]
 
     async def has(self, who: str, kind: str, text: str) -> str:
         """Return which robot of a kind carries out what somebody reads a card about."""
         card = await self.reads(who, text)
-        found = re.search(rf"{kind} (\d): ", card["text"])
-        assert found, card["text"]
+        found = re.search(rf"{kind} (\d): ", card.text)
+        assert found, card.text
         return found[1]
 
-    async def says(self, who: str, text: str) -> int:
+    async def says(self, who: str, text: str) -> str:
         """Have somebody write, and wait for nothing."""
-        return await self.place.say(self.people[who], text)
+        return await self.chats.say(who, text)
 
-    async def reads(self, who: str, expected: str, to: int | None = None) -> dict[str, Any]:
+    async def reads(self, who: str, expected: str, to: str | None = None) -> ShownMessage:
         """Wait until somebody is shown what is expected."""
-        return await self.place.reads(self.people[who], expected, to=to)
+
+        async def look() -> ShownMessage | None:
+            for message in await self.chats.messages(who):
+                if (to is None or message.reply_to == to) and expected in message.text:
+                    return message
+            return None
+
+        found: ShownMessage | None = await self.chats.until(who, look)
+        if found is None:
+            said = [(one.reply_to, one.text) for one in await self.chats.messages(who)]
+            raise AssertionError(f"{who} did not read {expected!r}; there is {said[-SHOWN:]}")
+        return found
 
     async def comes_to(self, who: str, text: str, expected: str) -> None:
         """Have somebody ask until they are answered what is expected."""
 
         async def answered() -> bool:
-            message = await self.says(who, text)
-            told = await self.place.reads(self.people[who], ": ", to=message)
-            return expected in told["text"]
+            return expected in (await self.asks(who, text, ": ")).text
 
-        assert await self.place.until(answered), f"{text} never came to {expected}"
+        assert await self.chats.until(who, answered), f"{text} never came to {expected}"
 
     async def shown(self, who: str, text: str) -> int:
         """Return how many messages of somebody's chat say something now."""
-        found = await self.place.control.messages(self.people[who], by_bot=True)
-        return sum(text in message["text"] for message in found)
+        return sum(text in message.text for message in await self.chats.messages(who))
 
     async def taps(self, who: str, label: str, expected: str) -> None:
         """Have somebody tap the newest button of a label."""
-        account = self.people[who]
 
-        async def look() -> int:
-            for message in reversed(await self.place.control.messages(account, by_bot=True)):
-                if any(label in str(one) for row in message.get("buttons") or [] for one in row):
-                    return int(message["message_id"])
-            return 0
+        async def look() -> tuple[ShownMessage, str] | None:
+            for message in reversed(await self.chats.messages(who)):
+                for one in message.labels:
+                    if label in one:
+                        return message, one
+            return None
 
-        under = await self.place.until(look)
-        assert under, f"nobody showed {who} {label}"
-        await self.place.control.tap(account, account, under, label)
+        found = await self.chats.until(who, look)
+        assert found, f"nobody showed {who} {label}"
+        await self.chats.tap(who, *found)
         await self.reads(who, expected)
 
     async def breaks(self, robot: str, name: str, value: bool | float) -> None:
@@ -208,45 +226,51 @@ def profile(kind: str, robot: str, groups: tuple[str, ...]) -> str:
 
 
 @asynccontextmanager
-async def scenes(folder: Path, launcher: Launcher) -> AsyncIterator[Scenes]:
+async def scenes(folder: Path, launcher: Launcher, chats: PrivateChats) -> AsyncIterator[Scenes]:
     """Let all of it run while inside."""
+    make_importable()
+    ensure_built()
     acted = folder / "acted"
     robots = [f'[[robot]]\nprofile = "{name}"' for name in SHIPPED]
     for kind, robot, groups in MADE:
         (folder / f"{robot}.yaml").write_text(profile(kind, robot, groups))
         robots.append(f'[[robot]]\nprofile = "{robot}.yaml"')
     (folder / "restock.yaml").write_text(MISSION)
+    await chats.open(tuple(PEOPLE))
+    config = _write(folder, chats, robots)
     with RosGraph(folder) as graph:
         named = (*SHIPPED, *(robot for _, robot, _ in MADE))
         graph.start(PROGRAM, "--actuations", acted, *link_lost(), *named, timeout_s=120 * pace())
         types = TypeRegistry([SET_PARAMETERS])
         opening = RosRuntime.open(types, node_name="onlooker", domain_id=graph.domain_id)
-        async with await opening as runtime, lab(folder, launcher, robots=robots) as place:
-            people = {name: await place.control.create_user(name) for name in PEOPLE}
-            _write(place, people)
-            place.environment = {name: graph.environment[name] for name in VARIABLES}
-            here = Scenes(place, runtime, acted, people)
-            await place.start()
-            here.brains = await asyncio.to_thread(graph.start, BRAINS, *ROVERS)
-            await _are_there(here)
-            yield here
-            assert await place.control.violations() == []
+        environment = {name: graph.environment[name] for name in VARIABLES}
+        start = Start(config=str(config), log=str(folder / "gateway.log"), environment=environment)
+        async with await opening as runtime:
+            gateway = Gateway(launcher, start)
+            try:
+                await gateway.listens()
+                await chats.meet()
+                here = Scenes(chats, runtime, acted)
+                here.brains = await asyncio.to_thread(graph.start, BRAINS, *ROVERS)
+                await _are_there(here)
+                yield here
+                await chats.settle()
+            finally:
+                gateway.kill()
 
 
-def _write(place: Lab, people: dict[str, int]) -> None:
-    """Add these people and their roles to the configuration."""
-    known = [Person(account, name, PEOPLE[name]) for name, account in people.items()]
-    tables = [
-        f'[[principal]]\nname = "{p.name}"\naddress = "telegram:{p.account}"\nrole = "{p.role}"'
-        for p in known
+def _write(folder: Path, chats: PrivateChats, robots: list[str]) -> Path:
+    """Write the configuration: everybody, every robot, one messenger."""
+    people = [(name, chats.address(name), role) for name, role in PEOPLE.items()]
+    people += [(robot, f"robot:{robot}", "fellow") for robot in ROVERS]
+    principals = [
+        f'[[principal]]\nname = "{name}"\naddress = "{address}"\nrole = "{role}"'
+        for name, address, role in people
     ]
-    tables += [
-        f'[[principal]]\nname = "{robot}"\naddress = "robot:{robot}"\nrole = "fellow"'
-        for robot in ROVERS
-    ]
-    text = place.config.read_text().replace("[gateway]\n", '[gateway]\npreempt = ["kuka1"]\n')
-    text = text.replace("lease_idle_s = 1.0", "lease_idle_s = 20.0")
-    place.config.write_text("\n\n".join([text, *tables, RULES]))
+    messenger = f'[[messenger]]\nname = "lab"\n{chats.messenger}'
+    file = folder / "rosic.toml"
+    file.write_text("\n\n".join([GATEWAY, messenger, *robots, *principals, RULES]))
+    return file
 
 
 async def _are_there(here: Scenes) -> None:
@@ -257,7 +281,7 @@ async def _are_there(here: Scenes) -> None:
         await asyncio.to_thread(here.brains.expect, "ok meet")
 
     async def heard() -> bool:
-        told = await here.place.ask(here.place.ada, "status", "KUKA")
-        return "not " not in told["text"] and told["text"].count(": at rest") == len(MADE) + 4
+        told = await here.asks(ADMIN, "status", "KUKA")
+        return "not " not in told.text and told.text.count(": at rest") == len(MADE) + 4
 
-    assert await here.place.until(heard), "some robot is not heard"
+    assert await here.chats.until(ADMIN, heard), "some robot is not heard"
