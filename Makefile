@@ -116,6 +116,7 @@ of_rosic = pyproject.toml requirements/build.in
 texts: $(VENV)/.dev
 	@$(BIN)/python -m tests.texts $(LANGUAGE)
 	@$(BIN)/python -m tests.commands
+	@$(BIN)/python -m tests.quality
 	@$(BIN)/python -m tests.architecture
 
 requirements:
