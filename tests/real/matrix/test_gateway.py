@@ -1,4 +1,4 @@
-"""A whole gateway in an encrypted room: orders, buttons, a stop, and a restart in the middle."""
+"""A whole gateway in an encrypted room: orders, buttons, a stop, pictures, files, and restarts."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ import pytest
 from rosic.messengers.matrix.signs import KEYS
 from tests.journeys.gateway import Start
 from tests.journeys.running import Gateway, Launcher
+from tests.real.matrix.database import found_in
 from tests.real.matrix.person import Person
+from tests.real.matrix.synapse import synapse_in
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
@@ -20,6 +22,10 @@ if TYPE_CHECKING:
     from tests.real.matrix.person import Seen
     from tests.real.matrix.synapse import Account, Synapse
 
+HALL = b"P5\n300 300\n255\n" + b"a wall of this hall is here; " * 3_104
+PICTURE = (b"\x89PNG", b"\xff\xd8\xff")
+SHORT = 8
+"""What is shorter may stand anywhere by chance."""
 CONFIG = """
 [gateway]
 data = "data"
@@ -39,7 +45,7 @@ per_s = 1000
 
 [[robot]]
 profile = "omni"
-link = "memory"
+link = "{link}"
 
 [[principal]]
 name = "Ada"
@@ -58,7 +64,9 @@ def launcher() -> Iterator[Launcher]:
 class Place:
     """A gateway that may come and go, and Ada, in an encrypted room with it."""
 
-    def __init__(self, folder: Path, launcher: Launcher, robots: Account, ada: Person) -> None:
+    def __init__(
+        self, folder: Path, launcher: Launcher, robots: Account, ada: Person, link: str
+    ) -> None:
         self.ada = ada
         self.robots = robots
         self.room = ""
@@ -72,6 +80,7 @@ class Place:
                 password=robots.password,
                 folder=folder / "matrix",
                 ada=ada.user,
+                link=link,
             )
         )
 
@@ -142,10 +151,12 @@ class Place:
 
 
 @asynccontextmanager
-async def place(synapse: Synapse, folder: Path, launcher: Launcher) -> AsyncIterator[Place]:
+async def place(
+    synapse: Synapse, folder: Path, launcher: Launcher, *, link: str = "memory"
+) -> AsyncIterator[Place]:
     robots = synapse.create_account("robots")
     async with Person(synapse.create_account("ada"), folder / "ada") as ada:
-        found = Place(folder, launcher, robots, ada)
+        found = Place(folder, launcher, robots, ada, link)
         try:
             yield found
         finally:
@@ -183,6 +194,36 @@ async def test_a_person_orders_taps_stops_and_the_gateway_is_restarted(
         texts = [seen.text for seen in lab.said() if seen.id not in told]
         assert len(texts) == len(set(texts)), f"something was said twice: {texts}"
         assert all(seen.encrypted for seen in lab.said())
+
+
+async def test_a_picture_and_files_go_over_restarts_and_the_homeserver_keeps_no_word(
+    tmp_path: Path, launcher: Launcher
+) -> None:
+    (tmp_path / "synapse").mkdir()
+    with synapse_in(tmp_path / "synapse") as own:
+        async with place(own, tmp_path, launcher, link="simulated") as lab:
+            gateway = await lab.start()
+            await lab.meet()
+            await lab.ask("omni move forward 0.3 m", "done ")
+            await lab.ask("/picture omni", "omni, camera, ")
+            await lab.ada.send_file(lab.room, "hall.pgm", HALL)
+            await lab.reads("hall.pgm (pgm, 90 KB) is kept", {})
+            own.restart()
+            await lab.ask("status omni", "omni: at rest")
+            gateway.kill()
+            await lab.start()
+            await lab.ask("/files get hall.pgm", "hall.pgm, 90 KB")
+
+            files = dict(await lab.ada.files(lab.room, lab.robots.user))
+            assert files.pop("hall.pgm") == HALL
+            (picture,) = files.values()
+            assert picture.startswith(PICTURE)
+            assert all(seen.encrypted for seen in lab.ada.timeline(lab.room).messages.values())
+            said = [seen.text for seen in lab.ada.timeline(lab.room).messages.values()]
+            lines = {line for text in said for line in text.splitlines() if len(line) > SHORT}
+            assert len(lines) > 10, lines
+            kept = [HALL[64:96].decode("latin-1"), *sorted(lines)]
+            assert {line: where for line in kept if (where := found_in(own, line))} == {}
 
 
 async def devices(lab: Place) -> list[str]:
