@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.container.archive import NOBODY, Archive
-from rosic.contracts import console, programs, traffic
+from rosic.contracts import chats, console, programs, traffic
 from rosic.contracts import messenger as contract
 from rosic.contracts.messenger import Messenger
 from rosic.contracts.messenger_proxy import ABILITIES, MessengerProxy, members_of
+from rosic.core.identity import Address
 from rosic.core.language.command import NO_COMMANDS
+from rosic.core.message import Chat
 from rosic.core.secret import Secret
 from rosic.errors import MessengerFault
 from rosic.features.personal_data.archive_recorder import ArchivingMessenger
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
     from rosic.contracts.messenger import Receive
-    from rosic.core.message import Chat, Inbound, IncomingFile, Outbound
+    from rosic.core.message import Inbound, IncomingFile, Outbound
 
 ASKED: tuple[Callable[[Messenger], object], ...] = (
     contract.turn_of,
@@ -40,6 +42,8 @@ ASKED: tuple[Callable[[Messenger], object], ...] = (
     contract.menus_of,
     contract.catching_up,
     traffic.is_connected,
+    lambda messenger: chats.private_chat_of(messenger, Address("bare", "1")),
+    lambda messenger: chats.chat_assurance_of(messenger, Chat("bare", "1")),
     lambda messenger: contract.is_account(messenger, "no number"),
     traffic.traffic_of,
 )
@@ -63,7 +67,7 @@ def kept(messenger: Messenger) -> ArchivingMessenger:
 def abilities() -> list[type]:
     return [
         found
-        for module in (contract, console, programs, traffic)
+        for module in (contract, chats, console, programs, traffic)
         for found in vars(module).values()
         if getattr(found, "_is_runtime_protocol", False) and found is not Messenger
     ]
@@ -127,9 +131,11 @@ def test_what_a_wrapper_defines_itself_is_its_own() -> None:
 
 def test_telegram_can_do_all_that_is_asked_of_messengers() -> None:
     lacking = [a.__name__ for a in abilities() if not isinstance(telegram(), a)]
+    chats_of_matrix = ["HasChatAssurance", "FindsPrivateChat"]
     theirs = ["ServesPrograms", "AttachesPrograms"]
-    assert lacking == ["WaitsForDisk", "SupportsCompletion", "Console", *theirs], (
-        "who keeps chats says the first; the others are a terminal's, and of programs"
+    others = ["SupportsCompletion", "Console", *theirs]
+    assert lacking == ["WaitsForDisk", *chats_of_matrix, *others], (
+        "who keeps chats says the first; the others are Matrix's, a terminal's, and of programs"
     )
 
 

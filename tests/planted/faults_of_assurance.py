@@ -23,7 +23,7 @@ OF_ASSURANCE = (
     ),
     Fault(
         name="every message is worth what its messenger is",
-        file="contracts/assurance.py",
+        file="contracts/chats.py",
         guard="if inbound.assurance is None else inbound.assurance",
         without="",
         caught_by=(f"{UNVERIFIED}::test_each_message_is_worth_what_its_messenger_says_of_it",),

@@ -6,7 +6,7 @@ from functools import cache
 from operator import attrgetter
 from typing import TYPE_CHECKING, Final, Protocol
 
-from rosic.contracts import console, programs, traffic
+from rosic.contracts import chats, console, programs, traffic
 from rosic.contracts import messenger as contract
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 ABILITIES: Final[tuple[type, ...]] = tuple(
     found
-    for module in (contract, console, programs, traffic)
+    for module in (contract, chats, console, programs, traffic)
     for found in vars(module).values()
     if isinstance(found, type)
     and Protocol in found.__bases__

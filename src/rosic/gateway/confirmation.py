@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import msgspec
 
-from rosic.contracts.assurance import assurance_of
+from rosic.contracts.chats import assurance_of
 from rosic.contracts.clock import ClockReading, passed_ns, reading
 from rosic.core.i18n import joined, said
 from rosic.core.identity import REQUEST_ID_BYTES, Caller, CommandId, PrincipalId

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
-from rosic.contracts.assurance import assurance_of
+from rosic.contracts.chats import assurance_of
 from rosic.core.language.skill_values import is_understood
 from rosic.core.policy.query import AuthContext
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from rosic.authoriser import messages
 from rosic.authoriser.enrolment_records import ApprovalPending, CodeRedeemed, EnrolmentRefused
 from rosic.authoriser.invite_codes import code_said
-from rosic.contracts.assurance import assurance_of
+from rosic.contracts.chats import assurance_of
 from rosic.core.i18n import joined
 from rosic.core.message import ChatKind, MessageValidity
 from rosic.core.rate_limit import Bucket, RateLimit

@@ -6,8 +6,9 @@ from collections import OrderedDict
 from typing import TYPE_CHECKING
 
 from rosic.authoriser.button_tokens import ButtonTokens
+from rosic.contracts.chats import private_chat_of
 from rosic.core.i18n import in_language
-from rosic.core.message import Button, Chat, Outbound
+from rosic.core.message import Button, Outbound
 from rosic.errors import Refusal
 from rosic.features.access import messages
 from rosic.gateway.delivery.sender import OutgoingMessage
@@ -124,10 +125,10 @@ class NewcomerChat:
 
     def tell(self, address: Address, text: str) -> None:
         """Tell something in the private chat of an address, if its platform has one."""
-        chat = Chat(address.platform, address.account)
         plain = in_language(text, self._chat_sender.languages.of_address(address))
         for messenger in self._messengers:
             if messenger.platform == address.platform:
+                chat = private_chat_of(messenger, address)
                 self._chat_sender.say(OutgoingMessage(messenger, Outbound(chat=chat, text=plain)))
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.authoriser.button_tokens import is_lasting
+from rosic.contracts.chats import private_chat_of
 from rosic.contracts.messenger import Messenger, handle_of
 from rosic.core.i18n import said
 from rosic.core.message import AnswerState, Button, Chat, Outbound, SendPriority
@@ -204,7 +205,7 @@ class Notifier:
         for address in person.addresses if person is not None else ():
             for messenger in self.messengers:
                 if messenger.platform == address.platform:
-                    yield messenger, Chat(address.platform, address.account)
+                    yield messenger, private_chat_of(messenger, address)
 
 
 def _nothing(_who: PrincipalId, _matter: bytes) -> None:

@@ -6,6 +6,8 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING, Any, Final
 
+from msgspec.structs import replace
+
 from rosic.core.i18n import said
 from rosic.core.identity import Address
 from rosic.errors import MessengerFault
@@ -65,7 +67,7 @@ class MatrixMessenger:
         self._passed: Passed = _nobody_is_told
         self._reacted: Reacted = _nobody_is_told
         self._client = MatrixClient(name, settings, clock)
-        self._rooms = Rooms(name, self._client)
+        self._rooms = Rooms(name, self._client, encrypted_only=settings.require_verified)
         self._offers = Offers()
         self._signs = Signs(self._client)
         self._prompt = VerificationHandler(name)
@@ -249,7 +251,7 @@ class MatrixMessenger:
             MessengerFault: Not sent; or, when the connection broke before the answer, perhaps sent.
         """
         await self._until_ready()
-        return await self._speaker.send(outbound)
+        return await self._speaker.send(await self._placed(outbound))
 
     async def edit(self, message: str, outbound: Outbound) -> None:
         """Make a message look like this; see ``contracts.messenger``.
@@ -259,7 +261,23 @@ class MatrixMessenger:
             MessengerFault: Not changed, or it cannot be known whether it was.
         """
         await self._until_ready()
-        await self._speaker.edit(message, outbound)
+        await self._speaker.edit(message, await self._placed(outbound))
+
+    def private_chat(self, account: str) -> Chat | None:
+        """Return the room with somebody alone, if there is one; see ``contracts.chats``."""
+        room = self._rooms.private.find(account)
+        return self._rooms.chat(room) if room else None
+
+    async def _placed(self, outbound: Outbound) -> Outbound:
+        """Return what is said to an account as said in the room with it alone, which it may open.
+
+        Raises:
+            MessengerFault: There is none, or it cannot be known.
+        """
+        if not outbound.chat.id.startswith("@"):
+            return outbound
+        room = await self._rooms.private.open(outbound.chat.id)
+        return replace(outbound, chat=self._rooms.chat(room))
 
     async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
         """Keep a message in sight, or no longer; see ``contracts.messenger``.

@@ -152,6 +152,8 @@ class EventReader:
         if found.type == incoming.REACTION:
             self._signs.tapped(room, found.event)
         friend = self._known(inbound.sender)
+        if friend:
+            self._rooms.private.spoke(found.sender, room)
         return ReadEvent(
             inbound,
             urgent=friend and self._is_stop(inbound),

@@ -9,7 +9,8 @@ from rosic.core.identity import Address
 from rosic.core.message import Chat, ChatEvent, ChatEventKind, ChatKind
 from rosic.errors import MessengerFault
 from rosic.messengers.matrix.incoming import PLATFORM
-from rosic.messengers.matrix.room_calls import RoomCalls
+from rosic.messengers.matrix.private_rooms import PrivateRooms
+from rosic.messengers.matrix.room_calls import ENCRYPTION, RoomCalls
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 MEMBER: Final = "m.room.member"
 TOMBSTONE: Final = "m.room.tombstone"
 CREATE: Final = "m.room.create"
-ENCRYPTION: Final = "m.room.encryption"
 PRIVATE_MEMBERS: Final = 2
 JOINS_AT_MOST: Final = 20
 """Rooms joined after one sync; anybody may invite us into any number."""
@@ -33,9 +33,14 @@ class Rooms:
 
     Args:
         name: Of the messenger, for the log.
+        encrypted_only: People are told nothing in private where it is not encrypted.
+
+    Attributes:
+        private: Those with one person alone.
     """
 
-    def __init__(self, name: str, client: MatrixClient) -> None:
+    def __init__(self, name: str, client: MatrixClient, *, encrypted_only: bool) -> None:
+        self.private = PrivateRooms(name, client, encrypted_only=encrypted_only)
         self._name = name
         self._client = client
         self._calls = RoomCalls(client)
@@ -83,6 +88,7 @@ class Rooms:
 
     def happened(self, room: str, source: Mapping[str, Any]) -> None:
         """Follow an event that is about the room itself."""
+        self.private.appeared(room)
         content = source.get("content")
         if not isinstance(content, dict) or "state_key" not in source:
             return

@@ -1,14 +1,16 @@
-"""What a conversation is worth: of each message, and of each chat."""
+"""What a messenger may know of its chats: what they are worth, and which is private with whom."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
+from rosic.core.message import Chat
 from rosic.core.policy.roles import ASSURANCES, Assurance
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
-    from rosic.core.message import Chat, Inbound
+    from rosic.core.identity import Address
+    from rosic.core.message import Inbound
 
 
 @runtime_checkable
@@ -17,6 +19,26 @@ class HasChatAssurance(Protocol):
 
     def chat_assurance(self, chat: Chat) -> Assurance:
         """Return what a chat is worth now, for what is said there by us."""
+
+
+@runtime_checkable
+class FindsPrivateChat(Protocol):
+    """A private chat there has an id of its own; see `private_chat_of`."""
+
+    def private_chat(self, account: str) -> Chat | None:
+        """Return the private chat with an account; None while there is none."""
+
+
+def private_chat_of(messenger: Messenger, address: Address) -> Chat:
+    """Return where somebody is told something in private. A look-up.
+
+    Where a platform gives a private chat the account's own id, it is that; also where there is no
+    such chat yet: what is said there opens it, if a messenger can.
+    """
+    found = None
+    if isinstance(messenger, FindsPrivateChat):
+        found = messenger.private_chat(address.account)
+    return found or Chat(address.platform, address.account)
 
 
 def messenger_assurance(messenger: Messenger) -> Assurance:
