@@ -211,10 +211,11 @@ async def people(api: Api, caller: Who) -> list[PersonOut]:
         PersonOut(
             id=one.id,
             name=one.name,
-            kind="program" if any(at.platform == "program" for at in one.addresses) else "person",
+            kind="program" if one.is_program else "person",
             roles=one.roles,
             locked=one.id in locked,
             named=tuple(in_language(role_shown(role), catalogue) for role in one.roles),
+            accounts=() if one.is_program else tuple(map(str, one.addresses)),
         )
         for one in known
     ]

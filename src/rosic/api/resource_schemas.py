@@ -81,6 +81,8 @@ class PersonOut(msgspec.Struct, frozen=True):
         kind: ``person`` or ``program``.
         locked: They are shut out for now.
         named: Their roles in the language of whoever asks.
+        accounts: By which they speak: ``matrix:@ada:example.org``. Somebody with several is one
+            person; a program has none.
     """
 
     id: str
@@ -89,6 +91,7 @@ class PersonOut(msgspec.Struct, frozen=True):
     roles: tuple[str, ...]
     locked: bool
     named: tuple[str, ...]
+    accounts: tuple[str, ...]
 
 
 class HealthFindingOut(msgspec.Struct, frozen=True):

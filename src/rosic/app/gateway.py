@@ -53,6 +53,7 @@ from rosic.gateway.access_registry import (
 )
 from rosic.gateway.components import Components
 from rosic.gateway.confirmation import Confirmation
+from rosic.gateway.delivery.last_accounts import LastAccounts
 from rosic.gateway.delivery.notifier import Notifier, UndeliverableHandler, nobody_to_tell
 from rosic.gateway.delivery.outbox import Outbox
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
@@ -259,7 +260,8 @@ class Gateway(RunningGateway):
         self.archive = Archive(parts.clock)
         codes_in = self.access.codes_in
         self._messengers = recorded(parts, self.archive, self.rooms, codes_in)
-        reach = Notifier(authoriser, chat_sender, self._messengers, self.outbox)
+        last = LastAccounts(authoriser.directory, self.access.note)
+        reach = Notifier(authoriser, chat_sender, self._messengers, self.outbox, last)
         gone.bind(self._elsewhere(reach).gone)
         return chat_sender, reach
 

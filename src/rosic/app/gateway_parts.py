@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.app.containers import DataContext, data_context_of, folders_of
 from rosic.app.people import named_in_file
 from rosic.contracts.store import ContainerStore
+from rosic.gateway.delivery.last_accounts import KIND as LAST_ACCOUNTS
 from rosic.gateway.feature import (
     ErasureParticipants,
     Kernel,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from rosic.gateway.access_registry import AccessRegistry
     from rosic.gateway.components import Components
     from rosic.gateway.container_context import ContainerContext
+    from rosic.gateway.delivery.last_accounts import LastAccounts
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.delivery.sender import ChatSender
     from rosic.gateway.delivery.translation import ChatLanguages
@@ -77,6 +79,7 @@ def kernel_of(
     pipeline.hooks.commands.register("take", handover.take)
     pipeline.hooks.commands.register("end", handover.give_back)
     pipeline.cancels.also(pipeline.confirmation.withdraw)
+    _follow_accounts(gateway, memory, reach.last_accounts)
     orders = OrderServices(
         pipeline.executor,
         gateway.stop_lane,
@@ -89,6 +92,8 @@ def kernel_of(
     naming = RobotArgumentParts(
         rooms.vocabularies, RoomQueries(rooms.organiser.visible, rooms.container.selected)
     )
+    erasure = ErasureParticipants()
+    erasure.join(records=reach.last_accounts.end_all)
     named = named_in_file(settings.people, memory, rooms.authoriser)
     return Kernel(
         rooms=rooms,
@@ -113,8 +118,18 @@ def kernel_of(
         naming=RobotArgument(naming),
         assessment=RobotAssessment(),
         shared=SharedParts(),
-        erasure=ErasureParticipants(),
+        erasure=erasure,
     )
+
+
+def _follow_accounts(gateway: RunningGateway, memory: Memory, last: LastAccounts) -> None:
+    """Know where people were last, and let nothing come of what an account that is lost asked."""
+    lost, changes = gateway.access.account_lost, gateway.access.changes
+    last.restore(memory.facts.get(LAST_ACCOUNTS, ()))
+    changes.keep(LAST_ACCOUNTS, last.apply)
+    gateway.pipeline.hooks.met.connect(last.heard)
+    lost.connect(last.forget_account)
+    lost.connect(gateway.pipeline.confirmation.forget_account)
 
 
 def _containers(

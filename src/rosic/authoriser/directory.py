@@ -44,7 +44,9 @@ class Directory:
         """Add or replace a person."""
         before = self._people.get(person.id)
         for address in before.addresses if before else ():
-            self._at.pop((address.platform, address.account), None)
+            where = address.platform, address.account
+            if self._at.get(where) == person.id:  # else it has become somebody else's
+                del self._at[where]
         if before is not None:
             self._forget_name(before)
         self._remember_name(person)

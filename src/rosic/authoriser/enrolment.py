@@ -146,7 +146,7 @@ class Enrolment:
         """Return what a code would give, without using it up; a wrong one counts as wrong."""
         if not private:
             return self._in_group(code, address)
-        refused = self._not_now(address)
+        refused = self.not_now(address)
         if refused is not None:
             return refused
         found = self.invitations.find(code)
@@ -173,7 +173,7 @@ class Enrolment:
         """Burn the code, if it is one. Nobody in the group learns whether it was."""
         found = self.invitations.find(code)
         if found is None or self._fault(found):
-            if self._not_now(address) is None:
+            if self.not_now(address) is None:
                 wrong = self._wrong(address, "code-unknown")
                 return msgspec.structs.replace(wrong, sentence=words.IN_GROUP)
             return EnrolmentRefused("code-paused", words.IN_GROUP)
@@ -186,7 +186,7 @@ class Enrolment:
         alarm = EnrolmentAlarm("code-in-group", words.shown_in_group(found.given.words))
         return EnrolmentRefused("code-in-group", words.IN_GROUP, alarm, records)
 
-    def _not_now(self, address: Address) -> EnrolmentRefused | None:
+    def not_now(self, address: Address) -> EnrolmentRefused | None:
         """Return why an address may hand in no code at all, whatever the code."""
         now_ns = self._time.monotonic_ns()
         own_s = self._guessing.pause_s(address, now_ns)

@@ -85,7 +85,7 @@ _SYMBOL = r"[0-9A-Za-z]"
 _DASH = r"[-\u2013\u2014\u2212]"  # phones turn a hyphen into a longer line
 _BARE = re.compile(rf"(?<![\w-]){_SYMBOL}{{4}}{_DASH}{_SYMBOL}{{4}}(?![\w-])")
 _SAID = re.compile(
-    rf"(?:\A\s*/?(?:start|join)(?:@\w+)?\s+|[?&](?:start|join)=)"
+    rf"(?:\A\s*/?(?:start|join|link|verbinden)(?:@\w+)?\s+|[?&](?:start|join)=)"
     rf"({_SYMBOL}{{4}}{_DASH}?{_SYMBOL}{{4}})(?![\w-])",
     re.IGNORECASE,
 )
@@ -131,7 +131,10 @@ def digest(pepper: bytes, symbols: str) -> bytes:
 
 
 def code_said(text: str) -> str | None:
-    """Return the code that a message hands in: ``/start CODE``, ``join CODE``, a link, or alone."""
+    """Return the code that a message hands in.
+
+    It says ``/start CODE``, ``join CODE``, ``link CODE``, a link with it, or the code alone.
+    """
     text = text[:READ_AT_MOST]
     said = _SAID.search(text)
     if said is not None:

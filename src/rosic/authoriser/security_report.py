@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
+from rosic.authoriser.link_messages import accounts_shown
 from rosic.authoriser.messages import lasting
 from rosic.core.i18n import joined, said, said_n
-from rosic.core.identity import KeyId, PrincipalId
+from rosic.core.identity import KeyId, Principal, PrincipalId
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 # The security report in words, for admins.
 
 CLOCK_BEHIND_S: Final = 2.0
+SEVERAL_SHOWN: Final = 20
 # What is counted, as people read it; another kind is shown as it is.
 KINDS: Final = {
     "button-late": said("taps on a button that was too old"),
@@ -51,6 +53,9 @@ KINDS: Final = {
     "key-expired": said("requests after access had ended"),
     "key-revoked": said("requests after access was taken back"),
     "key-unknown": said("requests under a key that never was"),
+    "link-in-group": said("good codes for another account shown in a group"),
+    "link-own": said("own codes for another account said in the same account"),
+    "link-taken": said("codes for another account from one that is known already"),
     "locked": said("requests by somebody who is locked"),
     "no-right": said("requests by somebody without the right"),
     "stranger": said("messages from strangers"),
@@ -128,6 +133,20 @@ def invitations(found: Sequence[tuple[str, str, str, float]]) -> list[str]:
     return [said("Open invitations:"), *shown]
 
 
+def several_accounts(found: Sequence[tuple[str, str]]) -> list[str]:
+    """Return who has more than one account: name, accounts."""
+    if not found:
+        return []
+    shown = [
+        said("  {who}: {accounts}", who=who, accounts=accounts)
+        for who, accounts in found[:SEVERAL_SHOWN]
+    ]
+    title = said_n(
+        "{n} person with several accounts:", "{n} people with several accounts:", len(found)
+    )
+    return [title, *shown]
+
+
 def remarks(waiting: int, behind_s: float) -> list[str]:
     """Return what else an admin should see."""
     lines: list[str] = []
@@ -179,12 +198,13 @@ class OpenInvitation(msgspec.Struct, frozen=True):
 
 
 class SecurityReport(msgspec.Struct, frozen=True, kw_only=True):
-    """One look at the authoriser; ids only.
+    """One look at the authoriser; ids and accounts only.
 
     Attributes:
         measured: How many authentications the two times come from; the newest ones.
         p50_s, p99_s: None when nothing was measured yet.
         attempts: Unauthorised attempts by kind.
+        several: Who has access, and more than one account.
         waiting: How many wait for an admin's tap.
         behind_s: By how much the machine's clock is behind the highest time seen.
     """
@@ -196,6 +216,7 @@ class SecurityReport(msgspec.Struct, frozen=True, kw_only=True):
     locks: tuple[LockedAccess, ...]
     endings: tuple[EndingAccess, ...]
     invitations: tuple[OpenInvitation, ...]
+    several: tuple[Principal, ...]
     waiting: int
     behind_s: float
 
@@ -240,9 +261,15 @@ class SecurityReports:
                 OpenInvitation(i.id, i.given.words, i.issuer, (i.expires_ns - now_ns) / 1e9)
                 for i in self._enrolment.invitations.open()
             ),
+            several=self._several(),
             waiting=len(self._enrolment.applicants.all()),
             behind_s=self._time.behind_s(),
         )
+
+    def _several(self) -> tuple[Principal, ...]:
+        directory = self._authoriser.directory
+        good = directory.has_good_key
+        return tuple(p for p in directory.people() if len(p.addresses) > 1 and good(p.id))
 
     def text(self) -> str:
         """Return the report with the names of people: for admins only."""
@@ -258,6 +285,7 @@ class SecurityReports:
         lines += endings([(name(e.principal), e.key, e.in_s) for e in found.endings])
         invited = [(e.given, name(e.issuer), e.id, e.in_s) for e in found.invitations]
         lines += invitations(invited)
+        lines += several_accounts([(p.name, accounts_shown(p.addresses)) for p in found.several])
         lines += remarks(found.waiting, found.behind_s)
         return lines
 

@@ -188,6 +188,7 @@ TEXTS: Final = (
     said("program"),
     said("person"),
     said("Roles"),
+    said("Accounts"),
     said("Access"),
     said("locked out"),
     said("let in"),

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from rosic.authoriser.abuse import COUNTED_AS, RULE, SUSPICIOUS, AbuseDetector, AbuseLimits
+from rosic.authoriser.account_links import AccountLinks
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.counters import Counters
 from rosic.authoriser.directory import Directory
@@ -34,7 +35,7 @@ from rosic.core.policy.scope import FLEET
 from rosic.core.policy.scope import GRANT as GIVES
 from rosic.core.records import Enrolled, KeyIssued, KeyRevoked, PersonRecord
 from rosic.core.robot.skill import SkillClass
-from rosic.core.signal import Deferred
+from rosic.core.signal import Deferred, Signal
 from rosic.core.slot import SERIES, SLOT
 from rosic.errors import NotPermitted, NotUnderstood, Refusal, TooManyRequests
 from rosic.gateway.policy_service import key_of
@@ -55,7 +56,7 @@ if TYPE_CHECKING:
     from rosic.authoriser.monotonic_clock import MonotonicWallClock
     from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.store import Store
-    from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.identity import Address, Caller, PrincipalId
     from rosic.core.message import Chat
     from rosic.core.records import Fact, Memory
     from rosic.core.stop_registry import StopRegistry
@@ -97,8 +98,9 @@ class AccessRegistry:
     Attributes:
         changes: Through which every change goes.
         note: Writes down what is so already, and waits for no disk.
-        enrolment, keys, programs, page_sessions, passkeys, locks, two_factor, misuse, counters,
-            time, security, waiting, access_requests: The books.
+        enrolment, links, keys, programs, page_sessions, passkeys, locks, two_factor, misuse,
+            counters, time, security, waiting, access_requests: The books.
+        account_lost: Tells who has lost which of their accounts, once that is so.
         calendar: Whose time it is.
         refusals: How often what was refused to people who are known, by code, in this run.
         forget_newcomer: Erases what was kept of somebody who was not let in; nothing is kept
@@ -132,6 +134,8 @@ class AccessRegistry:
             self.counters,
             EnrolmentRules(self.may_invite),
         )
+        self.links = AccountLinks(authoriser, self.locks, self.page_sessions, entropy)
+        self.account_lost: Signal[[PrincipalId, Address]] = Signal()
         self.two_factor = TwoFactor(self.time, entropy, self.counters, place=place.place)
         self.refusals: Counter[str] = Counter()
         self.misuse = AbuseDetector(
@@ -152,8 +156,8 @@ class AccessRegistry:
 
     def codes_in(self, text: str) -> tuple[str, ...]:
         """Return every code that a text shows and that lets somebody in: none of them is kept."""
-        page_codes = self.page_sessions.shown_in(text)
-        return (*self.enrolment.invitations.shown_in(text), *page_codes)
+        page_codes, link_codes = self.page_sessions.shown_in(text), self.links.shown_in(text)
+        return (*self.enrolment.invitations.shown_in(text), *page_codes, *link_codes)
 
     @property
     def state(self) -> AccessState:
@@ -229,9 +233,24 @@ class AccessRegistry:
         self._authority.when_changed.emit()
 
     def _enrolled(self, record: Enrolled) -> None:
-        self._authoriser.directory.enrol(person_of(record))
+        directory = self._authoriser.directory
+        before, person = directory.person(record.principal), person_of(record)
+        directory.enrol(person)
         self._authoriser.forget(record.principal)
         self._authority.enrolled(record)
+        for address in () if before is None else before.addresses:
+            if address not in person.addresses:
+                self._lost(person.id, address)
+
+    def _lost(self, principal: PrincipalId, address: Address) -> None:
+        """End what may have been asked, proven or begun from an account that is theirs no more.
+
+        Buttons are bound to people and chats, and in a group nobody knows of which account one
+        was: so all of theirs go.
+        """
+        self.two_factor.end(principal)
+        self._authoriser.buttons.void(principal, "")
+        self.account_lost.emit(principal, address)
 
     def _issued(self, record: KeyIssued) -> None:
         self.keys.apply(record)

@@ -121,6 +121,7 @@ class ChatHandler:
         self._reader = parts.reader
         self._builtin = BuiltinCommands(rooms, parts.builder, hooks, parts.resuming)
         self._going = GoToLocation(rooms, chat_sender.reply_targets)
+        self._met: dict[PrincipalId, tuple[Caller, str]] = {}
         self._followed: OrderedDict[CommandId, None] = OrderedDict()
 
     # ---- from a message to its lines ----
@@ -137,6 +138,9 @@ class ChatHandler:
             self._languages.hear(caller.principal, inbound.locale)
         message = MessageContext(messenger, inbound, caller, arrived_ns, self._hooks.stepped_up)
         self._rooms.organiser.check_unlocked(caller)
+        if self._met.get(caller.principal) != (caller, messenger.name):
+            self._met[caller.principal] = caller, messenger.name
+            self._hooks.met.emit(messenger, inbound, caller.principal)
         if inbound.enclosed is not None or inbound.place is not None:
             self._take_in(message)
         return message

@@ -10,7 +10,7 @@ import msgspec
 from rosic.contracts.chats import assurance_of
 from rosic.contracts.clock import ClockReading, passed_ns, reading
 from rosic.core.i18n import joined, said
-from rosic.core.identity import REQUEST_ID_BYTES, Caller, CommandId, PrincipalId
+from rosic.core.identity import REQUEST_ID_BYTES, Address, Caller, CommandId, PrincipalId
 from rosic.core.language import Do
 from rosic.core.language.suggestions import OR
 from rosic.core.message import AnswerState, Button
@@ -73,6 +73,7 @@ class PendingConfirmation(msgspec.Struct, kw_only=True):
         act: What it came to when it was asked, for every robot; whoever agrees, agrees to this.
         asks: What wants the second person, with its arguments.
         second: Who agreed.
+        seconded_from: By which account.
         origin: What said it.
     """
 
@@ -82,6 +83,7 @@ class PendingConfirmation(msgspec.Struct, kw_only=True):
     asks: tuple[Query, ...]
     asked: ClockReading
     second: PrincipalId | None = None
+    seconded_from: Address | None = None
     origin: CommandSource
 
 
@@ -278,6 +280,14 @@ class Confirmation:
             del self._requests[number]
         return words.withdrawn(len(theirs)) if theirs else ""
 
+    def forget_account(self, principal: PrincipalId, address: Address) -> None:
+        """Let nothing come of what was asked, or agreed to, by an account that somebody lost."""
+        for number, one in tuple(self._requests.items()):
+            asked = one.caller.principal == principal and one.caller.address == address
+            agreed = one.second == principal and one.seconded_from == address
+            if asked or agreed:
+                del self._requests[number]
+
     def is_one(self, number: str) -> bool:
         """Whether an answer is about a request here."""
         return number in self._requests
@@ -296,7 +306,7 @@ class Confirmation:
             raise NotPermitted(said("Somebody else has to agree."))
         self._check_current(number, request)
         self._check_may(asked, request)
-        request.second = who
+        request.second, request.seconded_from = who, asked.caller.address
         command = f"{CONFIRMED}{SECONDED}{number} {request.act.command}"
         name = self._organiser.name_of(who)
         agrees = said("{name} agrees: {act}.", name=name, act=request.act.shown)

@@ -39,6 +39,8 @@ class PipelineHooks:
         newcomer: Answers somebody unknown who may have brought a code; None: it was no code.
         enclosed: Takes in files that people send.
         outdated: Hears, in private, of a tap on a button that is no good any more.
+        met: Hears who spoke, by which messenger, where: at least when one of the three is another
+            than the last time.
         task_steps: What a task or a mission, as typed, lets robots do for somebody.
         not_understood: Hears of a line that was refused because it could not be read, once that is
             told.
@@ -78,6 +80,7 @@ class PipelineHooks:
         self.task_steps: Deferred[[str, str, PrincipalId], TaskSteps] = Deferred(_no_steps)
         self.view_buttons: Deferred[[RobotId], list[Button]] = Deferred(_unseen)
         self.drafting: set[tuple[PrincipalId, str, str]] = set()
+        self.met: Signal[[Messenger, Inbound, PrincipalId]] = Signal()
         self.outdated: Signal[[PrincipalId]] = Signal()
         self.not_understood: Signal[[MessageContext]] = Signal()
 

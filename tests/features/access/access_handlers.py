@@ -31,6 +31,7 @@ from rosic.features.access.commands import AccessCommands, register_access_comma
 from rosic.features.access.context import AccessContext
 from rosic.features.access.invite import InviteCommands
 from rosic.features.access.join import JoinHandler
+from rosic.features.access.link_commands import AccountLinkCommands
 from rosic.features.access.newcomer_chat import NewcomerChat
 from rosic.features.access.profile_commands import AccountCommands, PendingRequests
 from rosic.features.access.revoke_lock import AccessNotices, RevokeLockCommands
@@ -39,6 +40,7 @@ from rosic.gateway.access_registry import AccessRegistry, PlaceNames, authoriser
 from rosic.gateway.agreement import ActPart, ResolvedAct
 from rosic.gateway.commands import CommandContext, CommandRegistry, Reply
 from rosic.gateway.confirmation import Confirmation
+from rosic.gateway.delivery.last_accounts import LastAccounts
 from rosic.gateway.delivery.notifier import Notifier, nobody_to_tell
 from rosic.gateway.delivery.outbox import Outbox
 from rosic.gateway.delivery.redaction import SecretRedaction
@@ -163,13 +165,20 @@ class Hall:
             retracting=SecretRedaction(self.clock, SeededEntropy(), self.store.note, {}),
             authoriser=self.authoriser,
             enrolment=self.enrolment,
+            links=self.access.links,
             keys=self.keys,
             locks=self.locks,
             two_factor=self.two_factor,
             security=self.access.security,
             grants_book=self.authority.grants_book,
             changes=self.changes,
-            reach=Notifier(self.authoriser, self.chat_sender, (self.chat,), self.outbox),
+            reach=Notifier(
+                self.authoriser,
+                self.chat_sender,
+                (self.chat,),
+                self.outbox,
+                LastAccounts(self.directory, self.store.note),
+            ),
             clock=self.clock,
             rights=lambda: self.rights,
             ahead=self.access.ahead,
@@ -208,7 +217,8 @@ class Hall:
         self.confirmation = Confirmation(
             self.organiser, registry.reach, OneAct(), self.clock, entropy, self.two_factor.is_set_up
         )
-        handlers = AccessCommands(about, self.admitting, revocation, inviting, proving)
+        linking = AccountLinkCommands(registry, self.admin_policy)
+        handlers = AccessCommands(about, self.admitting, revocation, inviting, proving, linking)
         register_access_commands(self.commands, handlers, self.confirmation)
 
     def menu(self, principal: str) -> Reply:

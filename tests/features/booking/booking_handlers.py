@@ -24,6 +24,7 @@ from rosic.features.booking.scheduler import BookingScheduler
 from rosic.gateway.access_registry import authoriser_of
 from rosic.gateway.cancel import BOOKING
 from rosic.gateway.commands import CommandContext, CommandRegistry
+from rosic.gateway.delivery.last_accounts import LastAccounts
 from rosic.gateway.delivery.notifier import Notifier, nobody_to_tell
 from rosic.gateway.delivery.outbox import Outbox
 from rosic.gateway.delivery.sender import ChatSender
@@ -158,7 +159,13 @@ class Lab:
             wishes=self.wishes,
             vocabularies=vocabularies,
             changes=self.changes,
-            reach=Notifier(self.authoriser, chat_sender, (self.chat,), outbox),
+            reach=Notifier(
+                self.authoriser,
+                chat_sender,
+                (self.chat,),
+                outbox,
+                LastAccounts(self.authoriser.directory, self.store.note),
+            ),
             clock=clock,
             sides=BookingQueries(
                 visible=self.visible,

@@ -20,6 +20,7 @@ function Person({ person, me, act, waits, again }) {
     </th>
     <td data-head=${t("Kind")}>${person.kind === "program" ? t("program") : t("person")}</td>
     <td data-head=${t("Roles")}>${person.named.join(", ") || "—"}</td>
+    <td data-head=${t("Accounts")}>${person.accounts.join(", ") || "—"}</td>
     <td data-head=${t("Access")}>
       ${person.locked ? html`<${Pill} kind="bad">${t("locked out")}<//>` : html`<${Pill} kind="good">${t("let in")}<//>`}
     </td>
@@ -59,7 +60,7 @@ function Known({ asked }) {
     label=${t("Who is known here")}
     kind="stacked"
     tall
-    heads=${[t("Name"), t("Kind"), t("Roles"), t("Access"), html`<span class="hidden">${t("What can be done")}</span>`]}
+    heads=${[t("Name"), t("Kind"), t("Roles"), t("Accounts"), t("Access"), html`<span class="hidden">${t("What can be done")}</span>`]}
   >
     <tbody>
       ${asked.data.map(

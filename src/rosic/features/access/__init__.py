@@ -18,6 +18,7 @@ from rosic.features.access.context import AccessContext
 from rosic.features.access.grant import GrantCommands
 from rosic.features.access.invite import INVITATION, InviteCommands
 from rosic.features.access.join import JoinHandler
+from rosic.features.access.link_commands import AccountLinkCommands
 from rosic.features.access.newcomer_chat import NewcomerChat
 from rosic.features.access.profile_commands import AccountCommands, PendingRequests
 from rosic.features.access.program_keys import ProgramKeyCommands
@@ -132,6 +133,7 @@ def setup(kernel: Kernel) -> AccessFeature:
             link=invite_link_of,
         ),
         SecondFactorCommands(registry, admin_policy),
+        AccountLinkCommands(registry, admin_policy),
         granting,
         request_commands,
         RoleCommands(registry, admin_policy, policy.rolebook),
@@ -157,6 +159,7 @@ def _registry(kernel: Kernel) -> AccessContext:
         retracting=_retracting(kernel),
         authoriser=kernel.rooms.authoriser,
         enrolment=access.enrolment,
+        links=access.links,
         keys=access.keys,
         locks=access.locks,
         two_factor=access.two_factor,

@@ -22,6 +22,7 @@ from rosic.features.access.approval_reminders import MOST
 from rosic.features.access.approve import ApprovalCommands
 from rosic.features.access.grant import GrantCommands
 from rosic.features.access.invite import InviteCommands
+from rosic.features.access.link_commands import AccountLinkCommands
 from rosic.features.access.profile_commands import AccountCommands
 from rosic.features.access.program_keys import ProgramKeyCommands
 from rosic.features.access.revoke_lock import RevokeLockCommands
@@ -133,6 +134,21 @@ COMMANDS: Final = (
         explained=True,
         help=HelpEntry(HelpPage.SHARE, 145, HelpNeed.GRANT),
     ),
+    Command(
+        name="link",
+        aliases=("verbinden",),
+        typed=said("/link"),
+        summary=said("One more account of mine, on another messenger"),
+        redacted_unless="",
+        help=HelpEntry(HelpPage.SHARE, 106),
+    ),
+    Command(
+        name="unlink",
+        aliases=("trennen",),
+        typed=said("/unlink"),
+        summary=said("Take an account away that is mine no more"),
+        page=HelpPage.SHARE,
+    ),
     Command(name="join", redacted_unless="", spoken=False),
 )
 
@@ -145,6 +161,7 @@ class AccessCommands(msgspec.Struct, frozen=True):
     revocation: RevokeLockCommands
     inviting: InviteCommands
     proving: SecondFactorCommands
+    linking: AccountLinkCommands
     granting: GrantCommands | None = None
     request_commands: AccessRequestCommands | None = None
     rolemaking: RoleCommands | None = None
@@ -247,6 +264,8 @@ def register_access_commands(
     commands.register("invite", handlers.inviting.invite)
     commands.register("authenticator", handlers.proving.authenticator)
     commands.register("code", handlers.proving.code)
+    commands.register("link", handlers.linking.link)
+    commands.register("unlink", handlers.linking.unlink)
     if handlers.granting is not None:
         commands.register("grant", handlers.granting.grant)
     if handlers.request_commands is not None:

@@ -6,6 +6,7 @@ from collections.abc import Awaitable, Callable, Iterable
 
 import msgspec
 
+from rosic.authoriser.account_links import AccountLinks
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.enrolment import Enrolment
 from rosic.authoriser.keys import KeyRing
@@ -35,6 +36,7 @@ class AccessContext(msgspec.Struct, frozen=True, kw_only=True):
 
     authoriser: Authoriser
     enrolment: Enrolment
+    links: AccountLinks
     keys: KeyRing
     locks: AccountLocks
     two_factor: TwoFactor

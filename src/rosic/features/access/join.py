@@ -18,6 +18,7 @@ from rosic.errors import Expired, RecordUnavailable, Refusal
 from rosic.features.access import messages as words
 from rosic.features.access.admin_policy import PEOPLE
 from rosic.features.access.invite import INVITATION
+from rosic.features.access.linking import AccountLinking
 from rosic.features.access.newcomer_chat import OfferedInvitation
 from rosic.gateway.commands import Reply
 
@@ -42,7 +43,9 @@ MAY_JOIN = frozenset({MessageValidity.FRESH, MessageValidity.UNVERIFIED})
 # Answers to what is no good code: all addresses share them.
 ANSWERS = RateLimit(burst=10.0, per_s=0.5)
 
-_may_hold_a_code = re.compile("start|join|[-\u2013\u2014\u2212]", re.IGNORECASE).search
+_may_hold_a_code = re.compile(
+    "start|join|link|verbinden|[-\u2013\u2014\u2212]", re.IGNORECASE
+).search
 
 
 class JoinHandler:
@@ -77,6 +80,7 @@ class JoinHandler:
         self._newcomer_chat = newcomer_chat
         self._shown_as = shown_as
         self._names_robot = names_robot
+        self._linking = AccountLinking(registry, admin_policy)
         self._answers = Bucket(ANSWERS, registry.clock.monotonic_ns())
         self._greetings = Bucket(ANSWERS, registry.clock.monotonic_ns())
 
@@ -101,6 +105,8 @@ class JoinHandler:
         if _may_hold_a_code(text) is not None:
             code = code_said(text)
             if code is not None and not self._is_robot(inbound, text):
+                if self._linking.is_code(code):
+                    return await self._linked(messenger, inbound, code)
                 return self._shown(messenger, inbound, code, text)
         return self._still_waiting(inbound) or self._to_the_first(inbound)
 
@@ -110,6 +116,15 @@ class JoinHandler:
         return known is not None and self._names_robot(text.strip())
 
     # ---- what was sent ----
+
+    async def _linked(self, messenger: Messenger, inbound: Inbound, code: str) -> Reply:
+        """Link an account, unless it has to wait after too many wrong codes."""
+        refused = self._enrolment.not_now(inbound.sender)
+        return (
+            await self._linking.take(messenger, inbound, code)
+            if refused is None
+            else self._turned_away(refused)
+        )
 
     def _shown(self, messenger: Messenger, inbound: Inbound, code: str, text: str) -> Reply:
         """Show what a code gives; it is not used up by that."""
@@ -140,9 +155,11 @@ class JoinHandler:
         if len(read) > LONG:
             await asyncio.sleep(0)  # searching much is a step
         said = None
+        if self._linking.burn(self._registry.links.shown_in(read)):
+            said = EnrolmentRefused("link-in-group", messages.IN_GROUP)
         if codes := self._enrolment.shown_in(read):
             async with self._registry.changes.turn() as turn:
-                said = await self._burnt(turn, inbound, codes)
+                said = await self._burnt(turn, inbound, codes) or said
         if said is not None:
             self._registry.retracting.now(messenger, inbound.chat, inbound.message)
         asks = inbound.standing is MessageValidity.FRESH and text.lstrip().startswith("/")

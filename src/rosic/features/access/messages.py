@@ -347,7 +347,7 @@ def next_times(slots: Sequence[str]) -> list[str]:
     return [said("Your next times:"), *(joined("", ("  ", slot)) for slot in slots)]
 
 
-def person(name: str, what: str, *, locked_by: str, access: bool, you: bool) -> str:
+def person(name: str, what: str, *, locked_by: str, access: bool, you: bool, accounts: str) -> str:
     """Return one line of /people."""
     parts: list[str] = [said("{name} (you)", name=name) if you else name]
     if not access:
@@ -356,6 +356,8 @@ def person(name: str, what: str, *, locked_by: str, access: bool, you: bool) -> 
         parts.append(what or said("has no rights now"))
     if locked_by:
         parts.append(said("locked by {locked_by}", locked_by=locked_by))
+    if accounts:
+        parts.append(said("accounts: {accounts}", accounts=accounts))
     return joined(" · ", parts)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from rosic.authoriser import link_messages
 from rosic.core.i18n import joined
 from rosic.core.language import clean_name
 from rosic.core.messages import named
@@ -19,7 +20,7 @@ from rosic.organiser.timezones import UNIVERSAL, zone_named
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from rosic.core.identity import Principal, PrincipalId
+    from rosic.core.identity import Address, Principal, PrincipalId
     from rosic.core.robot.profile import RobotId
     from rosic.features.access.access_request import AccessRequestCommands
     from rosic.features.access.admin_policy import AdminPolicy
@@ -103,6 +104,7 @@ class AccountCommands:
         lines += messages.rights_lines(self._grants(principal, reader=principal))
         lines += self._robots(principal)
         lines += self._key(principal)
+        lines += self._accounts(principal, asked.caller.address)
         lines.append(self._phone(asked))
         lines += () if self._requests is None else self._requests.own(principal)
         slots = self._slots(principal)
@@ -163,6 +165,12 @@ class AccountCommands:
         now_ns = self._registry.clock.wall_ns()
         return [messages.access_until(moment(ends_ns, now_ns, self._zone_of(principal)))]
 
+    def _accounts(self, principal: PrincipalId, here: Address) -> list[str]:
+        person = self._registry.authoriser.directory.person(principal)
+        if person is None or len(person.addresses) < 2:  # noqa: PLR2004 - it is the one they use
+            return []
+        return [link_messages.your_accounts(link_messages.accounts_shown(person.addresses, here))]
+
     def _phone(self, asked: CommandContext) -> str:
         principal, two_factor = asked.caller.principal, self._registry.two_factor
         if not two_factor.is_set_up(principal):
@@ -210,8 +218,14 @@ class AccountCommands:
         lock = self._registry.locks.all().get(person.id)
         locked_by = "" if lock is None else self._registry.name(lock.by)
         access = self._registry.authoriser.directory.has_good_key(person.id)
+        several = len(person.addresses) > 1
         return messages.person(
-            person.name, what, locked_by=locked_by, access=access, you=person.id == by
+            person.name,
+            what,
+            locked_by=locked_by,
+            access=access,
+            you=person.id == by,
+            accounts=link_messages.accounts_shown(person.addresses) if several else "",
         )
 
     async def security(self, asked: CommandContext) -> Reply:

@@ -5,17 +5,19 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 
 from rosic.authoriser.button_tokens import is_lasting
 from rosic.contracts.chats import private_chat_of
 from rosic.contracts.messenger import Messenger, handle_of
+from rosic.contracts.traffic import is_connected
 from rosic.core.i18n import said
 from rosic.core.message import AnswerState, Button, Chat, Outbound, SendPriority
 from rosic.core.signal import Deferred
 from rosic.errors import ChatNotBegun
+from rosic.gateway.delivery.last_accounts import HeardAccount
 from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 from rosic.gateway.delivery.translation import translated
 from rosic.gateway.order_status import OrderMessage
@@ -25,13 +27,27 @@ if TYPE_CHECKING:
 
     from rosic.authoriser.authoriser import Authoriser
     from rosic.core.i18n import Catalogue
-    from rosic.core.identity import PrincipalId
+    from rosic.core.identity import Address, PrincipalId
     from rosic.errors import ChatGone
     from rosic.gateway.delivery.chat_queue import Item
+    from rosic.gateway.delivery.last_accounts import LastAccounts
     from rosic.gateway.delivery.outbox import Outbox
 
 
 # ---- speaking to somebody who has not asked ----
+
+
+class AccountChat(NamedTuple):
+    """Where one account of somebody can be told something in private."""
+
+    messenger: Messenger
+    chat: Chat
+    address: Address
+
+    @property
+    def account(self) -> HeardAccount:
+        """Return by which of ours it is heard."""
+        return HeardAccount(self.messenger.name, self.address)
 
 
 class Notification(msgspec.Struct, frozen=True, kw_only=True):
@@ -63,13 +79,15 @@ class Notification(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Notifier:
-    """Finds people's private chats.
+    """Finds people's private chats, and speaks where each of them was last.
 
-    Where a platform gives a private chat the account's own id, it is found even if the person has
-    not spoken since the start.
+    Somebody with several accounts is told by the one they used last, if its messenger is connected;
+    else by the one before it. Who was never heard is told by each of them. What a chat does not
+    take is told by the others; see `UndeliverableHandler`.
 
     Attributes:
         messengers: Through which people are reached.
+        last_accounts: By which accounts people spoke last.
         again: Returns what somebody is offered anew under what a later run says of a matter;
             nothing is offered until it is bound.
 
@@ -83,7 +101,9 @@ class Notifier:
         chat_sender: ChatSender,
         messengers: Iterable[Messenger],
         outbox: Outbox,
+        last_accounts: LastAccounts,
     ) -> None:
+        self.last_accounts = last_accounts
         self._authoriser = authoriser
         self._chat_sender = chat_sender
         self.messengers = tuple(messengers)
@@ -100,7 +120,7 @@ class Notifier:
         lifetime_s: float = 60.0,
         still: bool = False,
     ) -> int:
-        """Tell each of them in private, wherever they can be reached. Return how many places.
+        """Tell each of them in private, where they were last. Return how many places.
 
         Buttons are bound to each person and chat, good once. An alarm, and whatever offers no
         button, is told over a crash too; an offer is not, as nobody could take it any more.
@@ -120,28 +140,32 @@ class Notifier:
 
     def give(self, people: Iterable[PrincipalId], notice: Notification) -> int:
         """Tell each of them a notice in private. Return how many places that were."""
-        places = 0
+        return sum(
+            self.give_at(principal, self._newest(principal, notice), notice)
+            for principal in dict.fromkeys(people)
+        )
+
+    def give_at(
+        self, principal: PrincipalId, places: Iterable[AccountChat], notice: Notification
+    ) -> int:
+        """Tell somebody a notice in these chats of theirs. Return how many that were."""
+        count = 0
         weight = SendPriority.ALARM if notice.urgent else SendPriority.QUESTION
         offers = any(not is_lasting(button) for row in notice.buttons for button in row)
         lasts = notice.urgent or not offers or bool(notice.matter)
-        for principal in dict.fromkeys(people):
-            for messenger, chat in self._chats(principal):
-                outbound = Outbound(
-                    chat=chat,
-                    text=notice.text,
-                    weight=weight,
-                    cause=notice.cause,
-                    state=notice.state,
-                )
-                edit_of = notice.instead_of.get((messenger.name, chat.id), "")
-                note = OutgoingMessage(messenger, outbound, edit_of=edit_of)
-                self._offer(principal, note, notice)
-                if lasts:
-                    self._outbox.say(principal, note, notice.matter)
-                else:
-                    self._chat_sender.say(note)
-                places += 1
-        return places
+        for messenger, chat, _ in places:
+            outbound = Outbound(
+                chat=chat, text=notice.text, weight=weight, cause=notice.cause, state=notice.state
+            )
+            edit_of = notice.instead_of.get((messenger.name, chat.id), "")
+            note = OutgoingMessage(messenger, outbound, edit_of=edit_of)
+            self._offer(principal, note, notice)
+            if lasts:
+                self._outbox.say(principal, note, notice.matter)
+            else:
+                self._chat_sender.say(note)
+            count += 1
+        return count
 
     def dress(self, note: OutgoingMessage, matter: bytes) -> None:
         """Put under what is said again what can still be done about its matter."""
@@ -185,7 +209,7 @@ class Notifier:
         places = 0
         for principal in dict.fromkeys(people):
             catalogue = self._chat_sender.languages.of(principal)
-            for messenger, chat in self._chats(principal):
+            for messenger, chat, _ in self.places(principal):
                 if (messenger.name, chat.id) == besides:
                     continue
                 outbound = Outbound(chat=chat, text=text, weight=SendPriority.OUTCOME)
@@ -197,15 +221,32 @@ class Notifier:
         return places
 
     def chats(self, principal: PrincipalId) -> tuple[tuple[Messenger, Chat], ...]:
-        """Return where somebody can be told something in private."""
-        return tuple(self._chats(principal))
+        """Return where somebody can be told something in private, where they were last first."""
+        return tuple((messenger, chat) for messenger, chat, _ in self.places(principal))
 
-    def _chats(self, principal: PrincipalId) -> Iterable[tuple[Messenger, Chat]]:
+    def places(self, principal: PrincipalId) -> tuple[AccountChat, ...]:
+        """Return where each account of somebody can be told something in private.
+
+        The newest first, and at the end where they were never heard.
+        """
         person = self._authoriser.directory.person(principal)
-        for address in person.addresses if person is not None else ():
-            for messenger in self.messengers:
-                if messenger.platform == address.platform:
-                    yield messenger, private_chat_of(messenger, address)
+        ranks = {account: rank for rank, account in enumerate(self.last_accounts.of(principal))}
+        places = [
+            AccountChat(messenger, private_chat_of(messenger, address), address)
+            for address in (person.addresses if person is not None else ())
+            for messenger in self.messengers
+            if messenger.platform == address.platform
+        ]
+        return tuple(sorted(places, key=lambda place: ranks.get(place.account, len(ranks))))
+
+    def _newest(self, principal: PrincipalId, notice: Notification) -> Iterable[AccountChat]:
+        """Return where somebody is told: where they were last, and where it changes a message."""
+        places = self.places(principal)
+        if len(places) < 2 or places[0].account not in self.last_accounts.of(principal):  # noqa: PLR2004 - nothing to choose
+            return places
+        changed = [p for p in places if (p.messenger.name, p.chat.id) in notice.instead_of]
+        there = [place for place in places if is_connected(place.messenger) is not False]
+        return dict.fromkeys((*changed, *(there or places)[:1]))
 
 
 def _nothing(_who: PrincipalId, _matter: bytes) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any, Final
 
+from nio.events.invite_events import InviteMemberEvent
+
 from rosic.core.identity import Address
 from rosic.core.message import Chat, ChatEvent, ChatEventKind, ChatKind
 from rosic.errors import MessengerFault
@@ -73,8 +75,10 @@ class Rooms:
                 source = event.source
                 if source.get("type") != MEMBER or source.get("state_key") != self._client.user:
                     continue
-                content, sender = source.get("content"), source.get("sender")
-                direct = isinstance(content, dict) and content.get("is_direct") is True
+                sender = source.get("sender")
+                # nio keeps what an invitation says apart from its source.
+                says = event.content if isinstance(event, InviteMemberEvent) else {}
+                direct = says.get("is_direct") is True
                 welcome = isinstance(sender, str) and self._known(Address(PLATFORM, sender))
                 self._invited[room] = direct or welcome
 
