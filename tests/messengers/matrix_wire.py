@@ -20,8 +20,7 @@ from tests.messengers.matrix_identities import (
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rosic.messengers.matrix.sas import ShownCode
-    from rosic.messengers.matrix.verification_protocols import VerificationEnd, VerificationResult
+    from rosic.contracts.verification import ShownCode, VerificationEnd, VerificationResult
 
 ROOM = "!room:example.org"
 Event = dict[str, Any]

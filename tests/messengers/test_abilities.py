@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.container.archive import NOBODY, Archive
-from rosic.contracts import chats, console, programs, traffic
+from rosic.contracts import chats, console, programs, traffic, verification
 from rosic.contracts import messenger as contract
 from rosic.contracts.messenger import Messenger
 from rosic.contracts.messenger_proxy import ABILITIES, MessengerProxy, members_of
@@ -67,7 +67,7 @@ def kept(messenger: Messenger) -> ArchivingMessenger:
 def abilities() -> list[type]:
     return [
         found
-        for module in (contract, chats, console, programs, traffic)
+        for module in (contract, chats, console, programs, traffic, verification)
         for found in vars(module).values()
         if getattr(found, "_is_runtime_protocol", False) and found is not Messenger
     ]
@@ -132,7 +132,7 @@ def test_what_a_wrapper_defines_itself_is_its_own() -> None:
 def test_telegram_can_do_all_that_is_asked_of_messengers() -> None:
     lacking = [a.__name__ for a in abilities() if not isinstance(telegram(), a)]
     chats_of_matrix = ["HasChatAssurance", "FindsPrivateChat"]
-    theirs = ["ServesPrograms", "AttachesPrograms"]
+    theirs = ["ServesPrograms", "AttachesPrograms", "VerifiesDevices"]
     others = ["SupportsCompletion", "Console", *theirs]
     assert lacking == ["WaitsForDisk", *chats_of_matrix, *others], (
         "who keeps chats says the first; the others are Matrix's, a terminal's, and of programs"

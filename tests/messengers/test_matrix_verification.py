@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 import vodozemac
 
+from rosic.contracts.verification import VerificationEnd
 from rosic.errors import MessengerFault
 from rosic.messengers.matrix.signed_json import canonical_json, to_base64
 from rosic.messengers.matrix.verification import (
@@ -16,7 +17,6 @@ from rosic.messengers.matrix.verification import (
     READY,
     REQUEST,
 )
-from rosic.messengers.matrix.verification_protocols import VerificationEnd
 from tests.messengers.matrix_identities import (
     ADA,
     EVE,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tests.planted.faults import Fault
 
+VERIFYING = "tests/features/verification/test_verification.py"
 UNVERIFIED = "tests/gateway/test_unverified_messages.py"
 
 OF_ASSURANCE = (
@@ -27,5 +28,42 @@ OF_ASSURANCE = (
         guard="if inbound.assurance is None else inbound.assurance",
         without="",
         caught_by=(f"{UNVERIFIED}::test_each_message_is_worth_what_its_messenger_says_of_it",),
+    ),
+    Fault(
+        name="emoji are shown in a chat that the homeserver can write in",
+        file="features/verification/service.py",
+        guard="return private and chat_assurance_of(messenger, chat) >= Assurance.E2EE_VERIFIED",
+        without="return private",
+        caught_by=(f"{VERIFYING}::test_somebody_asks_and_an_admin_compares_on_another_messenger",),
+    ),
+    Fault(
+        name="whoever runs the homeserver says that emoji match",
+        file="features/verification/commands.py",
+        guard="assurance_of(asked.messenger, asked.inbound) < Assurance.E2EE_VERIFIED",
+        without="not asked.inbound",
+        caught_by=(
+            f"{VERIFYING}::test_a_chat_whose_keys_were_compared_is_as_good_as_another_messenger",
+        ),
+    ),
+    Fault(
+        name="emoji that were shown elsewhere are said to match",
+        file="features/verification/commands.py",
+        guard="if where not in pending.shown_in:",
+        without="if False:",
+        caught_by=(f"{VERIFYING}::test_only_where_they_were_shown",),
+    ),
+    Fault(
+        name="anybody compares emoji",
+        file="features/verification/commands.py",
+        guard="if asked.caller.is_program or not self._organiser.rights.holds(",
+        without="if asked.caller.is_program and not self._organiser.rights.holds(",
+        caught_by=(f"{VERIFYING}::test_nobody_else_compares",),
+    ),
+    Fault(
+        name="I9 somebody is verified though it cannot be written down",
+        file="features/verification/service.py",
+        guard="await turn.write((decided,))",
+        without="await turn.act((decided,))",
+        caught_by=(f"{VERIFYING}::test_what_cannot_be_written_down_is_not_verified",),
     ),
 )

@@ -80,6 +80,9 @@ COMMANDS: dict[str, Subcommand] = {
     "lock": Subcommand("rosic.cli.people:lock", "keep somebody out for now; what they move stops"),
     "unlock": Subcommand("rosic.cli.people:unlock", "give a locked person their access back"),
     "revoke": Subcommand("rosic.cli.people:revoke", "take somebody's access back, for ever"),
+    "verify": Subcommand(
+        "rosic.cli.verification:verify", "compare emoji with somebody on Matrix, at this machine"
+    ),
     "key list": Subcommand(
         "rosic.cli.keys:list_keys", "every authorisation key, and how long it is good"
     ),

@@ -6,7 +6,7 @@ from functools import cache
 from operator import attrgetter
 from typing import TYPE_CHECKING, Final, Protocol
 
-from rosic.contracts import chats, console, programs, traffic
+from rosic.contracts import chats, console, programs, traffic, verification
 from rosic.contracts import messenger as contract
 
 if TYPE_CHECKING:
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
 ABILITIES: Final[tuple[type, ...]] = tuple(
     found
-    for module in (contract, chats, console, programs, traffic)
+    for module in (contract, chats, console, programs, traffic, verification)
     for found in vars(module).values()
     if isinstance(found, type)
     and Protocol in found.__bases__
     and found.__module__ == module.__name__
-    and found not in (contract.Messenger, programs.Programs)
+    and found not in (contract.Messenger, programs.Programs, verification.VerificationPrompt)
 )
 """The Protocols of what a messenger may be able to do besides."""
 

@@ -38,6 +38,7 @@ async def test_me_says_who_what_and_until_when() -> None:
             "CF1, CF2 and OMNI: move (distance <= 1 m) and look; not wave or resume",
             "KUKA1: move (distance <= 1 m or distance <= 2 m), wave and look",
             "Authenticator: not set up. /authenticator begins.",
+            "This chat: readable by its provider, who could also write in your name.",
             "Your next times:",
             "  KUKA1 tomorrow 14:00 to 15:00",
         ]

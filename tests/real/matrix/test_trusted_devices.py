@@ -6,11 +6,11 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
+from rosic.contracts.verification import VerificationEnd
 from rosic.core.message import Button, MessageValidity, Outbound
 from rosic.core.policy.roles import Assurance
 from rosic.messengers.matrix.messenger import MatrixMessenger, matrix_messenger
 from rosic.messengers.matrix.signs import KEYS
-from rosic.messengers.matrix.verification_protocols import VerificationEnd
 from rosic.system import SystemClock
 from rosic.testing.messenger_harness import HarnessInbox, settled
 from tests.pace import pace
@@ -20,9 +20,8 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Mapping
     from pathlib import Path
 
+    from rosic.contracts.verification import ShownCode, VerificationResult
     from rosic.core.message import Inbound
-    from rosic.messengers.matrix.sas import ShownCode
-    from rosic.messengers.matrix.verification_protocols import VerificationResult
     from tests.real.matrix.synapse import Account, Synapse
 
 GO = Button("Go", "omni move 1 m", "nonce-1")
@@ -93,9 +92,7 @@ class Place:
         shown = await self.ada.shown()
         await until(lambda: bool(self.admin.codes))
         assert self.admin.codes[0].emoji == shown.emoji
-        verification = self.messenger.verify_with(self.admin)
-        assert verification is not None
-        await verification.confirm(name)
+        await self.messenger.confirm_verification(name)
         await self.ada.emoji.confirm(name)
         await until(lambda: bool(self.admin.results))
         assert self.admin.results[0].end is VerificationEnd.COMPARED

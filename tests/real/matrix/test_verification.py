@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.contracts.verification import VerificationEnd
 from rosic.messengers.matrix.trust import SenderAssurance
-from rosic.messengers.matrix.verification_protocols import VerificationEnd
 from tests.real.matrix.js_client import JsClient
 from tests.real.matrix.verifier import Verifier
 

@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from pathlib import Path
     from types import TracebackType
 
+    from rosic.contracts.verification import ShownCode, VerificationResult
     from rosic.messengers.matrix.identity_book import KeyChange
-    from rosic.messengers.matrix.sas import ShownCode
-    from rosic.messengers.matrix.verification_protocols import VerificationResult
     from tests.real.matrix.synapse import Account
 
 WITHIN_S: Final = 30.0

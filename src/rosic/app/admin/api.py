@@ -12,6 +12,7 @@ from rosic.core.policy.roles import ASSURANCES, Assurance
 from rosic.errors import OutOfBounds
 from rosic.features.access import AccessFeature
 from rosic.features.personal_data import PersonalDataFeature
+from rosic.features.verification import VerificationFeature
 from rosic.organiser.calendar_messages import moment
 from rosic.organiser.timezones import UNIVERSAL, Zone, zone_named
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.features.access.revoke_lock import AccessNotices
     from rosic.features.personal_data.erasure import ErasureCommands
+    from rosic.features.verification.service import DeviceVerifications
     from rosic.gateway.access_registry import AccessRegistry
     from rosic.gateway.container_context import ContainerContext
     from rosic.gateway.policy_service import PolicyService
@@ -46,6 +48,7 @@ class AdminContext(NamedTuple):
         notices: Tells people in their chats; None: no gateway runs, so nobody can be told.
         data_context: What is kept in containers; None: the record cannot look into them.
         erasing: Erases somebody; None while no gateway runs.
+        verifications: Of people's devices; None while no gateway runs.
     """
 
     access: AccessRegistry
@@ -61,6 +64,7 @@ class AdminContext(NamedTuple):
     notices: AccessNotices | None = None
     data_context: ContainerContext | None = None
     erasing: ErasureCommands | None = None
+    verifications: DeviceVerifications | None = None
 
     @property
     def vocabulary(self) -> Vocabulary:
@@ -107,6 +111,7 @@ def books_of(
         notices=gateway.features.get(AccessFeature).notices,
         data_context=gateway.kernel.containers,
         erasing=None if data is None else data.erasing,
+        verifications=gateway.features.get(VerificationFeature).verifications,
         assurances={
             m.platform: ASSURANCES.get(m.assurance, Assurance.PROVIDER_READABLE) for m in messengers
         },
@@ -156,6 +161,7 @@ class AdminVerb(enum.Enum):
     HISTORY = "history"
     ATTACH = "attach"
     RECORD = "record"
+    VERIFY = "verify"
 
 
 class AnswerFormat(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

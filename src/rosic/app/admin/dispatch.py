@@ -25,6 +25,7 @@ from rosic.app.admin.history import HistoryParameters, history_of
 from rosic.app.admin.naming import people_lines, people_listed
 from rosic.app.admin.recording import RecordParameters, recording_for_operator
 from rosic.app.admin.schedule import BookParameters, ScheduleAdmin, ScheduleWindow
+from rosic.app.admin.verification import VerificationAdmin
 from rosic.app.maintenance import lost
 from rosic.config.profiles import known_units
 from rosic.contracts.programs import AttachesPrograms
@@ -98,6 +99,7 @@ class AdminApi:
             AdminVerb.LIMIT: self._limit,
             AdminVerb.ERASE: self._containers.erase,
             AdminVerb.HISTORY: self._history,
+            AdminVerb.VERIFY: VerificationAdmin(books).do,
         }
 
     async def do(self, ask: AdminRequest) -> Iterable[str]:

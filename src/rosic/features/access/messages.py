@@ -10,6 +10,7 @@ from rosic.core.language.sanitise import quote
 from rosic.core.language.suggestions import OR
 from rosic.core.message import Button
 from rosic.core.policy.limits import limit_in_words
+from rosic.core.policy.roles import Assurance
 from rosic.core.role_names import role_shown
 from rosic.core.time_units import DAY_S
 from rosic.gateway.person_argument import roles_listed
@@ -67,6 +68,17 @@ def invited(what: str, platform: str, assurance: str) -> str:
         what_they_read = filled(reads, platform=platform.capitalize())
         lines.append(said("What the chat operator can read: {what}.", what=what_they_read))
     return joined("\n", lines)
+
+
+CHAT_IS: Final = {
+    Assurance.PROVIDER_READABLE: said(
+        "This chat: readable by its provider, who could also write in your name."
+    ),
+    Assurance.E2EE_UNVERIFIED: said(
+        "This chat: encrypted, unverified. Nobody has compared the keys of your device: /verify"
+    ),
+    Assurance.E2EE_VERIFIED: said("This chat: encrypted, verified."),
+}
 
 
 def is_in(name: str, what: str) -> str:

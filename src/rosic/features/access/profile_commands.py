@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.authoriser import link_messages
+from rosic.contracts.chats import assurance_of
 from rosic.core.i18n import joined
 from rosic.core.language import clean_name
 from rosic.core.messages import named
@@ -106,6 +107,7 @@ class AccountCommands:
         lines += self._key(principal)
         lines += self._accounts(principal, asked.caller.address)
         lines.append(self._phone(asked))
+        lines += filter(None, (messages.CHAT_IS.get(assurance_of(asked.messenger, asked.inbound)),))
         lines += () if self._requests is None else self._requests.own(principal)
         slots = self._slots(principal)
         if slots is not None:

@@ -272,6 +272,10 @@ class CrossSigning:
 
     # ---- keys of others ----
 
+    def is_compared(self, user: str) -> bool:
+        """Whether a person's master key was compared, and no other was shown since."""
+        return self._book.is_compared(user)
+
     async def look_up(self, user: str, *, fresh: bool = False) -> tuple[UserKeys, IdentityStanding]:
         """Return what is shown of a person's keys, and what their master key is worth.
 

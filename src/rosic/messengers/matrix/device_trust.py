@@ -13,8 +13,10 @@ from msgspec.structs import replace
 
 from rosic.core.i18n import said
 from rosic.core.message import MessageValidity
+from rosic.core.policy.roles import Assurance
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.matrix.cross_signing import CrossSigning, OlmDeviceAccount
+from rosic.messengers.matrix.identity_book import IdentityStanding
 from rosic.messengers.matrix.replay_guard import ReplayGuard
 from rosic.messengers.matrix.trust import (
     RequestWeight,
@@ -29,16 +31,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.verification import ShownCode, VerificationPrompt, VerificationResult
     from rosic.core.message import Inbound
     from rosic.messengers.matrix.client import MatrixClient
     from rosic.messengers.matrix.identity_book import KeyChange
     from rosic.messengers.matrix.reading import ReadEvent
-    from rosic.messengers.matrix.sas import ShownCode
     from rosic.messengers.matrix.settings import MatrixSettings
-    from rosic.messengers.matrix.verification_protocols import (
-        VerificationPrompt,
-        VerificationResult,
-    )
 
 TO_DEVICE: Final = "/_matrix/client/v3/sendToDevice"
 STEPS_AT_MOST: Final = 200
@@ -165,6 +163,35 @@ class DeviceTrust:
         if self._verification is None:
             raise MessengerFault(f"The messenger {self._name} is not connected yet.")
         return self._verification
+
+    async def begin(self, user: str, room: str) -> str:
+        """Ask somebody to compare emoji, in the room with them; return the id of the verification.
+
+        Whose keys are not those that they were is asked device by device: no device of theirs is
+        given keys of what is said in the room.
+
+        Raises:
+            MessengerFault: It could not be sent.
+        """
+        verification = self.verification
+        assert self._cross_signing is not None  # noqa: S101 - it came with the verification
+        _, standing = await self._cross_signing.look_up(user)
+        replaced = standing is IdentityStanding.REPLACED
+        return await verification.begin(user, room="" if replaced else room)
+
+    def room_assurance(self, room: str) -> Assurance:
+        """Return what a room is worth: who could read or write there besides those who are named.
+
+        A look-up. It counts what was compared of each person who is there, and nothing shown since
+        that differs.
+        """
+        if not self._client.is_encrypted(room):
+            return Assurance.PROVIDER_READABLE
+        others = self._client.members(room) - {self._client.user}
+        signing = self._cross_signing
+        if signing is None or not others or not all(map(signing.is_compared, others)):
+            return Assurance.E2EE_UNVERIFIED
+        return Assurance.E2EE_VERIFIED
 
     async def start(self) -> None:
         """Have this device signed by the account's own keys, which are made the first time.

@@ -116,6 +116,11 @@ class IdentityBook:
             return IdentityStanding.REPLACED
         return IdentityStanding.COMPARED if known.compared else IdentityStanding.FIRST_SEEN
 
+    def is_compared(self, user: str) -> bool:
+        """Whether a person's master key was compared, and no other was shown since."""
+        known = self._people.get(user)
+        return known is not None and known.compared and not known.other
+
     def is_compared_device(self, device: DeviceIdentity) -> bool:
         """Whether this device's own fingerprint was compared."""
         known = self._people.get(device.user)

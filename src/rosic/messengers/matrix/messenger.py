@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Alarm, Knows, Passed, Reacted, Receive, Settle
+    from rosic.contracts.verification import VerificationPrompt
     from rosic.core.message import Chat, Inbound, IncomingFile, Outbound
+    from rosic.core.policy.roles import Assurance
     from rosic.messengers.matrix.identity_book import KeyChange
-    from rosic.messengers.matrix.verification import EmojiVerification
-    from rosic.messengers.matrix.verification_protocols import VerificationPrompt
 
 FILE_BYTES: Final = 50_000_000
 """What Synapse takes unless it is told otherwise; a homeserver that takes less says so."""
@@ -170,17 +170,38 @@ class MatrixMessenger:
         if type(most) is int and most > 0:
             self.file_bytes = min(most, FILE_BYTES)
 
-    def verify_with(self, prompt: VerificationPrompt) -> EmojiVerification | None:
-        """Have emoji shown to somebody here, who compares them.
-
-        Args:
-            prompt: From now on. Until it is named nobody can be verified.
-
-        Returns:
-            Who is told what came of comparing; None until it runs.
-        """
+    def verify_with(self, prompt: VerificationPrompt) -> None:
+        """Have emoji shown to somebody here; see ``contracts.verification``."""
         self._prompt.ask(prompt)
-        return self._trust.verification if self._running else None
+
+    async def begin_verification(self, account: str) -> str:
+        """Ask somebody's client; see ``contracts.verification``.
+
+        Raises:
+            MessengerFault: It could not be sent.
+        """
+        await self._until_ready()
+        return await self._trust.begin(account, await self._rooms.private.open(account))
+
+    async def confirm_verification(self, verification: str) -> None:
+        """Both ends show the same; see ``contracts.verification``.
+
+        Raises:
+            MessengerFault: There is no such verification any more, or nothing to confirm in it.
+        """
+        await self._trust.verification.confirm(verification)
+
+    async def reject_verification(self, verification: str) -> None:
+        """The ends do not show the same; see ``contracts.verification``.
+
+        Raises:
+            MessengerFault: There is no such verification any more.
+        """
+        await self._trust.verification.reject(verification)
+
+    def chat_assurance(self, chat: Chat) -> Assurance:
+        """Return what a room is worth; see ``contracts.chats``."""
+        return self._trust.room_assurance(chat.id)
 
     def _keys_changed(self, change: KeyChange) -> None:
         """Tell the admins that somebody's keys are others, or that they have a new device."""

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 import msgspec
 import vodozemac
 
+from rosic.contracts.verification import ShownCode
 from rosic.messengers.matrix.emoji import EMOJI
 from rosic.messengers.matrix.signed_json import (
     ED25519,
@@ -64,31 +65,6 @@ class SasCancel(Exception):
     def __init__(self, code: str, reason: str) -> None:
         super().__init__(reason)
         self.code = code
-
-
-class ShownCode(msgspec.Struct, frozen=True, kw_only=True):
-    """What two people compare. The same on both sides, or somebody is between them.
-
-    Attributes:
-        verification: Which; to be named when it is confirmed.
-        user: The person at the other end.
-        device: The device at the other end.
-        emoji: Seven, each with its name.
-        decimals: The same as three numbers; empty where emoji are shown.
-    """
-
-    verification: str
-    user: str
-    device: str
-    emoji: tuple[tuple[str, str], ...]
-    decimals: tuple[int, ...]
-
-    @property
-    def text(self) -> str:
-        """Say it on one line."""
-        if not self.emoji:
-            return " ".join(map(str, self.decimals))
-        return "  ".join(f"{sign} {name}" for sign, name in self.emoji)
 
 
 class SasEnd(msgspec.Struct, frozen=True, kw_only=True):

@@ -11,8 +11,9 @@ import asyncio
 import logging
 import secrets
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
+from rosic.contracts.verification import VerificationEnd, VerificationResult
 from rosic.errors import MessengerFault
 from rosic.messengers.matrix.sas import (
     ACCEPT,
@@ -28,18 +29,14 @@ from rosic.messengers.matrix.sas import (
     SasPhase,
 )
 from rosic.messengers.matrix.signed_json import ED25519
-from rosic.messengers.matrix.verification_protocols import VerificationEnd, VerificationResult
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.verification import VerificationPrompt
     from rosic.messengers.matrix.cross_signing import CrossSigning
     from rosic.messengers.matrix.user_keys import DeviceIdentity
-    from rosic.messengers.matrix.verification_protocols import (
-        VerificationPrompt,
-        VerificationTransport,
-    )
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -56,6 +53,18 @@ AHEAD_NS: Final = 300 * 10**9
 LIVE_AT_MOST: Final = 20
 DEVICES_AT_MOST: Final = 50
 LONGEST_ID: Final = 255
+
+
+class VerificationTransport(Protocol):
+    """Carries what two devices say to each other. Raises ``MessengerFault`` where it does not."""
+
+    async def to_device(self, user: str, device: str, kind: str, content: Content) -> None:
+        """Send one to-device message, as it is; ``*`` is every device of that person."""
+        ...
+
+    async def in_room(self, room: str, kind: str, content: Content) -> str:
+        """Send one event into a room, encrypted where the room is, and return its id."""
+        ...
 
 
 class _Verification:
