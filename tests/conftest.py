@@ -63,6 +63,8 @@ SECONDS = {
     "tests/real/ros2/test_doubtful_rest.py": 95,
     "tests/cli/test_record.py": 50,
     "tests/journeys/test_people.py": 100,
+    "tests/real/matrix/test_scenarios.py": 90,
+    "tests/real/matrix/test_bench_matrix.py": 60,
     "tests/journeys/test_scenarios.py": 80,
     "tests/journeys/test_bad_network.py": 75,
     "tests/journeys/test_backlog.py": 75,

@@ -347,6 +347,10 @@ class Person:
             assert time.monotonic() < give_up_s, "it did not happen in time"
             await self._sync(_LONG_POLL_MS)
 
+    async def wait(self) -> None:
+        """Wait until there is something new, for a moment at most, and take it in."""
+        await self._sync(_LONG_POLL_MS)
+
     async def _fetch(self, content: Mapping[str, Any]) -> bytes:
         file = content.get("file")
         answer = await self.client.download(file["url"] if file else content["url"])
