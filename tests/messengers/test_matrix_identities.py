@@ -9,7 +9,7 @@ from rosic.messengers.matrix.cross_signing import (
 )
 from rosic.messengers.matrix.identity_book import (
     DEVICES_AT_MOST,
-    KNOWN_AT_MOST,
+    STRANGERS_AT_MOST,
     IdentityBook,
     IdentityStanding,
     KeyChange,
@@ -23,6 +23,7 @@ from tests.messengers.matrix_identities import (
     ROBOT,
     Device,
     Person,
+    everybody,
     met,
     restarted,
     robot_account,
@@ -255,17 +256,36 @@ async def test_a_note_that_could_not_be_written_is_written_later() -> None:
 # ---- the book ----
 
 
-def test_strangers_without_end_drive_out_nobody_who_was_compared() -> None:
-    book = IdentityBook(ROBOT)
+def test_strangers_without_end_drive_out_nobody_who_is_known_or_was_compared() -> None:
+    book = IdentityBook(ROBOT, lambda user: user == EVE)
     book.compared(ADA, "A" * 43)
-    for number in range(KNOWN_AT_MOST + 50):
+    eve = Person(EVE)
+    book.observe(eve.keys())
+    for number in range(STRANGERS_AT_MOST + 50):
         book.observe(UserKeys(f"@{number}:example.org", {}))
     assert book.standing(ADA, "A" * 43) is IdentityStanding.COMPARED
-    assert len(msgspec.json.decode(book.content())["people"]) == KNOWN_AT_MOST
+    assert book.standing(EVE, eve.master_public) is IdentityStanding.FIRST_SEEN
+    assert len(msgspec.json.decode(book.content())["people"]) == STRANGERS_AT_MOST + 2
+
+
+def test_of_strangers_no_devices_are_written_down() -> None:
+    book, eve = IdentityBook(ROBOT, lambda _user: False), Person(EVE)
+    assert book.observe(eve.keys()) == ((), True)
+    assert b"PHONE" not in book.content()
+
+
+def test_a_room_stays_confidential_over_a_restart() -> None:
+    book = IdentityBook(ROBOT, everybody)
+    assert book.make_confidential("!room:example.org")
+    assert not book.make_confidential("!room:example.org")
+    after = IdentityBook(ROBOT, everybody)
+    after.restore(book.content())
+    assert after.is_confidential("!room:example.org")
+    assert not after.is_confidential("!other:example.org")
 
 
 def test_devices_without_end_are_not_told_without_end() -> None:
-    book, ada = IdentityBook(ROBOT), Person(ADA)
+    book, ada = IdentityBook(ROBOT, everybody), Person(ADA)
     book.observe(ada.keys())
     devices = {
         name: sign(Device(ADA, name).shown(), ADA, ada.self_signing)
@@ -278,4 +298,4 @@ def test_devices_without_end_are_not_told_without_end() -> None:
 
 def test_a_book_of_another_account_is_refused() -> None:
     with pytest.raises(ValueError, match="another"):
-        IdentityBook(ROBOT).restore(IdentityBook(ADA).content())
+        IdentityBook(ROBOT, everybody).restore(IdentityBook(ADA, everybody).content())

@@ -12,16 +12,16 @@ def at(seconds: float, jump_s: float = 0.0) -> SyncMoment:
 
 def thawed() -> SyncGap:
     gap = SyncGap()
-    gap.answered(at(0), limited=False)
-    assert gap.drained(at(0), empty=True, limited=False)
+    gap.answered(at(0))
+    assert gap.drained(at(0), empty=True)
     return gap
 
 
 def test_what_came_while_nobody_listened_is_backlog() -> None:
     gap = SyncGap()
-    gap.answered(at(0), limited=False)
+    gap.answered(at(0))
     assert gap.stamp(at(0).wall_ns) > at(0).wall_ns
-    assert not gap.drained(at(0), empty=False, limited=False)
+    assert not gap.drained(at(0), empty=False)
     assert gap.frozen
 
 
@@ -34,22 +34,13 @@ def test_it_is_over_when_people_write_all_the_time() -> None:
     gap = SyncGap()
     thawing = []
     for second in range(3):
-        gap.answered(at(second), limited=False)
-        thawing.append(gap.drained(at(second), empty=False, limited=False))
+        gap.answered(at(second))
+        thawing.append(gap.drained(at(second), empty=False))
     assert thawing == [False, False, True]
 
 
 def test_a_pause_or_a_clock_that_jumps_begins_it_anew() -> None:
     for later in (at(6), at(1, jump_s=3), at(1, jump_s=-3)):
         gap = thawed()
-        gap.answered(later, limited=False)
+        gap.answered(later)
         assert gap.frozen
-
-
-def test_what_the_homeserver_left_out_begins_it_anew() -> None:
-    gap = thawed()
-    gap.answered(at(1), limited=True)
-    assert gap.frozen
-    assert not gap.drained(at(1), empty=False, limited=True)
-    gap.answered(at(2), limited=False)
-    assert gap.drained(at(2), empty=True, limited=False)

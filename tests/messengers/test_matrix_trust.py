@@ -227,18 +227,6 @@ def test_only_what_is_verified_is_an_encrypted_channel_to_the_policy() -> None:
     assert SenderAssurance.PLAIN.channel is Assurance.PROVIDER_READABLE
 
 
-async def test_devices_that_nobody_vouches_for_are_given_no_keys(world: World) -> None:
-    world.account.homeserver.add(Device(ADA, "INSERTED"))
-    world.account.directory.forget(ADA)
-    assert await world.trust.withheld(ADA) == {"INSERTED"}
-    assert await world.trust.withheld(EVE) == frozenset()
-    assert await world.trust.withheld("@nobody:example.org") == frozenset()
-
-    world.account.homeserver.knows(Person(ADA))
-    world.account.directory.forget(ADA)
-    assert await world.trust.withheld(ADA) == {"PHONE"}
-
-
 def test_devices_without_end_are_not_all_looked_at() -> None:
     ada = Person(ADA)
     devices = {

@@ -153,5 +153,11 @@ async def met(ada: Verifier, user: str) -> str:
         "POST", "/_matrix/client/v3/createRoom", {**asked, "initial_state": [encryption]}
     )
     room = str(made["room_id"])
-    await ada.until(lambda: room in ada.client.rooms and user in ada.client.rooms[room].users)
+    await ada.until(
+        lambda: (
+            room in ada.client.rooms
+            and user in ada.client.rooms[room].users
+            and user not in ada.client.rooms[room].invited_users  # its keys are there by then
+        )
+    )
     return room

@@ -10,20 +10,22 @@ from rosic.core.secret import Secret
 from rosic.messengers.matrix.client import MatrixClient
 from rosic.messengers.matrix.cross_signing import CrossSigning, OlmDeviceAccount
 from rosic.messengers.matrix.device_trust import DirectTransport
+from rosic.messengers.matrix.olm_machine import EventDecryptionError
 from rosic.messengers.matrix.settings import MatrixSettings
+from rosic.messengers.matrix.sync_answer import room_part
 from rosic.messengers.matrix.trust import SenderAssurance, Trust, evidence_of
-from rosic.messengers.matrix.user_keys import KeyDirectory
 from rosic.messengers.matrix.verification import EmojiVerification
 from rosic.system import SystemClock
 from tests.pace import pace
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
     from pathlib import Path
     from types import TracebackType
 
     from rosic.contracts.verification import ShownCode, VerificationResult
     from rosic.messengers.matrix.identity_book import KeyChange
+    from rosic.messengers.matrix.sync_answer import SyncAnswer
     from tests.real.matrix.synapse import Account
 
 WITHIN_S: Final = 30.0
@@ -53,7 +55,7 @@ class Verifier:
         settings = MatrixSettings(
             homeserver=account.url, user=account.user, password=self._password, folder=folder
         )
-        self.client = MatrixClient("matrix", settings, SystemClock())
+        self.client = MatrixClient("matrix", settings, SystemClock(), _everybody)
         self.told: list[KeyChange] = []
         self.codes: list[ShownCode] = []
         self.results: list[VerificationResult] = []
@@ -82,17 +84,16 @@ class Verifier:
         await self._stack.aclose()
 
     async def _set_up(self) -> None:
-        await self._sync(0, full=True)
+        await self._take(await self._sync(0, full=True))
         await self.client.upkeep()
-        olm = self.client.library.olm
-        olm.handle_key_verification = _pass_over
-        self.directory = KeyDirectory(self.client.call)
+        self.directory = self.client.directory
         self.cross_signing = CrossSigning(
-            OlmDeviceAccount(olm),
+            OlmDeviceAccount(self.client.machine),
             self.client.call,
             self.client.folder,
             self.directory,
             self.told.append,
+            knows=_everybody,
         )
         await self.cross_signing.start(self._password)
         transport = DirectTransport(self.client)
@@ -140,30 +141,35 @@ class Verifier:
         while True:
             answer = await self._sync(_POLL_MS, full=False)
             await self.client.upkeep()
-            changed = (*answer.device_list.changed, *answer.device_list.left)
-            await self.cross_signing.keys_changed(changed)
-            for event in answer.to_device_events:
-                await self.emoji.on_to_device(event.source)
-            for room, info in answer.rooms.join.items():
-                for event in info.timeline.events:
-                    await self.emoji.on_room_event(room, event.source)
-                    await self._hear(room, event)
+            await self.cross_signing.keys_changed(answer.changed)
+            await self._take(answer)
             async with self._moved:
                 self._moved.notify_all()
 
-    async def _hear(self, room: str, event: Any) -> None:  # noqa: ANN401 - matrix-nio has no types
-        content = event.source.get("content", {})
-        if content.get("msgtype") == "m.text":
-            evidence = evidence_of(self.client.library.olm, room, event)
-            self.heard.append((content["body"], await self.trust.assess(evidence)))
-        elif event.source.get("type") == "m.room.encrypted":
-            self.unread.append(event.event_id)
+    async def _take(self, answer: SyncAnswer) -> None:
+        async for source in self.client.take_to_device(answer):
+            await self.emoji.on_to_device(source)
+        for room, piece in answer.joined.items():
+            async for source in self.client.take_state(room, room_part(piece)):
+                await self._hear(room, source)
 
-    async def _sync(self, timeout_ms: int, *, full: bool) -> Any:  # noqa: ANN401 - likewise
+    async def _hear(self, room: str, source: Mapping[str, Any]) -> None:
+        try:
+            event = self.client.open_event(room, source, SystemClock().wall_ns())
+        except EventDecryptionError:
+            self.unread.append(str(source["event_id"]))
+            return
+        await self.emoji.on_room_event(room, event.source)
+        content = event.source.get("content", {})
+        if content.get("msgtype") == "m.text" and event.sender != self.user:
+            evidence = evidence_of(self.client.machine, room, event)
+            self.heard.append((content["body"], await self.trust.assess(evidence)))
+
+    async def _sync(self, timeout_ms: int, *, full: bool) -> SyncAnswer:
         answer = await self.client.sync(self._since, timeout_ms=timeout_ms, full=full, shape={})
         self._since = answer.next_batch
         return answer
 
 
-def _pass_over(_event: object) -> None:
-    """Instead of matrix-nio's own machine, which would answer verifications as well."""
+def _everybody(_user: str) -> bool:
+    return True

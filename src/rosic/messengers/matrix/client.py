@@ -1,283 +1,164 @@
-"""One account at one homeserver, by way of matrix-nio: everything that crosses the wire."""
+"""What crosses the wire for one account: rooms, keys and messages, in steps of bounded length."""
 
 from __future__ import annotations
 
-import asyncio
 import json
 import logging
 import uuid
-from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING, Any, Final, TypeVar
-from urllib.parse import quote
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import quote, urlencode
 
-import msgspec
-import nio
-
-from rosic.errors import ConfigurationError, MessengerFault
-from rosic.messengers.matrix.errors import MatrixError, MatrixErrorKind, refusal, trouble
-from rosic.messengers.matrix.olm_machine import AccountClient
-from rosic.messengers.matrix.sealed_folder import SealedFolder
+from rosic.errors import MessengerFault
+from rosic.messengers.matrix.connection import API, CALL_S, FILE_S, GIVE_UP_S, MatrixConnection
+from rosic.messengers.matrix.errors import MatrixError, MatrixErrorKind
+from rosic.messengers.matrix.olm_machine import ENCRYPTED, SyncedEvent, ciphertext_of
+from rosic.messengers.matrix.outgoing_sessions import OutgoingSessions
+from rosic.messengers.matrix.room_table import RoomTable
+from rosic.messengers.matrix.step_budget import StepBudget
+from rosic.messengers.matrix.sync_answer import MOST_AT_START, MOST_BYTES, event_of, split_answer
+from rosic.messengers.matrix.user_keys import KeyDirectory
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Mapping
+    from collections.abc import AsyncIterator, Callable, Collection, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.messengers.matrix.settings import MatrixSettings
+    from rosic.messengers.matrix.sync_answer import RoomPart, SyncAnswer
+    from rosic.messengers.matrix.user_keys import DeviceIdentity
 
-T = TypeVar("T")
-
-DEVICE_FILE: Final = "device.sealed"
-CALL_S: Final = 20.0
-FILE_S: Final = 300.0
-GIVE_UP_S: Final = 20.0
-WAITS_S: Final = (0.3, 1.0)
-"""Before something is said once more. It has the same transaction, so it is shown once."""
-OK: Final = range(200, 300)
-DENIED: Final = 401
-API: Final = "/_matrix/client/v3"
+REACTION: Final = "m.reaction"
+DEVICES_AT_MOST: Final = 50
+"""Of one person, that are given the key of what anybody may read."""
 
 log = logging.getLogger("rosic.messengers.matrix")
 
 
-class SignedIn(msgspec.Struct, frozen=True):
-    """A device of the account, and the token it speaks with."""
-
-    user: str
-    device: str
-    token: str
-
-
-class MatrixClient:
-    """Connections are open only while it is held.
+class MatrixClient(MatrixConnection):
+    """Reads what comes, and says what goes, for one account.
 
     Args:
         name: Of the messenger, for the log and for sentences.
+        knows: Whether somebody is known here, by their account.
+
+    Attributes:
+        directory: What is shown of people's keys.
+        rooms: Which rooms this account is in, and who is there.
+        steps: Gives way while something long is taken apart, whatever its parts are.
     """
 
-    def __init__(self, name: str, settings: MatrixSettings, clock: Clock) -> None:
-        self.folder = SealedFolder(settings.folder)
-        self._name = name
-        self._settings = settings
-        self._clock = clock
-        self._nio: Any = None
-        self._held = 0
-        self._opening = asyncio.Lock()
-        self._signing_in = asyncio.Lock()
+    def __init__(
+        self, name: str, settings: MatrixSettings, clock: Clock, knows: Callable[[str], bool]
+    ) -> None:
+        super().__init__(name, settings, clock, knows)
+        self.directory = KeyDirectory(self.call)
+        self.rooms = RoomTable()
+        self.steps = StepBudget()
+        self._sessions = OutgoingSessions(lambda: self.machine, self.call, clock)
 
-    @property
-    def user(self) -> str:
-        """The account's id."""
-        return self._settings.user
-
-    @property
-    def device(self) -> str:
-        """The device's id; empty until it is signed in."""
-        return "" if self._nio is None else str(self._nio.device_id or "")
-
-    @property
-    def library(self) -> Any:  # noqa: ANN401 - matrix-nio has no types
-        """The client of matrix-nio, with its sessions and the devices it knows; None until open."""
-        return self._nio
-
-    @property
-    def rooms(self) -> Mapping[str, Any]:
-        """What is known of the rooms that this account is in."""
-        rooms: Mapping[str, Any] = {} if self._nio is None else self._nio.rooms
-        return rooms
+    def remember_rooms(self) -> None:
+        """Have rooms encrypted that were so in an earlier run, whatever is said of them now."""
+        self.rooms.were_encrypted(self._nio.encrypted_rooms)
 
     def members(self, room: str) -> frozenset[str]:
         """Return who is in a room, or was invited; nobody, of a room that is not known."""
         found = self.rooms.get(room)
-        return frozenset() if found is None else frozenset({*found.users, *found.invited_users})
+        return frozenset() if found is None else frozenset(found.users)
 
     def is_encrypted(self, room: str) -> bool:
         """Whether a room is encrypted; once it was, nothing that the homeserver says undoes it."""
         found = self.rooms.get(room)
-        return found is not None and bool(found.encrypted)
-
-    # ---- beginning and end ----
-
-    @asynccontextmanager
-    async def held(self) -> AsyncIterator[None]:
-        """Keep connections open while inside.
-
-        Raises:
-            ConfigurationError: The account or its folder cannot be used.
-            MatrixError: The homeserver did not answer.
-        """
-        self._held += 1
-        try:
-            await self._open()
-            yield
-        finally:
-            self._held -= 1
-            if not self._held:
-                await self._close()
-
-    async def _open(self) -> None:
-        async with self._opening:
-            if self._nio is not None and self._nio.access_token:
-                return
-            await asyncio.to_thread(self.folder.open)
-            if self._nio is None:
-                self._nio = self._library()
-            kept = self._kept()
-            if kept is not None:
-                self._nio.restore_login(kept.user, kept.device, kept.token)
-                return
-            try:
-                signed_in = await self._sign_in()
-            except MatrixError as refused:
-                raise self._denied(refused) from None
-            await self._keep(signed_in)
-
-    def _library(self) -> Any:  # noqa: ANN401 - matrix-nio has no types
-        config = nio.AsyncClientConfig(
-            max_limit_exceeded=0,
-            max_timeouts=0,
-            encryption_enabled=True,
-            pickle_key=self.folder.passphrase,
-            store_sync_tokens=False,
-            request_timeout=CALL_S,
-        )
-        return AccountClient(
-            self._settings.homeserver,
-            self._settings.user,
-            store_path=str(self._settings.folder),
-            config=config,
-        )
-
-    def _opened(self) -> Any:  # noqa: ANN401 - matrix-nio has no types
-        return self._nio
-
-    def _account(self) -> Any:  # noqa: ANN401 - matrix-nio has no types
-        return self._nio.olm.account
-
-    def _machine(self) -> Any:  # noqa: ANN401 - matrix-nio has no types
-        return self._nio.olm
-
-    def _kept(self) -> SignedIn | None:
-        content = self.folder.read(DEVICE_FILE)
-        if content is None:
-            return None
-        kept = msgspec.json.decode(content, type=SignedIn)
-        if kept.user != self._settings.user:
-            raise ConfigurationError(
-                f"The folder of the messenger {self._name} holds the keys of {kept.user}.",
-                hint="Give each account a folder of its own.",
-            )
-        return kept
-
-    async def _keep(self, signed_in: SignedIn) -> None:
-        content = msgspec.json.encode(signed_in)
-        try:
-            await asyncio.to_thread(self.folder.write, DEVICE_FILE, content)
-        except OSError as error:
-            raise ConfigurationError(
-                f"The folder of the messenger {self._name} cannot be written.",
-                hint=f"({type(error).__name__})",
-            ) from None
-
-    async def _sign_in(self) -> SignedIn:
-        """Sign in: as the device that this folder is of, or as a new one."""
-        settings, library, password = self._settings, self._nio, self._settings.password
-        if password is None:
-            token = settings.token
-            return await self._whose("" if token is None else token.reveal())
-        found = await self._ask(lambda: library.login(password.reveal(), settings.device_name))
-        if found.user_id != settings.user:
-            raise ConfigurationError(
-                f"The homeserver calls the account of the messenger {self._name} {found.user_id}.",
-                hint="Write that as its user.",
-            )
-        return SignedIn(found.user_id, found.device_id, found.access_token)
-
-    async def _whose(self, token: str) -> SignedIn:
-        library = self._opened()
-        library.access_token = token
-        try:
-            said = await self.call("GET", f"{API}/account/whoami")
-        except MatrixError:
-            library.access_token = ""
-            raise
-        user, device = said.get("user_id"), said.get("device_id")
-        if user != self._settings.user or not isinstance(device, str):
-            raise ConfigurationError(f"The token of the messenger {self._name} is of {user}.")
-        self._nio.restore_login(user, device, token)
-        return SignedIn(user, device, token)
-
-    def _denied(self, refused: MatrixError) -> MatrixError | ConfigurationError:
-        if refused.kind in {MatrixErrorKind.LOST, MatrixErrorKind.TOO_FAST}:
-            return refused
-        return ConfigurationError(
-            f"The homeserver does not let the messenger {self._name} in.",
-            hint="Check its user and its password, or its token.",
-        )
-
-    async def sign_in_again(self, refused: MatrixError) -> None:
-        """Get a new token for the same device, whose keys and sessions stay.
-
-        Raises:
-            MatrixError: What was refused, where no password is known; or another fault.
-        """
-        if self._settings.password is None:
-            raise refused
-        before = self._nio.access_token
-        async with self._signing_in:
-            if self._nio.access_token != before:
-                return
-            log.warning("%s: signed out; signing in again (%s)", self._name, refused.reason)
-            signed_in = await self._sign_in()
-            if not refused.soft and self._nio.olm is not None:
-                # The homeserver has forgotten the device, and with it the keys: they are put there
-                # again, the same ones.
-                account = self._account()
-                account.shared = False
-            await self._keep(signed_in)
-
-    async def _close(self) -> None:
-        library = self._nio
-        if library is None:
-            return
-        await library.close()
-        if library.store is not None and not library.store.database.is_closed():
-            library.store.database.close()
+        return found is not None and found.encrypted
 
     # ---- receiving ----
 
     async def sync(
         self, since: str, *, timeout_ms: int, full: bool, shape: Mapping[str, Any]
-    ) -> Any:  # noqa: ANN401 - matrix-nio has no types
-        """Ask for what is new. What came encrypted is decrypted, where its key is known.
+    ) -> SyncAnswer:
+        """Ask for what is new.
 
         Raises:
-            MatrixError: No answer, or a refusal.
+            MatrixError: No answer, or a refusal; ``TOO_LARGE``: ask for less.
         """
-        library = self._opened()
-        # It passes over an answer that it believes to know, without decrypting it: what was not
-        # confirmed is asked for again.
-        library.next_batch = ""
-        return await self._ask(
-            lambda: library.sync(
-                timeout_ms, dict(shape), since or None, full_state=full, set_presence="offline"
-            ),
-            within_s=CALL_S + timeout_ms / 1_000 if not full else FILE_S,
+        asked = {
+            "timeout": str(timeout_ms),
+            "full_state": "true" if full else "false",
+            "set_presence": "offline",
+            "filter": json.dumps(shape),
+        } | ({"since": since} if since else {})
+        body = await self.get(
+            f"{API}/sync?{urlencode(asked)}",
+            most=MOST_AT_START if full else MOST_BYTES,
+            within_s=FILE_S if full else CALL_S + timeout_ms / 1_000,
         )
+        try:
+            answer = split_answer(body)
+        except ValueError as error:
+            raise MatrixError(
+                "The homeserver answers with nonsense.", MatrixErrorKind.LOST, str(error)
+            ) from None
+        if answer.one_time_keys is not None:
+            self.machine.keys_are_left(answer.one_time_keys)
+        return answer
+
+    async def take_to_device(self, answer: SyncAnswer) -> AsyncIterator[Mapping[str, Any]]:
+        """Yield what came to this device in the open; keys that came encrypted are kept."""
+        for piece in answer.to_device:
+            source = event_of(piece)
+            found = None if source is None else self.machine.open_to_device(source)
+            if found is not None:
+                yield found
+            await self.steps.give_way()
+
+    async def take_state(self, room: str, part: RoomPart) -> AsyncIterator[Mapping[str, Any]]:
+        """Take what an answer says of a room itself, and yield the events of its timeline."""
+        joined = self.rooms.entered(room)
+        if joined is None:
+            return
+        for piece in part.state:
+            source = event_of(piece)
+            if source is not None:
+                joined.follow(source)
+            await self.steps.give_way()
+        for piece in part.timeline:
+            source = event_of(piece)
+            if source is not None:
+                if "state_key" in source:
+                    joined.follow(source)
+                yield source
+            await self.steps.give_way()
+        if self.rooms.newly_encrypted(room):
+            self._nio.store.save_encrypted_rooms({room})
+
+    def open_event(
+        self, room: str, source: Mapping[str, Any], received_ns: int, *, note: bool = True
+    ) -> SyncedEvent:
+        """Return an event of a room as it was written; see `OlmMachine.open_room_event`.
+
+        Raises:
+            EventDecryptionError: It came encrypted, and cannot be read.
+        """
+        if source.get("sender") == self.user:
+            return SyncedEvent(source)  # what we said ourselves is known here
+        return self.machine.open_room_event(room, source, received_ns, note=note)
+
+    def has_key(self, room: str, source: Mapping[str, Any]) -> bool:
+        """Whether the key of an event that came encrypted is here."""
+        sealed = ciphertext_of(source)
+        return sealed is not None and self.machine.held(room, *sealed[:2]) is not None
 
     async def upkeep(self) -> None:
-        """Keep the keys as they must be: ours at the homeserver, those of others known here."""
+        """Keep the keys as they must be: ours at the homeserver, sessions in working order."""
         library = self._nio
-        for due, act in (
-            (library.should_upload_keys, library.keys_upload),
-            (library.should_query_keys, library.keys_query),
-            (library.should_claim_keys, self._claim),
-            (bool(library.outgoing_to_device_messages), library.send_to_device_messages),
-        ):
-            if due:
-                try:
-                    await self._ask(act)
-                except MessengerFault as fault:
-                    log.info("%s: keys were not looked after: %s", self._name, fault)
+        try:
+            if library.should_upload_keys:
+                await self.ask(library.keys_upload)
+            while self.machine.broken:
+                (user, sender_key), _ = self.machine.broken.popitem(last=False)
+                device = (await self.directory.keys_of(user)).device_with(sender_key)
+                if device is not None:
+                    await self._sessions.begin_anew(device)
+        except MessengerFault as fault:
+            log.info("%s: keys were not looked after: %s", self._name, fault)
 
     async def renew_fallback_key(self) -> None:
         """Have a key at the homeserver for those who come when all one-time keys are used up.
@@ -285,7 +166,7 @@ class MatrixClient:
         Raises:
             MatrixError: It is not there, or it cannot be known.
         """
-        machine = self._machine()
+        machine = self.machine
         # matrix-nio makes none; what is underneath it does.
         account = machine.account._account  # noqa: SLF001
         account.generate_fallback_key()
@@ -300,34 +181,54 @@ class MatrixClient:
         account.mark_keys_as_published()
         machine.save_account()
 
-    async def _claim(self) -> object:
-        return await self._nio.keys_claim(self._nio.get_users_for_key_claiming())
-
-    def decrypt(self, event: Any) -> Any:  # noqa: ANN401 - matrix-nio has no types
-        """Return an event that came encrypted as it was written; None where its key is missing."""
-        try:
-            return self._nio.decrypt_event(event)
-        except nio.EncryptionError:
-            return None
-
     # ---- sending ----
 
     async def send(
-        self, room: str, kind: str, content: Mapping[str, Any], *, within_s: float = GIVE_UP_S
+        self,
+        room: str,
+        kind: str,
+        content: Mapping[str, Any],
+        *,
+        readers: Collection[DeviceIdentity] | None = None,
+        within_s: float = GIVE_UP_S,
     ) -> str:
         """Put an event into a room, encrypted where the room is, and return its id.
+
+        Args:
+            room: Where it goes.
+            kind: Of the event.
+            content: Of the event.
+            readers: Who is given the key; None: every device that the homeserver shows of
+                anybody there. That is for what holds no secret.
+            within_s: How long it may take.
 
         Raises:
             MatrixError: It is not there, or it cannot be known.
         """
-        transaction = str(uuid.uuid4())
-        found = await self.persist(
-            lambda: self._nio.room_send(
-                room, kind, dict(content), transaction, ignore_unverified_devices=True
-            ),
-            within_s=within_s,
-        )
-        return str(found.event_id)
+        transaction = quote(str(uuid.uuid4()), safe="")
+
+        async def act() -> dict[str, Any]:
+            said, told = kind, dict(content)
+            if self.is_encrypted(room) and kind != REACTION:  # no client encrypts one
+                to = await self._everybody(room) if readers is None else readers
+                told = await self._sessions.encrypt(room, kind, content, to, public=readers is None)
+                said = ENCRYPTED
+            where = f"{API}/rooms/{quote(room, safe='')}/send/{quote(said, safe='')}/{transaction}"
+            return await self.call("PUT", where, told)
+
+        found = await self.persist(act, within_s=within_s)
+        return str(found.get("event_id", ""))
+
+    async def _everybody(self, room: str) -> list[DeviceIdentity]:
+        shown = await self.directory.keys_of_all(sorted(self.members(room) - {self.user}))
+        found = []
+        for keys in shown:
+            for name in keys.devices()[:DEVICES_AT_MOST]:
+                device = keys.device(name)
+                if device is not None:
+                    found.append(device)
+                await self.steps.give_way()
+        return found
 
     async def redact(self, room: str, event: str) -> None:
         """Take an event out of a room.
@@ -336,151 +237,5 @@ class MatrixClient:
             MatrixError: It is still there, or it cannot be known.
         """
         transaction = str(uuid.uuid4())
-        await self.persist(lambda: self._nio.room_redact(room, event, tx_id=transaction))
-
-    async def upload(
-        self,
-        source: Callable[[], AsyncIterator[bytes]],
-        size: int,
-        media_type: str,
-        *,
-        encrypt: bool,
-    ) -> tuple[str, dict[str, Any] | None]:
-        """Put a file there; return its address, and how to decrypt it where it was encrypted.
-
-        Raises:
-            MatrixError: It is not there, or not as promised.
-        """
-        broken: list[Exception] = []
-
-        async def read() -> AsyncGenerator[bytes]:
-            try:
-                async for piece in source():
-                    yield piece
-            except Exception as error:
-                broken.append(error)
-                raise
-
-        async def act() -> Any:  # noqa: ANN401 - matrix-nio has no types
-            answer, keys = await self._nio.upload(
-                lambda *_: read(),
-                "application/octet-stream" if encrypt else media_type,
-                encrypt=encrypt,
-                filesize=size,
-            )
-            return answer if isinstance(answer, nio.ErrorResponse) else (answer, keys)
-
-        try:
-            answer, keys = await self._ask(act, within_s=FILE_S)
-        except MatrixError:
-            if broken:
-                raise MatrixError(
-                    str(broken[0]), MatrixErrorKind.REFUSED, "its content broke"
-                ) from None
-            raise
-        return str(answer.content_uri), keys
-
-    async def download(self, address: str) -> AsyncGenerator[bytes]:
-        """Yield what is stored at an address of Matrix's (``mxc://``), piece by piece.
-
-        Raises:
-            MatrixError: It cannot be had.
-        """
-        server, _, media = address.removeprefix("mxc://").partition("/")
-        if not address.startswith("mxc://") or not server or not media:
-            raise MatrixError("That is no file of Matrix.", MatrixErrorKind.REFUSED, "address")
-        path = f"/_matrix/client/v1/media/download/{quote(server, safe='')}/{quote(media, safe='')}"
-        response = await self._ask(lambda: self._get(path))
-        try:
-            if response.status not in OK:
-                raise refusal(response.status, None)
-            pieces = response.content.iter_chunked(2**16)
-            while (piece := await self._ask(lambda: anext(pieces, None))) is not None:
-                yield piece
-        finally:
-            response.close()
-
-    async def _get(self, path: str) -> Any:  # noqa: ANN401 - matrix-nio has no types
-        return await self._nio.send("GET", path, headers=self._headers(), timeout=FILE_S)
-
-    def _headers(self) -> dict[str, str]:
-        return {
-            "Authorization": f"Bearer {self._nio.access_token}",
-            "Content-Type": "application/json",
-        }
-
-    async def call(
-        self, method: str, path: str, body: Mapping[str, Any] | None = None
-    ) -> dict[str, Any]:
-        """Make one call as this account and return what it answers.
-
-        Raises:
-            MatrixError: It was refused, or there was no answer. What was said with a refusal is in
-                ``body``.
-        """
-        text = None if body is None else json.dumps(body)
-
-        async def act() -> tuple[int, object]:
-            response = await self._nio.send(method.upper(), path, text, self._headers())
-            return response.status, await self._nio.parse_body(response)
-
-        status, said = await self._ask(act)
-        if status not in OK:
-            raise refusal(status, said)
-        return said if isinstance(said, dict) else {}
-
-    # ---- one call ----
-
-    async def persist(
-        self, call: Callable[[], Awaitable[Any]], *, within_s: float = GIVE_UP_S
-    ) -> Any:  # noqa: ANN401 - matrix-nio has no types
-        """Make a call that can be made twice without harm, again where that may help.
-
-        Raises:
-            MatrixError: It did not succeed in time.
-        """
-        give_up_ns = self._clock.monotonic_ns() + int(within_s * 1e9)
-        failures = 0
-        while True:
-            try:
-                return await self._ask(call)
-            except MatrixError as error:
-                wait_s = error.wait_s
-                if error.kind is MatrixErrorKind.LOST and failures < len(WAITS_S):
-                    wait_s = WAITS_S[failures]
-                elif error.kind is MatrixErrorKind.SIGNED_OUT and not failures:
-                    await self.sign_in_again(error)
-                elif error.kind is not MatrixErrorKind.TOO_FAST:
-                    raise
-                failures += 1
-                if self._clock.monotonic_ns() + int(wait_s * 1e9) > give_up_ns:
-                    raise
-                await self._clock.sleep(wait_s)
-
-    async def _ask(self, call: Callable[[], Awaitable[T]], *, within_s: float = CALL_S) -> T:
-        if self._nio is None or not self._held:
-            raise MatrixError(
-                f"The messenger {self._name} is not connected.", MatrixErrorKind.LOST, "not open"
-            )
-        try:
-            async with asyncio.timeout(within_s):
-                found = await call()
-        except Exception as error:  # noqa: BLE001 - whatever the libraries raise means something
-            raise trouble(error) from None
-        if isinstance(found, nio.ErrorResponse):
-            raise _refused(found)
-        return found
-
-
-def _refused(response: Any) -> MatrixError:  # noqa: ANN401 - matrix-nio has no types
-    carried = response.transport_response
-    status = 0 if carried is None else carried.status
-    return refusal(
-        status,
-        {
-            "errcode": response.status_code,
-            "error": response.message,
-            "retry_after_ms": response.retry_after_ms,
-            "soft_logout": response.soft_logout,
-        },
-    )
+        named = f"{quote(room, safe='')}/redact/{quote(event, safe='')}/{transaction}"
+        await self.persist(lambda: self.call("PUT", f"{API}/rooms/{named}", {}))

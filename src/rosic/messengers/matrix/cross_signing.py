@@ -86,6 +86,7 @@ class CrossSigning:
         directory: What the homeserver shows of people's keys.
         tell: Hears what people must hear of: a master key that was replaced, a new device; of
             this account too. Called on the event loop, once for each.
+        knows: Whether somebody is known to ROSIC: what was seen of them is never let go.
     """
 
     def __init__(
@@ -95,6 +96,8 @@ class CrossSigning:
         folder: SealedStore,
         directory: KeyDirectory,
         tell: Callable[[KeyChange], None],
+        *,
+        knows: Callable[[str], bool],
     ) -> None:
         self.account = account
         self._call = call
@@ -102,7 +105,7 @@ class CrossSigning:
         self.directory = directory
         self._tell = tell
         self._keys: CrossSigningKeys | None = None
-        self._book = IdentityBook(account.user)
+        self._book = IdentityBook(account.user, knows)
         self._writing = asyncio.Lock()
         self._unwritten = False
 
@@ -290,6 +293,37 @@ class CrossSigning:
         if self._note(keys) or self._unwritten:
             await self._write_book_if_possible()
         return keys, self._book.standing(user, keys.master)
+
+    async def look_up_all(self, users: Iterable[str]) -> list[tuple[UserKeys, IdentityStanding]]:
+        """Return the same of many people; of whom the homeserver does not answer, nothing."""
+        found = await self.directory.keys_of_all(users)
+        noted = [self._note(keys) for keys in found]
+        if any(noted) or self._unwritten:
+            await self._write_book_if_possible()
+        return [(keys, self._book.standing(keys.user, keys.master)) for keys in found]
+
+    @property
+    def version(self) -> tuple[int, int]:
+        """Another one after anything has changed that is known of anybody's keys."""
+        return self._book.version, self.directory.version
+
+    def was_compared(self, user: str) -> bool:
+        """Whether two people have compared keys of this person."""
+        return self._book.was_compared(user)
+
+    async def is_confidential(self, room: str, members: Iterable[str]) -> bool:
+        """Whether a room has, or ever had, a member whose keys were compared.
+
+        What is said there is for such members alone from then on, whoever the homeserver says has
+        left.
+        """
+        if self._book.is_confidential(room):
+            return True
+        if not any(self.was_compared(user) for user in members):
+            return False
+        self._book.make_confidential(room)
+        await self._write_book_if_possible()
+        return True
 
     async def keys_changed(self, users: Iterable[str]) -> None:
         """A sync says that keys of these people have changed. Of whom is known here, look at once.

@@ -6,7 +6,7 @@ import asyncio
 import logging
 import secrets
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from urllib.parse import quote
 
 from msgspec.structs import replace
@@ -17,14 +17,13 @@ from rosic.core.policy.roles import Assurance
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.matrix.cross_signing import CrossSigning, OlmDeviceAccount
 from rosic.messengers.matrix.identity_book import IdentityStanding
-from rosic.messengers.matrix.replay_guard import ReplayGuard
+from rosic.messengers.matrix.room_readers import RoomReaders
 from rosic.messengers.matrix.trust import (
     RequestWeight,
     SenderAssurance,
     Trust,
     permits,
 )
-from rosic.messengers.matrix.user_keys import KeyDirectory
 from rosic.messengers.matrix.verification import PREFIX, EmojiVerification
 
 if TYPE_CHECKING:
@@ -37,6 +36,7 @@ if TYPE_CHECKING:
     from rosic.messengers.matrix.identity_book import KeyChange
     from rosic.messengers.matrix.reading import ReadEvent
     from rosic.messengers.matrix.settings import MatrixSettings
+    from rosic.messengers.matrix.user_keys import DeviceIdentity
 
 TO_DEVICE: Final = "/_matrix/client/v3/sendToDevice"
 STEPS_AT_MOST: Final = 200
@@ -120,13 +120,25 @@ class VerificationHandler:
             self.prompt.tell(result)
 
 
+class TrustNotices(NamedTuple):
+    """Who is told.
+
+    Attributes:
+        changed: Told that somebody's keys are others, or that they have a new device.
+        forged: Told in whose name somebody else wrote.
+    """
+
+    changed: Callable[[KeyChange], None]
+    forged: Callable[[str], None]
+
+
 class DeviceTrust:
     """Nothing can be asked of it before `start`.
 
     Args:
         name: Of the messenger, for the log.
         prompt: Compares emoji at our end.
-        changed: Told that somebody's keys are others, or that they have a new device.
+        notices: Told what people must hear of.
     """
 
     def __init__(
@@ -137,21 +149,20 @@ class DeviceTrust:
         clock: Clock,
         *,
         prompt: VerificationPrompt,
-        changed: Callable[[KeyChange], None],
+        notices: TrustNotices,
     ) -> None:
         self._name = name
         self._client = client
         self._settings = settings
         self._clock = clock
         self._prompt = prompt
-        self._changed = changed
-        self._guard = ReplayGuard(settings.folder)
+        self._changed, self._forged = notices
         self._cross_signing: CrossSigning | None = None
         self._trust: Trust | None = None
         self._verification: EmojiVerification | None = None
         self._steps: asyncio.Queue[tuple[str, Mapping[str, Any]]] = asyncio.Queue(STEPS_AT_MOST)
         self._stale: set[str] = set()
-        self._looked_at: set[str] = set()
+        self._readers: RoomReaders | None = None
 
     @property
     def verification(self) -> EmojiVerification:
@@ -201,26 +212,24 @@ class DeviceTrust:
                 devices are followed.
             MessengerFault: The homeserver did not answer.
         """
-        library = self._client.library
         await self._client.upkeep()
         await self._client.renew_fallback_key()
         if self._cross_signing is None:
-            await self._guard.open()
-            library.olm.refuse_replays(self._guard)
             signing = CrossSigning(
-                OlmDeviceAccount(library.olm),
+                OlmDeviceAccount(self._client.machine),
                 self._client.call,
                 self._client.folder,
-                KeyDirectory(self._client.call),
+                self._client.directory,
                 self._changed,
+                knows=self._client.is_known,
             )
             self._cross_signing = signing
             self._trust = Trust(signing, trust_on_first_use=self._settings.trust_on_first_use)
+            self._readers = RoomReaders(signing, self._settings, self._client.is_known)
             self._verification = EmojiVerification(
                 signing, DirectTransport(self._client), self._clock, self._prompt
             )
         self._cross_signing.directory.forget_all()
-        self._looked_at.clear()
         try:
             await self._cross_signing.start(self._settings.password)
         except ConfigurationError as error:
@@ -251,6 +260,7 @@ class DeviceTrust:
         if asks(RequestWeight.ACT):
             return inbound
         if not asks(RequestWeight.OBSERVE):
+            self._forged(inbound.sender.account)
             return replace(inbound, standing=MessageValidity.ANONYMOUS)
         remedy = remedy_for(assurance, tapped=inbound.nonce is not None and encrypted)
         return replace(inbound, standing=MessageValidity.UNVERIFIED, remedy=remedy)
@@ -258,7 +268,7 @@ class DeviceTrust:
     async def _is_on_disk(self) -> bool:
         """Whether nothing that was decrypted could be given out again as something new."""
         try:
-            await self._guard.settle()
+            await self._client.guard.settle()
         except MessengerFault as fault:
             log.error("%s: %s", self._name, fault)  # noqa: TRY400 - what broke is a full disk
             return False
@@ -268,7 +278,6 @@ class DeviceTrust:
         """Ask anew for the keys of these people: a sync named them."""
         for user in users:
             self._stale.add(user)
-            self._looked_at.discard(user)
             if self._cross_signing is not None:  # nothing that comes with it is judged by old keys
                 self._cross_signing.directory.forget(user)
 
@@ -301,20 +310,9 @@ class DeviceTrust:
 
     # ---- what goes ----
 
-    async def before_sending(self, room: str) -> None:
-        """Give no keys to devices that a homeserver may have added. Never raises a fault."""
-        if self._trust is None or not self._client.is_encrypted(room):
-            return
-        library = self._client.library
-        for user in sorted(self._client.members(room) - self._looked_at - {self._client.user}):
-            try:
-                withheld = await self._trust.withheld(user)
-            except MessengerFault as fault:
-                log.info("%s: keys could not be looked up: %s", self._name, fault)
-                continue
-            self._looked_at.add(user)
-            for device in library.device_store.active_user_devices(user):
-                if device.id in withheld:
-                    library.blacklist_device(device)
-                elif library.olm.is_device_blacklisted(device):
-                    library.unblacklist_device(device)
+    async def readers(self, room: str) -> list[DeviceIdentity]:
+        """Return the devices that are given the key of what is said in a room. Never raises."""
+        joined = self._client.rooms.get(room)
+        if self._readers is None or joined is None or not joined.encrypted:
+            return []
+        return await self._readers.of(room, joined)

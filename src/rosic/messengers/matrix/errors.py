@@ -32,6 +32,7 @@ class MatrixErrorKind(enum.Enum):
     FORBIDDEN = "this account may not do it there"
     REFUSED = "this call will never succeed"
     NOT_FOUND = "there is no such thing"
+    TOO_LARGE = "its answer is more than can be read at once; less may be asked for"
     LOST = "it may or may not have arrived"
 
 

@@ -7,16 +7,21 @@ key changed. Nothing here asks anybody; what is written in it is kept sealed by 
 from __future__ import annotations
 
 import enum
+from collections import OrderedDict
 from typing import TYPE_CHECKING, Final
 
 import msgspec
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.messengers.matrix.user_keys import DeviceIdentity, UserKeys
 
-KNOWN_AT_MOST: Final = 2_000
-"""People whose key was merely seen; one that was compared is never let go."""
+STRANGERS_AT_MOST: Final = 2_000
+"""Strangers whose key was merely seen. Whoever is known to ROSIC is never let go, nor whose key was
+compared: strangers come without end."""
 DEVICES_AT_MOST: Final = 50
+ROOMS_AT_MOST: Final = 5_000
 
 
 class IdentityStanding(enum.IntEnum):
@@ -79,14 +84,27 @@ class _Kept(msgspec.Struct, kw_only=True):
 
     owner: str
     people: dict[str, KnownIdentity]
+    rooms: list[str] = []
 
 
 class IdentityBook:
-    """What one account knows about the keys of others."""
+    """What one account knows about the keys of others.
 
-    def __init__(self, owner: str) -> None:
+    Args:
+        owner: The account.
+        knows: Whether somebody is known to ROSIC.
+
+    Attributes:
+        version: Another one after anything has changed.
+    """
+
+    def __init__(self, owner: str, knows: Callable[[str], bool]) -> None:
+        self.version = 0
         self._owner = owner
+        self._knows = knows
         self._people: dict[str, KnownIdentity] = {}
+        self._strangers: OrderedDict[str, None] = OrderedDict()
+        self._rooms: dict[str, None] = {}
 
     def restore(self, content: bytes) -> None:
         """Go on with what was written down.
@@ -98,14 +116,36 @@ class IdentityBook:
         if kept.owner != self._owner:
             raise ValueError("another account's")
         self._people = kept.people
+        self._strangers = OrderedDict.fromkeys(u for u in kept.people if not self._knows(u))
+        self._rooms = dict.fromkeys(kept.rooms)
+        self.version += 1
 
     def content(self) -> bytes:
         """Return all of it, to be written down."""
-        return msgspec.json.encode(_Kept(owner=self._owner, people=self._people))
+        kept = _Kept(owner=self._owner, people=self._people, rooms=list(self._rooms))
+        return msgspec.json.encode(kept)
 
     def knows(self, user: str) -> bool:
         """Whether anything is written here of a person."""
         return user in self._people
+
+    def was_compared(self, user: str) -> bool:
+        """Whether two people have compared keys of this person, and nobody has taken it back."""
+        known = self._people.get(user)
+        return known is not None and (known.compared or bool(known.compared_devices))
+
+    def is_confidential(self, room: str) -> bool:
+        """Whether somebody whose keys were compared was ever spoken to in a room."""
+        return room in self._rooms
+
+    def make_confidential(self, room: str) -> bool:
+        """Note that of a room; True where it is new, and to be written down."""
+        if room in self._rooms:
+            return False
+        self._rooms[room] = None
+        while len(self._rooms) > ROOMS_AT_MOST:
+            del self._rooms[next(iter(self._rooms))]
+        return True
 
     def standing(self, user: str, master: str) -> IdentityStanding:
         """Return what a master key is worth that was shown for a person just now."""
@@ -132,15 +172,19 @@ class IdentityBook:
         Returns:
             What people must hear of, each once; and whether anything is to be written down.
         """
+        friend = self._knows(keys.user)
         known = self._people.setdefault(keys.user, KnownIdentity())
-        self._forget_old()
+        self._bound(keys.user, known, friend=friend)
         changes = [*self._of_master(known, keys)]
         first = not known.master and bool(keys.master)
         if first:
             known.master = keys.master
-        if known.devices is None:
-            known.devices, first = _fingerprints(keys), True
-        changes += self._of_devices(known.devices, keys)
+        if friend or keys.user == self._owner:  # nobody is told of strangers' devices
+            if known.devices is None:
+                known.devices, first = _fingerprints(keys), True
+            changes += self._of_devices(known.devices, keys)
+        if changes or first:
+            self.version += 1
         return tuple(changes), bool(changes) or first
 
     def compared(self, user: str, master: str) -> None:
@@ -149,17 +193,20 @@ class IdentityBook:
         if known.master != master:
             known.compared_devices = {}
         known.master, known.compared, known.other = master, True, ""
+        self.version += 1
 
     def compared_device(self, device: DeviceIdentity) -> None:
         """Two people have compared this device's fingerprint."""
         known = self._people.setdefault(device.user, KnownIdentity())
         known.compared_devices[device.device] = device.ed25519
+        self.version += 1
 
     def revoke(self, user: str) -> None:
         """What was compared of this person counts no longer: a phone was lost, for instance."""
         known = self._people.get(user)
         if known is not None:
             known.compared, known.compared_devices = False, {}
+            self.version += 1
 
     @staticmethod
     def _of_master(known: KnownIdentity, keys: UserKeys) -> list[KeyChange]:
@@ -189,14 +236,18 @@ class IdentityBook:
                 changes.append(KeyChange(kind=kind, user=keys.user, device=name, vouched=vouched))
         return changes
 
-    def _forget_old(self) -> None:
-        """Let go of whoever was seen first and never compared: strangers come without end."""
-        if len(self._people) <= KNOWN_AT_MOST:
+    def _bound(self, user: str, known: KnownIdentity, *, friend: bool) -> None:
+        """Let go of strangers who were seen first and never compared."""
+        if friend or known.compared or known.compared_devices:
+            self._strangers.pop(user, None)
             return
-        for user, known in self._people.items():
-            if not known.compared and not known.compared_devices:
-                del self._people[user]
-                return
+        self._strangers.setdefault(user)
+        while len(self._strangers) > STRANGERS_AT_MOST:
+            oldest, _ = self._strangers.popitem(last=False)
+            seen = self._people.get(oldest)
+            if seen is None or self._knows(oldest) or self.was_compared(oldest):
+                continue  # they have become known since
+            del self._people[oldest]
 
 
 _HIDDEN: Final = "-"

@@ -10,14 +10,15 @@ from msgspec.structs import replace
 
 from rosic.core.i18n import said
 from rosic.core.identity import Address
+from rosic.core.time_units import SECOND_NS
 from rosic.errors import MessengerFault
 from rosic.messengers.matrix.client import MatrixClient
-from rosic.messengers.matrix.device_trust import DeviceTrust, VerificationHandler
+from rosic.messengers.matrix.device_trust import DeviceTrust, TrustNotices, VerificationHandler
 from rosic.messengers.matrix.files import MediaFetcher
 from rosic.messengers.matrix.identity_book import KeyChangeKind
 from rosic.messengers.matrix.incoming import PLATFORM
 from rosic.messengers.matrix.outgoing import Offers, RoomSender
-from rosic.messengers.matrix.reading import EventReader
+from rosic.messengers.matrix.reading import EventReader, ReadingNotices
 from rosic.messengers.matrix.rooms import Rooms
 from rosic.messengers.matrix.settings import USER, MatrixSettings, read_settings
 from rosic.messengers.matrix.signs import Signs
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
 FILE_BYTES: Final = 50_000_000
 """What Synapse takes unless it is told otherwise; a homeserver that takes less says so."""
 OFFERS_FILE: Final = "offers.sealed"
+FORGERY_NS: Final = 3_600 * SECOND_NS
+"""So long the admins are not told again of forgeries in the same name."""
+FORGERIES_AT_MOST: Final = 1_000
 READY_WITHIN_S: Final = 15.0
 """What is said before the rooms are known waits for that."""
 
@@ -66,7 +70,7 @@ class MatrixMessenger:
         self._known: Knows = _anybody
         self._passed: Passed = _nobody_is_told
         self._reacted: Reacted = _nobody_is_told
-        self._client = MatrixClient(name, settings, clock)
+        self._client = MatrixClient(name, settings, clock, self._is_known)
         self._rooms = Rooms(name, self._client, encrypted_only=settings.require_verified)
         self._offers = Offers()
         self._signs = Signs(self._client)
@@ -77,14 +81,14 @@ class MatrixMessenger:
             settings,
             clock,
             prompt=self._prompt,
-            changed=self._keys_changed,
+            notices=TrustNotices(self._keys_changed, self._forged),
         )
         self._speaker = RoomSender(
             self._client,
             self._offers,
             self._signs,
             lambda: self.file_bytes,
-            self._trust.before_sending,
+            self._trust.readers,
         )
         self._fetcher = MediaFetcher(self._client, FILE_BYTES)
         self._reader = EventReader(
@@ -92,8 +96,7 @@ class MatrixMessenger:
             self._rooms,
             self._offers,
             self._signs,
-            verifying=self._trust.heard,
-            cannot_read=self._cannot_read,
+            ReadingNotices(self._trust.heard, self._cannot_read, self._forged),
         )
         self._listener = SyncLoop(
             name,
@@ -104,6 +107,8 @@ class MatrixMessenger:
             alarm=self._raise_alarm,
         )
         self._running = False
+        self._clock = clock
+        self._forgery_told: dict[str, int] = {}
 
     def __repr__(self) -> str:
         return f"MatrixMessenger({self.name!r})"
@@ -222,6 +227,27 @@ class MatrixMessenger:
             )
         self._alarm(MessengerFault(told))
 
+    def _is_known(self, account: str) -> bool:
+        return self._known(Address(PLATFORM, account))
+
+    def _forged(self, account: str) -> None:
+        """Tell the admins, now and then, that somebody writes in the name of another."""
+        now_ns = self._clock.monotonic_ns()
+        if not self._is_known(account) or now_ns < self._forgery_told.get(account, 0):
+            return
+        if len(self._forgery_told) >= FORGERIES_AT_MOST:
+            self._forgery_told.clear()
+        self._forgery_told[account] = now_ns + FORGERY_NS
+        self._alarm(
+            MessengerFault(
+                said(
+                    "Something came in the name of {who} on Matrix that they have not sent, or not"
+                    " now. It moved nothing. Whoever runs the homeserver may be lying.",
+                    who=account,
+                )
+            )
+        )
+
     async def _cannot_read(self, room: str) -> None:
         await self._speaker.answer(
             self._rooms.chat(room),
@@ -229,6 +255,7 @@ class MatrixMessenger:
                 "I cannot decrypt what you wrote, so I have not read it, not even a stop."
                 " Please write it once more."
             ),
+            public=True,
         )
 
     def _raise_alarm(self, fault: MessengerFault) -> None:

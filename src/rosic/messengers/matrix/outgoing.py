@@ -20,16 +20,18 @@ from rosic.core.language import hears_stop
 from rosic.core.message import Button
 from rosic.errors import ChatGone, MessageGone, MessengerFault
 from rosic.messengers.matrix.errors import MatrixError, MatrixErrorKind
+from rosic.messengers.matrix.files import MediaCalls
 from rosic.messengers.matrix.incoming import MESSAGE, OfferedNonce
 from rosic.messengers.matrix.room_calls import RoomCalls
 from rosic.messengers.matrix.signs import KEYS
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
+    from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Mapping, Sequence
 
     from rosic.core.message import Attachment, Chat, Outbound
     from rosic.messengers.matrix.client import MatrixClient
     from rosic.messengers.matrix.signs import Signs
+    from rosic.messengers.matrix.user_keys import DeviceIdentity
 
 GAP: Final = "   "
 TELLING: Final = 10
@@ -213,7 +215,7 @@ class RoomSender:
 
     Args:
         file_bytes: Returns how large a file may be.
-        before: Awaited before anything is said in a room.
+        readers: Returns which devices are given the key of what is said in a room.
     """
 
     def __init__(
@@ -222,10 +224,11 @@ class RoomSender:
         offers: Offers,
         signs: Signs,
         file_bytes: Callable[[], int],
-        before: Callable[[str], Awaitable[None]],
+        readers: Callable[[str], Awaitable[Collection[DeviceIdentity]]],
     ) -> None:
-        self._before = before
+        self._readers = readers
         self._client = client
+        self._media = MediaCalls(client)
         self._calls = RoomCalls(client)
         self._offers = offers
         self._signs = signs
@@ -247,7 +250,6 @@ class RoomSender:
         room, buttons = outbound.chat.id, buttons_of(outbound)
         if room not in self._client.rooms:
             raise ChatGone("We are not in that room, or not any more.")
-        await self._before(room)
         contents = await self._contents(outbound, labelled(outbound.text, outbound.buttons))
         contents[0] |= related(outbound.chat, outbound.reply_to)
         message = ""
@@ -264,7 +266,8 @@ class RoomSender:
 
     async def _put(self, room: str, content: dict[str, Any]) -> str:
         try:
-            message = await self._client.send(room, MESSAGE, content)
+            readers = await self._readers(room)
+            message = await self._client.send(room, MESSAGE, content, readers=readers)
         except MatrixError as error:
             if error.kind is MatrixErrorKind.FORBIDDEN:
                 raise ChatGone("Nothing may be said by us in that room.") from None
@@ -290,7 +293,7 @@ class RoomSender:
             return attachment.read()
 
         encrypted = self._client.is_encrypted(room)
-        address, keys = await self._client.upload(
+        address, keys = await self._media.upload(
             source, attachment.size, attachment.media_type, encrypt=encrypted
         )
         kind = attachment.media_type.partition("/")[0]
@@ -316,10 +319,10 @@ class RoomSender:
         text = labelled(outbound.text, outbound.buttons)
         if len(pieces(text)) > 1:
             raise MessageGone("That is too long for one message.")
-        await self._before(room)
         before = await self._shown(room, message)
         new = captioned(before, text) if "info" in before else words(text)
-        await self._client.send(room, MESSAGE, replacing(message, new))
+        readers = await self._readers(room)
+        await self._client.send(room, MESSAGE, replacing(message, new), readers=readers)
         self._own.said(room, message, new)
         self._offers.offer(room, message, buttons)
         self._signs.want(room, message, len(buttons))
@@ -380,13 +383,19 @@ class RoomSender:
                 raise MessengerFault(may_not_pin()) from None
             raise
 
-    async def answer(self, room: Chat, text: str) -> None:
-        """Say something in answer to a tap. Never raises."""
+    async def answer(self, room: Chat, text: str, *, public: bool = False) -> None:
+        """Say something in answer to a tap. Never raises.
+
+        Args:
+            room: Where.
+            text: What is said.
+            public: Anybody there may read it: it holds no secret.
+        """
         try:
             content = {**words(text), "msgtype": "m.notice"} | related(room, "")
-            await self._before(room.id)
             async with asyncio.timeout(TAP_S):
-                await self._client.send(room.id, MESSAGE, content, within_s=TAP_S)
+                readers = None if public else await self._readers(room.id)
+                await self._client.send(room.id, MESSAGE, content, readers=readers, within_s=TAP_S)
         except (MessengerFault, TimeoutError) as fault:
             log.info("a tap was not answered: %s", fault)
 

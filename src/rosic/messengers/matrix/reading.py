@@ -7,34 +7,46 @@ import logging
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-import nio
-
 from rosic.core.identity import Address
 from rosic.core.language import is_urgent
 from rosic.core.message import Reaction
 from rosic.messengers.matrix import incoming
 from rosic.messengers.matrix.content import relation
 from rosic.messengers.matrix.incoming import PLATFORM, Known, RoomEvent
+from rosic.messengers.matrix.olm_machine import EventDecryptionError
 from rosic.messengers.matrix.trust import evidence_of
+from rosic.messengers.matrix.unread_queue import UnreadEvent, UnreadQueue
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Mapping
+    from collections.abc import Awaitable, Callable, Iterable, Mapping
 
     from rosic.contracts.messenger import Knows, Reacted
     from rosic.core.message import Inbound
     from rosic.messengers.matrix.client import MatrixClient
     from rosic.messengers.matrix.incoming import ReceivedMoment
+    from rosic.messengers.matrix.olm_machine import SyncedEvent
     from rosic.messengers.matrix.outgoing import Offers
     from rosic.messengers.matrix.rooms import Rooms
     from rosic.messengers.matrix.signs import Signs
     from rosic.messengers.matrix.trust import SessionEvidence
 
 REMEMBERED: Final = 16_384
-UNREADABLE_AT_MOST: Final = 500
-TRIES: Final = 2
-"""Syncs in which keys came, before somebody is told that what they wrote cannot be read."""
 
 log = logging.getLogger("rosic.messengers.matrix")
+
+
+class ReceivedEvent(NamedTuple):
+    """An event of a room as it came.
+
+    Attributes:
+        room: Where.
+        source: Its JSON; nothing of it is checked.
+        received: When, and whether we listened then.
+    """
+
+    room: str
+    source: Mapping[str, Any]
+    received: ReceivedMoment
 
 
 class ReadEvent(NamedTuple):
@@ -43,6 +55,7 @@ class ReadEvent(NamedTuple):
     Attributes:
         urgent: Somebody known says stop.
         known: Somebody known here sent it.
+        event: Under which it came; an edit goes by the id of what it changes.
         reaction: It is a tap by a reaction.
         evidence: Which session it came under; None: it came in the open.
     """
@@ -50,24 +63,30 @@ class ReadEvent(NamedTuple):
     inbound: Inbound
     urgent: bool
     known: bool
+    event: str = ""
     reaction: bool = False
     evidence: SessionEvidence | None = None
 
 
-class UnreadEvent(NamedTuple):
-    """An event whose key has not come."""
+class ReadingNotices(NamedTuple):
+    """Who is told of what is not a message.
 
-    room: str
-    event: Any
-    received: ReceivedMoment
+    Attributes:
+        verifying: Takes steps of verifications.
+        cannot_read: Tells a room that what somebody wrote there cannot be decrypted.
+        replayed: Told in whose name something was given out again.
+    """
+
+    verifying: Callable[[str, Mapping[str, Any]], None]
+    cannot_read: Callable[[str], Awaitable[None]]
+    replayed: Callable[[str], None]
 
 
 class EventReader:
     """Reads events for one account.
 
     Args:
-        verifying: Takes steps of verifications.
-        cannot_read: Tells a room that what somebody wrote there cannot be decrypted.
+        notices: Told of what is not a message.
     """
 
     def __init__(
@@ -76,69 +95,118 @@ class EventReader:
         rooms: Rooms,
         offers: Offers,
         signs: Signs,
-        *,
-        verifying: Callable[[str, Mapping[str, Any]], None],
-        cannot_read: Callable[[str], Awaitable[None]],
+        notices: ReadingNotices,
     ) -> None:
         self._client = client
         self._rooms = rooms
         self._offers = offers
         self._signs = signs
-        self._verifying = verifying
-        self._cannot_read = cannot_read
+        self._verifying, self._cannot_read, self._replayed = notices
         self._known: Knows = _nobody
         self._reacted: Reacted = _untold
         self._authors: OrderedDict[str, str] = OrderedDict()
         self._seen: OrderedDict[str, None] = OrderedDict()
-        self._unreadable: OrderedDict[str, UnreadEvent] = OrderedDict()
-        self._told: OrderedDict[tuple[str, str], None] = OrderedDict()
-        self._untold: list[str] = []
-        self._keys_came = False
+        self._unreadable = UnreadQueue()
 
     def begin(self, known: Knows, reacted: Reacted) -> None:
         """Begin a run: ask and tell these, and take what comes for new."""
         self._known, self._reacted = known, reacted
         self._seen.clear()
         self._unreadable.clear()
-        self._untold.clear()
 
-    def keys_came(self, came: bool) -> None:
-        """Note whether keys may have come with a sync."""
-        self._keys_came = came
+    def urgent(self, one: ReceivedEvent) -> ReadEvent | None:
+        """Return a stop of somebody known, to be handed over before anything else; else None.
 
-    def read(self, events: list[tuple[str, Any]], received: ReceivedMoment) -> list[ReadEvent]:
-        """Return what is to be handed over of a sync, in the order in which to do it."""
-        found: list[ReadEvent] = []
-        for room, event, at in [*self._decrypted_late(), *((*one, received) for one in events)]:
-            one = self._one(room, event, at)
-            if one is not None:
-                found.append(one)
-        found.sort(key=_rank)
-        return found
-
-    def _one(self, room: str, event: Any, received: ReceivedMoment) -> ReadEvent | None:  # noqa: ANN401
+        Nothing else is noted of an event that is none: it will be read in its turn.
+        """
         try:
-            if isinstance(event, nio.MegolmEvent):
-                self._hold(room, event, received)
+            sender = one.source.get("sender")
+            if not isinstance(sender, str) or not self._known(Address(PLATFORM, sender)):
                 return None
-            return self._message(room, event, received)
+            opened = self._client.open_event(
+                one.room, one.source, one.received.received_ns, note=False
+            )
+            found = self._message(one.room, opened, one.received)
+            if found is None or not found.urgent:
+                return None
+            self._client.open_event(one.room, one.source, one.received.received_ns)
+        except EventDecryptionError:
+            return None
         except Exception:
             # Whatever anybody can send must not end the loop: a stop may be behind it.
             log.exception("an event was passed over")
             return None
+        self._note(found)
+        return found
 
-    def _message(self, room: str, event: Any, received: ReceivedMoment) -> ReadEvent | None:  # noqa: ANN401
-        found = self._event(room, event)
-        if found is None or found.event in self._seen:
+    async def read(self, arrivals: Iterable[ReceivedEvent]) -> list[ReadEvent]:
+        """Return what is to be handed over of a sync, in the order in which to do it."""
+        found: list[ReadEvent] = []
+        for arrival in [*self._readable_now(), *arrivals]:
+            one = self._one(arrival)
+            if one is not None:
+                found.append(one)
+            await self._client.steps.give_way()
+        found.sort(key=_rank)
+        return found
+
+    def _readable_now(self) -> list[ReceivedEvent]:
+        """Return what could not be read, and whose key has come; it is as old as it is."""
+        return [
+            ReceivedEvent(one.room, one.source, one.received)
+            for one in self._unreadable.take(lambda one: self._client.has_key(one.room, one.source))
+        ]
+
+    def _one(self, arrival: ReceivedEvent) -> ReadEvent | None:
+        room, source, received = arrival
+        try:
+            if source.get("event_id") in self._seen:
+                return None
+            event = self._client.open_event(room, source, received.received_ns)
+            self._verifying(room, event.source)
+            found = self._message(room, event, received)
+            if found is None:
+                self._about(room, event)
+            else:
+                self._note(found)
+        except EventDecryptionError as reason:
+            self._not_read(arrival, reason)
             return None
+        except Exception:
+            # Whatever anybody can send must not end the loop: a stop may be behind it.
+            log.exception("an event was passed over")
+            return None
+        return found
+
+    def _note(self, found: ReadEvent) -> None:
+        """Remember what will be handed over: it comes once."""
+        inbound = found.inbound
+        event = found.event
+        _remember(self._seen, event, None)
+        _remember(self._authors, event, inbound.sender.account)
+        if found.reaction:
+            self._signs.tapped(inbound.chat.id, event)
+
+    def _about(self, room: str, event: SyncedEvent) -> None:
+        """Follow what is no message: a reaction that taps nothing; who wrote what is remembered."""
+        found = self._event(room, event.source)
+        if found is None or found.event in self._seen:
+            return
         _remember(self._seen, found.event, None)
         _remember(self._authors, found.event, found.sender)
-        self._verifying(room, event.source)
+        if found.type == incoming.REACTION:
+            self._reaction(found, *incoming.refers_to(found))
+
+    def _message(self, room: str, event: SyncedEvent, received: ReceivedMoment) -> ReadEvent | None:
+        found = self._event(room, event.source)
+        if found is None or found.event in self._seen:
+            return None
+        if event.late:  # it was held back: it is backlog, whoever says when it was sent
+            received = received._replace(listening_since_ns=received.received_ns + 1)
         target, sign = incoming.refers_to(found)
         answered = target or incoming.answers(found.content)
         offered = self._offers.tapped(room, target, sign) if target and sign else None
         if offered is None and found.type == incoming.REACTION:
-            self._reaction(found, target, sign)
             return None
         known = Known(
             own=self._client.user,
@@ -149,8 +217,6 @@ class EventReader:
         inbound = incoming.read(found, known, received)
         if inbound is None:
             return None
-        if found.type == incoming.REACTION:
-            self._signs.tapped(room, found.event)
         friend = self._known(inbound.sender)
         if friend:
             self._rooms.private.spoke(found.sender, room)
@@ -158,12 +224,12 @@ class EventReader:
             inbound,
             urgent=friend and self._is_stop(inbound),
             known=friend,
+            event=found.event,
             reaction=found.type == incoming.REACTION,
-            evidence=evidence_of(self._client.library.olm, room, event),
+            evidence=evidence_of(self._client.machine, room, event),
         )
 
-    def _event(self, room: str, event: Any) -> RoomEvent | None:  # noqa: ANN401
-        source = event.source if isinstance(event.source, dict) else {}
+    def _event(self, room: str, source: Mapping[str, Any]) -> RoomEvent | None:
         content, sent_ms = source.get("content"), source.get("origin_server_ts")
         names = [source.get(key) for key in ("event_id", "sender", "type")]
         if not isinstance(content, dict) or type(sent_ms) is not int or "state_key" in source:
@@ -201,43 +267,29 @@ class EventReader:
     def _shown_as(self, room: str, sender: str) -> str:
         found = self._client.rooms.get(room)
         user = None if found is None else found.users.get(sender)
-        return "" if user is None else str(user.display_name or "")
+        return user or ""
 
     # ---- what cannot be read ----
 
-    def _hold(self, room: str, event: Any, received: ReceivedMoment) -> None:  # noqa: ANN401
-        if event.event_id in self._seen:
+    def _not_read(self, arrival: ReceivedEvent, reason: EventDecryptionError) -> None:
+        room, source, received = arrival
+        sender = source.get("sender")
+        if not isinstance(sender, str) or sender not in self._client.members(room):
             return
-        _remember(self._unreadable, event.event_id, UnreadEvent(room, event, received))
-        while len(self._unreadable) > UNREADABLE_AT_MOST:
-            self._unreadable.popitem(last=False)
-        session = (room, str(event.session_id))
-        if session not in self._told and event.sender in self._client.members(room):
-            _remember(self._told, session, None)
-            if self._known(Address(PLATFORM, event.sender)):
-                self._untold.append(event.event_id)
-
-    def _decrypted_late(self) -> list[tuple[str, Any, ReceivedMoment]]:
-        """Return what can be read now that its key has come; it is as old as it is."""
-        if not self._keys_came:
-            return []
-        found = []
-        for number, held in list(self._unreadable.items()):
-            event = self._client.decrypt(held.event)
-            if event is not None:
-                del self._unreadable[number]
-                found.append((held.room, event, held.received))
-        return found
+        if reason.replayed:
+            self._replayed(sender)
+            return
+        known = self._known(Address(PLATFORM, sender))
+        one = UnreadEvent(room, source, received, reason.session)
+        self._unreadable.hold(one, known=known)
 
     async def tell_unreadable(self) -> None:
         """Tell, once for each key that is missing, that something cannot be read."""
-        if not self._untold:
+        if not self._unreadable.is_somebody_untold:
             return
         await asyncio.sleep(1.0)  # a key often comes right behind what it opens
-        waiting, self._untold = self._untold, []
-        for event in waiting:
-            if (held := self._unreadable.get(event)) is not None:
-                await self._cannot_read(held.room)
+        for room in self._unreadable.rooms_to_tell():
+            await self._cannot_read(room)
 
 
 def _rank(one: ReadEvent) -> int:

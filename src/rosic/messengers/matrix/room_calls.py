@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
-from urllib.parse import quote
+from urllib.parse import quote, urlencode
 
-import nio
-
-from rosic.messengers.matrix.client import API
+from rosic.messengers.matrix.connection import API
 from rosic.messengers.matrix.errors import MatrixError, MatrixErrorKind
+from rosic.messengers.matrix.olm_machine import EventDecryptionError
+from rosic.messengers.matrix.sync_answer import earlier_part, event_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -57,10 +57,9 @@ class RoomCalls:
         Raises:
             MatrixError: It cannot be known.
         """
+        path = f"{API}/rooms/{quote(room, safe='')}/event/{quote(message, safe='')}"
         try:
-            found = await self._client.persist(
-                lambda: self._client.library.room_get_event(room, message)
-            )
+            found = await self._client.persist(lambda: self._client.call("GET", path))
         except MatrixError as error:
             if error.kind in {
                 MatrixErrorKind.NOT_FOUND,
@@ -69,11 +68,11 @@ class RoomCalls:
             }:
                 return None
             raise
-        event = found.event
-        if isinstance(event, nio.MegolmEvent):
-            event.room_id = room
-            event = self._client.decrypt(event)
-        if event is None or event.source.get("sender") != self._client.user:
+        if found.get("sender") != self._client.user:
+            return None
+        try:
+            event = self._client.machine.open_room_event(room, found, 0, note=False)
+        except EventDecryptionError:
             return None
         content = event.source.get("content")
         return content if isinstance(content, dict) and "body" in content else None
@@ -116,15 +115,27 @@ class RoomCalls:
 
     async def earlier(
         self, room: str, before: str, until: str, limit: int
-    ) -> tuple[list[Any], str]:
+    ) -> tuple[list[dict[str, Any]], str]:
         """Return events from before a point, newest first, and the point that they reach back to.
 
         Raises:
             MatrixError: They cannot be had.
         """
-        found = await self._client.persist(
-            lambda: self._client.library.room_messages(
-                room, before or None, until or None, limit=limit
-            )
-        )
-        return list(found.chunk), str(found.end or "")
+        asked = {"dir": "b", "limit": str(limit)}
+        asked |= {"from": before} if before else {}
+        asked |= {"to": until} if until else {}
+        path = f"{API}/rooms/{quote(room, safe='')}/messages?{urlencode(asked)}"
+        body = await self._client.persist(lambda: self._client.get(path))
+        try:
+            pieces, end = earlier_part(body)
+        except ValueError as error:
+            raise MatrixError(
+                "The homeserver answers with nonsense.", MatrixErrorKind.LOST, str(error)
+            ) from None
+        found = []
+        for piece in pieces:
+            source = event_of(piece)
+            if source is not None:
+                found.append(source)
+            await self._client.steps.give_way()
+        return found, end

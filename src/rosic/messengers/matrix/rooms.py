@@ -5,8 +5,6 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any, Final
 
-from nio.events.invite_events import InviteMemberEvent
-
 from rosic.core.identity import Address
 from rosic.core.message import Chat, ChatEvent, ChatEventKind, ChatKind
 from rosic.errors import MessengerFault
@@ -15,7 +13,7 @@ from rosic.messengers.matrix.private_rooms import PrivateRooms
 from rosic.messengers.matrix.room_calls import ENCRYPTION, RoomCalls
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from rosic.contracts.messenger import Knows, Passed
     from rosic.messengers.matrix.client import MatrixClient
@@ -26,6 +24,10 @@ CREATE: Final = "m.room.create"
 PRIVATE_MEMBERS: Final = 2
 JOINS_AT_MOST: Final = 20
 """Rooms joined after one sync; anybody may invite us into any number."""
+INVITED_AT_MOST: Final = 1_000
+"""Invitations of strangers that wait to be accepted or declined; of more nothing is noted."""
+DIRECT_AT_MOST: Final = 500
+"""Direct chats with strangers that are entered in one run; after that they are declined."""
 
 log = logging.getLogger("rosic.messengers.matrix")
 
@@ -50,11 +52,12 @@ class Rooms:
         self._passed: Passed = _untold
         self._invited: dict[str, bool] = {}
         self._moving: dict[str, str] = {}
+        self._direct = 0
 
     def begin(self, known: Knows, passed: Passed) -> None:
         """Begin a run: ask and tell these; say first that everything is heard in every room."""
         self._known, self._passed = known, passed
-        self._invited, self._moving = {}, {}
+        self._invited, self._moving, self._direct = {}, {}, 0
         self._tell(ChatEvent(chat=Chat(PLATFORM, ""), what=ChatEventKind.HEARING))
 
     def kind(self, room: str) -> ChatKind:
@@ -68,19 +71,19 @@ class Rooms:
 
     # ---- what a sync says ----
 
-    def invited(self, rooms: Mapping[str, Any]) -> None:
-        """Note where we were invited to, from what a sync says of it."""
-        for room, info in rooms.items():
-            for event in info.invite_state:
-                source = event.source
-                if source.get("type") != MEMBER or source.get("state_key") != self._client.user:
-                    continue
-                sender = source.get("sender")
-                # nio keeps what an invitation says apart from its source.
-                says = event.content if isinstance(event, InviteMemberEvent) else {}
-                direct = says.get("is_direct") is True
-                welcome = isinstance(sender, str) and self._known(Address(PLATFORM, sender))
-                self._invited[room] = direct or welcome
+    def invited(self, room: str, state: Iterable[Mapping[str, Any]]) -> None:
+        """Note where we were invited to, from what a sync shows of it.
+
+        A direct chat is entered whoever asks for it: that is how somebody new begins.
+        """
+        for source in state:
+            if source.get("type") != MEMBER or source.get("state_key") != self._client.user:
+                continue
+            content, sender = source.get("content"), source.get("sender")
+            direct = isinstance(content, dict) and content.get("is_direct") is True
+            known = isinstance(sender, str) and self._known(Address(PLATFORM, sender))
+            if room in self._invited or len(self._invited) < INVITED_AT_MOST or known:
+                self._invited[room] = known or (direct and self._may_enter())
 
     def left(self, rooms: Iterable[str]) -> None:
         """Note rooms that we are not in any more."""
@@ -124,6 +127,10 @@ class Rooms:
         found = self._client.rooms.get(room)
         return "" if found is None else str(found.name or "")
 
+    def _may_enter(self) -> bool:
+        self._direct += 1
+        return self._direct <= DIRECT_AT_MOST
+
     # ---- what follows from it ----
 
     @property
@@ -138,7 +145,13 @@ class Rooms:
             await self._attempt(act, room)
         for old, new in list(self._moving.items())[:JOINS_AT_MOST]:
             del self._moving[old]
-            if await self._attempt(self._calls.join, new) and await self._is_successor(old, new):
+            was_there = new in self._client.rooms
+            if not await self._attempt(self._calls.join, new):
+                continue
+            if not await self._is_successor(old, new):
+                if not was_there:  # anybody who may change a room can name any other
+                    await self._attempt(self._calls.leave, new)
+            else:
                 self._tell(
                     ChatEvent(
                         chat=Chat(PLATFORM, old, ChatKind.GROUP),
@@ -176,16 +189,16 @@ class Rooms:
             log.exception("%s: what happened to a room was not followed", self._name)
 
 
-def entered_at(events: list[Any], own: str) -> int:
+def entered_at(events: Sequence[Mapping[str, Any]], own: str) -> int:
     """Return where in what a sync brought of a room our own time there begins; 0: before it.
 
     What was written since we were invited is meant for us: people write before we have joined.
+    Events are looked at as they came: what any member encrypted is no event of the room itself.
     """
     joined = invited = 0
-    for number, event in enumerate(events):
-        source = event.source
-        if event.decrypted or source.get("type") != MEMBER or source.get("state_key") != own:
-            continue  # any member can encrypt what looks like an event of the room itself
+    for number, source in enumerate(events):
+        if source.get("type") != MEMBER or source.get("state_key") != own:
+            continue
         content = source.get("content")
         membership = content.get("membership") if isinstance(content, dict) else None
         if membership == "invite":
@@ -193,11 +206,6 @@ def entered_at(events: list[Any], own: str) -> int:
         elif membership == "join" and _before(source) != "join":
             joined = number + 1
     return invited or joined
-
-
-def has_entered(events: list[Any], own: str) -> bool:
-    """Whether a sync brought our own entering of a room."""
-    return entered_at(events, own) > 0
 
 
 def _before(source: Mapping[str, Any]) -> object:

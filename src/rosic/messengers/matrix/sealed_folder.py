@@ -42,6 +42,7 @@ class SealedFolder:
         """
         try:
             self.path.mkdir(mode=0o700, parents=True, exist_ok=True)
+            self._close_to_others()
             file = self.path / KEY_FILE
             if not file.exists():
                 self._put(file, random(SecretBox.KEY_SIZE))
@@ -84,12 +85,28 @@ class SealedFolder:
         """
         self._put(self.path / name, bytes(self._box.encrypt(content)))
 
+    def _close_to_others(self) -> None:
+        """Take from others what they may do here: what lies in it was perhaps made by hand."""
+        self.path.chmod(0o700)
+        for file in self.path.iterdir():
+            if file.is_file() and not file.is_symlink():
+                file.chmod(0o600)
+
     def _put(self, file: Path, content: bytes) -> None:
+        """Have it under its name all at once, and there still when the power fails then."""
         new = file.with_suffix(".new")
-        opened = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+        new.unlink(missing_ok=True)
+        opened = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
         try:
-            os.write(opened, content)
+            rest = memoryview(content)
+            while rest:
+                rest = rest[os.write(opened, rest) :]
             os.fsync(opened)
         finally:
             os.close(opened)
         new.replace(file)
+        folder = os.open(self.path, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)

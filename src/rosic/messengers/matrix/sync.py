@@ -16,8 +16,15 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.matrix.errors import MatrixError, MatrixErrorKind
 from rosic.messengers.matrix.incoming import ReceivedMoment
-from rosic.messengers.matrix.room_calls import RoomCalls
-from rosic.messengers.matrix.rooms import entered_at, has_entered
+from rosic.messengers.matrix.reading import ReceivedEvent
+from rosic.messengers.matrix.room_backlog import (
+    PendingRoomPart,
+    RoomBacklog,
+    RoomDelivery,
+    RoomGap,
+)
+from rosic.messengers.matrix.rooms import entered_at
+from rosic.messengers.matrix.sync_answer import event_of, invite_state, room_part
 from rosic.messengers.matrix.sync_gap import SyncGap, SyncMoment
 from rosic.messengers.matrix.sync_window import SyncWindow
 
@@ -31,29 +38,18 @@ if TYPE_CHECKING:
     from rosic.messengers.matrix.device_trust import DeviceTrust
     from rosic.messengers.matrix.reading import EventReader
     from rosic.messengers.matrix.rooms import Rooms
+    from rosic.messengers.matrix.sync_answer import RoomPart, SyncAnswer
+    from rosic.messengers.matrix.sync_window import SyncBatch
 
 POSITION_FILE: Final = "sync.sealed"
 TIMELINE: Final = 100
 """Events of one room in one sync. Where there are more, those between are asked for."""
-MISSED_AT_MOST: Final = 1_000
-"""Events of one room that are asked for after a gap; what is older is given up, and counted."""
 POLL_MS: Final = 3_000
 """A tap carries no time that could be trusted: a sync that is answered late may bring an old one,
 so an answer must come within the 5 s after which a pause counts as a gap."""
 WAITS_S: Final = (0.2, 0.5, 1.0, 2.0, 5.0)
 SETTLES_WITHIN_S: Final = 1.0
 LONGEST_WAIT_S: Final = 60.0
-SHAPE: Final = {
-    "presence": {"types": []},
-    "account_data": {"types": []},
-    "room": {
-        "timeline": {"limit": TIMELINE},
-        "state": {"lazy_load_members": False},
-        "ephemeral": {"types": []},
-        "account_data": {"types": []},
-    },
-}
-
 log = logging.getLogger("rosic.messengers.matrix")
 
 
@@ -77,11 +73,13 @@ class SyncRun(NamedTuple):
         group: Its tasks end with it.
         window: What is not settled yet.
         settle: Asked before anything is confirmed.
+        missed: Fetches what the homeserver has left out.
     """
 
     group: TaskGroup
     window: SyncWindow
     settle: Settle
+    missed: RoomBacklog
 
 
 class SyncLoop:
@@ -120,6 +118,7 @@ class SyncLoop:
         self._listening = SyncGap()
         self._since = ""
         self._full = True
+        self._timeline = TIMELINE
         self._failures = 0
         self._upkeep: Task[None] | None = None
 
@@ -153,13 +152,14 @@ class SyncLoop:
         entered = False
         try:
             async with self._client.held():
+                self._client.remember_rooms()
                 await self._trust.start()
                 entered = True
                 kept = await asyncio.to_thread(self._client.folder.read, POSITION_FILE)
                 self._since = (kept or b"").decode()
                 async with TaskGroup() as group:
                     window = SyncWindow(group, receive, self._trust.weigh, self.counts)
-                    syncing = SyncRun(group, window, settle)
+                    syncing = self._begin(group, window, settle)
                     for follow in self._beside:
                         group.create_task(follow())
                     group.create_task(self._confirm(syncing))
@@ -173,6 +173,18 @@ class SyncLoop:
             await self._wait_out(error)
             return False
 
+    def _begin(self, group: TaskGroup, window: SyncWindow, settle: Settle) -> SyncRun:
+        async def deliver(arrivals: Sequence[ReceivedEvent], batch: SyncBatch) -> None:
+            await self._deliver(arrivals, batch, run)
+
+        async def stops(arrivals: Sequence[ReceivedEvent], batch: SyncBatch) -> None:
+            await self._stops(arrivals, batch, run)
+
+        delivery = RoomDelivery(window, deliver, stops)
+        missed = RoomBacklog(group, self._client, self._clock, delivery, self.counts)
+        run = SyncRun(group, window, settle, missed)
+        return run
+
     # ---- one sync ----
 
     async def _sync(self, syncing: SyncRun) -> None:
@@ -183,31 +195,107 @@ class SyncLoop:
                 self._since,
                 timeout_ms=0 if at_once else POLL_MS,
                 full=self._full,
-                shape=SHAPE,
+                shape=_shape(self._timeline),
             )
-            limited = {} if not self._since else await self._missed(answer)
         except MatrixError as error:
-            await self._cope(error)
+            if error.kind is MatrixErrorKind.TOO_LARGE and self._timeline > 1:
+                log.warning("%s: asks for less at once (%s)", self._name, error.reason)
+                self._timeline = max(1, self._timeline // 10)
+            else:
+                await self._cope(error)
             return
         now = self._now()
-        self._listening.answered(now, limited=bool(limited))
+        self._timeline = TIMELINE
+        self._listening.answered(now)
         self._recovered()
         received = ReceivedMoment(now.wall_ns, self._listening.stamp(now.wall_ns))
         batch = syncing.window.begin(answer.next_batch)
-        events = self._events(answer, limited)
-        self._reader.keys_came(bool(answer.to_device_events))
-        self._trust.devices_changed([*answer.device_list.changed, *answer.device_list.left])
-        for event in answer.to_device_events:
-            if event is not None and isinstance(event.source, dict):  # None: it is like no other
-                self._trust.heard("", event.source)
-        came = self._reader.read(events, received)
-        for one in came:
-            syncing.window.admit(one, batch)
+        quiet = await self._take(answer, received, batch, syncing)
         syncing.window.close(batch)
         self._since, first, self._full = answer.next_batch, self._full, False
         await self._follow_up(syncing, first=first)
-        if self._listening.drained(asked, empty=not events, limited=bool(limited)):
+        if self._listening.drained(asked, empty=quiet):
             log.info("%s: listening", self._name)
+
+    async def _take(
+        self, answer: SyncAnswer, received: ReceivedMoment, batch: SyncBatch, syncing: SyncRun
+    ) -> bool:
+        """Take an answer apart: stops of all rooms first, then keys, then everything else.
+
+        Returns:
+            Whether nothing was said in any room.
+        """
+        parts = {}
+        for room, piece in answer.joined.items():
+            parts[room] = room_part(piece)
+            await self._client.steps.give_way()
+        for room, part in parts.items():
+            if room in self._client.rooms and self._since:
+                came = [event_of(piece) for piece in part.timeline]
+                sources = [one for one in came if one is not None]
+                await self._stops(
+                    [ReceivedEvent(room, one, received) for one in sources], batch, syncing
+                )
+        await self._invitations(answer)
+        self._trust.devices_changed(answer.changed)
+        async for source in self._client.take_to_device(answer):
+            self._trust.heard("", source)
+        arrivals: list[ReceivedEvent] = []
+        for room, part in parts.items():
+            arrivals += await self._room(room, part, received, batch, syncing)
+        await self._deliver(arrivals, batch, syncing)
+        return not any(part.timeline for part in parts.values())
+
+    async def _invitations(self, answer: SyncAnswer) -> None:
+        for room, piece in answer.invited.items():
+            sources = [event_of(one) for one in invite_state(piece)]
+            self._rooms.invited(room, [one for one in sources if one is not None])
+            await self._client.steps.give_way()
+        if not self._full:
+            self._rooms.left(answer.left)
+        for room in answer.left:
+            self._client.rooms.left(room)
+
+    async def _room(
+        self,
+        room: str,
+        part: RoomPart,
+        received: ReceivedMoment,
+        batch: SyncBatch,
+        syncing: SyncRun,
+    ) -> list[ReceivedEvent]:
+        """Return what was said in a room; nothing, where it waits for what is missing before it."""
+        timeline = [source async for source in self._client.take_state(room, part)]
+        begin = entered_at(timeline, self._client.user)
+        if not self._since and not begin:
+            return []  # what was said before this account was ever ours
+        for source in timeline:
+            self._rooms.happened(room, source)
+        gap = None
+        if part.limited and self._since and not begin:
+            received = received._replace(listening_since_ns=received.received_ns + 1)
+            gap = RoomGap(part.before, self._since, received)
+        came = [ReceivedEvent(room, source, received) for source in timeline[begin:]]
+        if gap is None and not syncing.missed.holds(room):
+            return came
+        syncing.missed.wait_behind(room, PendingRoomPart(batch, gap, came))
+        return []
+
+    async def _stops(
+        self, arrivals: Sequence[ReceivedEvent], batch: SyncBatch, syncing: SyncRun
+    ) -> None:
+        for arrival in arrivals:
+            one = self._reader.urgent(arrival)
+            if one is not None:
+                syncing.window.admit(one, batch)
+                await asyncio.sleep(0)
+            await self._client.steps.give_way()
+
+    async def _deliver(
+        self, arrivals: Sequence[ReceivedEvent], batch: SyncBatch, syncing: SyncRun
+    ) -> None:
+        for one in await self._reader.read(arrivals):
+            syncing.window.admit(one, batch)
 
     async def _follow_up(self, syncing: SyncRun, *, first: bool) -> None:
         """Look after keys and rooms: at first before anybody speaks, then beside the loop."""
@@ -227,54 +315,6 @@ class SyncLoop:
         if self._rooms.has_work:
             await self._rooms.follow()
         await self._reader.tell_unreadable()
-
-    def _events(self, answer: Any, missed: dict[str, list[Any]]) -> list[tuple[str, Any]]:  # noqa: ANN401
-        """Return the events of all rooms, each with its room, in order within each room."""
-        self._rooms.invited(answer.rooms.invite)
-        if not self._full:
-            self._rooms.left(answer.rooms.leave)
-        found: list[tuple[str, Any]] = []
-        for room, info in answer.rooms.join.items():
-            timeline = info.timeline.events
-            if not self._since and not has_entered(timeline, self._client.user):
-                continue  # what was said before this account was ever ours
-            begin = entered_at(timeline, self._client.user)
-            events = timeline[begin:] if begin else [*missed.get(room, ()), *timeline]
-            for event in timeline:
-                if not event.decrypted:  # a room's own events are never encrypted
-                    self._rooms.happened(room, event.source)
-            found += [(room, event) for event in events]
-        return found
-
-    async def _missed(self, answer: Any) -> dict[str, list[Any]]:  # noqa: ANN401 - no types
-        """Return what the homeserver has left out of rooms that we were in before, oldest first.
-
-        Raises:
-            MatrixError: It cannot be had now: the same sync is asked for again.
-        """
-        found: dict[str, list[Any]] = {}
-        for room, info in answer.rooms.join.items():
-            timeline = info.timeline
-            if not timeline.limited or has_entered(timeline.events, self._client.user):
-                continue
-            found[room] = await self._between(room, timeline.prev_batch or "")
-        return found
-
-    async def _between(self, room: str, before: str) -> list[Any]:
-        events: list[Any] = []
-        while before:
-            chunk, before = await RoomCalls(self._client).earlier(
-                room, before, self._since, TIMELINE
-            )
-            events += chunk
-            if not chunk or has_entered(chunk, self._client.user):
-                break
-            if len(events) >= MISSED_AT_MOST:
-                self.counts["missed"] += 1
-                log.warning("%s: more was said in a room than can be caught up with", self._name)
-                break
-        events.reverse()
-        return events[entered_at(events, self._client.user) :]
 
     # ---- confirming ----
 
@@ -346,3 +386,18 @@ class SyncLoop:
 
     def _now(self) -> SyncMoment:
         return SyncMoment(self._clock.wall_ns(), self._clock.monotonic_ns())
+
+
+def _shape(limit: int) -> dict[str, Any]:
+    """Return what is asked for, with so many events of a room at the most."""
+    nothing: dict[str, Any] = {"types": []}
+    return {
+        "presence": nothing,
+        "account_data": nothing,
+        "room": {
+            "timeline": {"limit": limit},
+            "state": {"lazy_load_members": False},
+            "ephemeral": nothing,
+            "account_data": nothing,
+        },
+    }

@@ -3,7 +3,8 @@
 What was sent while nobody listened is backlog. It is stamped as such explicitly
 (``listening_since_ns`` one above the receive time), so that no clock decides it. Afterwards the
 stamp is the moment at which the sync that found nothing was asked, less a grace, because the
-homeserver's clock is not ours. It cannot let backlog in: that came earlier, stamped.
+homeserver's clock is not ours. It cannot let backlog in: that came earlier, stamped. What a
+homeserver leaves out of one room is backlog of that room (`room_backlog`), and of no other.
 """
 
 from __future__ import annotations
@@ -43,19 +44,14 @@ class SyncGap:
         self._answered: SyncMoment | None = None
         self._short = 0
 
-    def answered(self, now: SyncMoment, *, limited: bool) -> None:
-        """Note that a sync succeeded; call it before stamping what it brought.
-
-        Args:
-            now: When it was answered.
-            limited: The homeserver has left something out: it was more than it gives at once.
-        """
+    def answered(self, now: SyncMoment) -> None:
+        """Note that a sync succeeded; call it before stamping what it brought."""
         last, self._answered = self._answered, now
         apart_ns = jumped_ns = 0
         if last is not None:
             apart_ns = now.monotonic_ns - last.monotonic_ns
             jumped_ns = now.wall_ns - last.wall_ns - apart_ns
-        if limited or apart_ns > GAP_NS or abs(jumped_ns) > JUMP_NS:
+        if apart_ns > GAP_NS or abs(jumped_ns) > JUMP_NS:
             self.frozen = True
             self._short = 0
 
@@ -63,7 +59,7 @@ class SyncGap:
         """Return ``listening_since_ns`` for a message received now."""
         return received_ns + 1 if self.frozen else self.since_ns
 
-    def drained(self, asked: SyncMoment, *, empty: bool, limited: bool) -> bool:
+    def drained(self, asked: SyncMoment, *, empty: bool) -> bool:
         """Note what the sync brought, after it was stamped; thaw if that was the backlog.
 
         Returns:
@@ -71,8 +67,8 @@ class SyncGap:
         """
         if not self.frozen:
             return False
-        self._short = 0 if limited else self._short + 1
-        if limited or not (empty or self._short >= SHORT_SYNCS):
+        self._short += 1
+        if not (empty or self._short >= SHORT_SYNCS):
             return False
         self.frozen = False
         self.since_ns = asked.wall_ns - GRACE_NS

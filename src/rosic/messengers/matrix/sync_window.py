@@ -76,6 +76,10 @@ class SyncWindow:
         self._batches.append(batch)
         return batch
 
+    def hold(self, batch: SyncBatch) -> None:
+        """Say that more of a batch comes later; `close` it once more then."""
+        batch.left += 1
+
     def close(self, batch: SyncBatch) -> None:
         """Say that nothing more of a batch comes."""
         self._done(batch)

@@ -227,15 +227,6 @@ class Trust:
             return SenderAssurance.TRUSTED_ON_FIRST_USE
         return SenderAssurance.ENCRYPTED_UNVERIFIED
 
-    async def withheld(self, user: str) -> frozenset[str]:
-        """Return which devices of a person are given no keys; see `withheld_devices`.
-
-        Raises:
-            MessengerFault: The homeserver did not answer.
-        """
-        keys, standing = await self._cross_signing.look_up(user)
-        return withheld_devices(keys, standing)
-
     def _is_new(self, evidence: SessionEvidence) -> bool:
         """Whether this key was not looked for yet: a device may be newer than what is kept."""
         looked_for = (evidence.sender, evidence.sender_key)

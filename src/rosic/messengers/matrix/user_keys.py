@@ -10,13 +10,22 @@ Whether the master key is really that person's stands elsewhere (`identity_book`
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from itertools import islice
 from typing import Any, Final, TypeAlias
 
 import msgspec
 
-from rosic.messengers.matrix.signed_json import ED25519, KEY_BYTES, from_base64, is_signed
+from rosic.errors import MessengerFault
+from rosic.messengers.matrix.signed_json import (
+    ED25519,
+    KEY_BYTES,
+    LONGEST,
+    from_base64,
+    is_signed,
+)
+from rosic.messengers.matrix.step_budget import StepBudget
 
 MASTER: Final = "master"
 SELF_SIGNING: Final = "self_signing"
@@ -25,8 +34,14 @@ CURVE25519: Final = "curve25519"
 QUERY: Final = "/_matrix/client/v3/keys/query"
 QUERY_TIMEOUT_MS: Final = 10_000
 KEPT_AT_MOST: Final = 2_000
-DEVICES_AT_MOST: Final = 500
+KEPT_BYTES: Final = 16 * 2**20
+"""Of what is kept of all people together, as it was shown."""
+DEVICES_AT_MOST: Final = 200
 """Of one person. What is shown beyond that is not there: a homeserver may show any number."""
+CHECKED_AHEAD: Final = 50
+"""Devices of one person that are checked when they are shown, in short steps."""
+AT_ONCE: Final = 20
+"""People who are asked for in one call."""
 SIGNED_WITH_CURVE_AT_MOST: Final = 4
 """Devices of one person that claim one identity key; honestly there is one."""
 
@@ -60,6 +75,7 @@ class UserKeys:
         master: Base64 of the person's master key; empty: none that is sound was shown.
         self_signing: The key that vouches for devices; empty: none that the master key has signed.
         user_signing: The key that vouches for others; shown to its owner alone.
+        size: How many bytes of it are kept.
         master_object: The master key as it was shown, for signatures of others on it.
     """
 
@@ -69,19 +85,20 @@ class UserKeys:
         self.master = _cross_signing_key(self.master_object, user, MASTER)
         self.self_signing = self._vouched(_object(shown, "self_signing_keys", user), SELF_SIGNING)
         self.user_signing = self._vouched(_object(shown, "user_signing_keys", user), USER_SIGNING)
-        devices = _object(shown, "device_keys", user)
-        self._devices = dict(islice(devices.items(), DEVICES_AT_MOST))
-        self._sound: dict[str, DeviceIdentity] = {}
+        devices = islice(_object(shown, "device_keys", user).items(), DEVICES_AT_MOST)
+        sizes = [(name, of, len(msgspec.json.encode(of))) for name, of in devices]
+        self._devices = {name: of for name, of, size in sizes if size <= LONGEST}
+        self.size = sum(size for _, _, size in sizes if size <= LONGEST)
+        self._checked: dict[str, DeviceIdentity | None] = {}
 
     def device(self, device: str) -> DeviceIdentity | None:
         """Return a device whose keys are sound; None: there is none of that name."""
-        if device not in self._sound:
-            shown = self._devices.get(device)
-            found = self._checked(device, shown) if isinstance(shown, dict) else None
-            if found is None:
-                return None
-            self._sound[device] = found
-        return self._sound[device]
+        if device not in self._devices:
+            return None
+        if device not in self._checked:
+            shown = self._devices[device]
+            self._checked[device] = self._check(device, shown) if isinstance(shown, dict) else None
+        return self._checked[device]
 
     def devices(self) -> tuple[str, ...]:
         """Return the names of all that were shown, checked or not."""
@@ -121,7 +138,7 @@ class UserKeys:
         signed = self.master and is_signed(shown, self.user, self.master, self.master)
         return key if key and key != self.master and signed else ""
 
-    def _checked(self, device: str, shown: dict[str, Any]) -> DeviceIdentity | None:
+    def _check(self, device: str, shown: dict[str, Any]) -> DeviceIdentity | None:
         ed25519 = _key(shown, ED25519, device)
         curve25519 = _key(shown, CURVE25519, device)
         whose = (shown.get("user_id"), shown.get("device_id"))
@@ -180,11 +197,16 @@ class KeyDirectory:
 
     Args:
         call: To the homeserver.
+
+    Attributes:
+        version: Another one after anything was shown anew, or is to be asked for.
     """
 
     def __init__(self, call: Call) -> None:
+        self.version = 0
         self._call = call
         self._kept: dict[str, UserKeys] = {}
+        self._bytes = 0
         self._stale: set[str] = set()
         self._changes = 0
         self._owners: dict[str, set[str]] = {}
@@ -198,23 +220,59 @@ class KeyDirectory:
         kept = self._kept.get(user)
         if kept is not None and not fresh and user not in self._stale:
             return kept
-        changes = self._changes
-        body: dict[str, Any] = {"device_keys": {user: []}, "timeout": QUERY_TIMEOUT_MS}
-        keys = UserKeys(user, await self._call("POST", QUERY, body))
-        self._keep(keys)
-        if changes != self._changes:
-            self._stale.add(user)
+        (keys,) = await self._ask((user,))
         return keys
+
+    async def keys_of_all(self, users: Iterable[str]) -> list[UserKeys]:
+        """Return the same of many people; of whom the homeserver does not answer, nothing."""
+        found: list[UserKeys] = []
+        missing: list[str] = []
+        for user in users:
+            kept = self._kept.get(user)
+            if kept is None or user in self._stale:
+                missing.append(user)
+            else:
+                found.append(kept)
+        for at in range(0, len(missing), AT_ONCE):
+            some = missing[at : at + AT_ONCE]
+            try:
+                found += await self._ask(some)
+            except MessengerFault:
+                for user in some:  # one of them may be shown with more than can be read
+                    with suppress(MessengerFault):
+                        found += await self._ask((user,))
+        return found
+
+    async def _ask(self, users: Sequence[str]) -> list[UserKeys]:
+        changes = self._changes
+        body: dict[str, Any] = {
+            "device_keys": {user: [] for user in users},
+            "timeout": QUERY_TIMEOUT_MS,
+        }
+        answer = await self._call("POST", QUERY, body)
+        limit, found = StepBudget(), []
+        for user in users:
+            keys = UserKeys(user, answer)
+            for name in keys.devices()[:CHECKED_AHEAD]:
+                keys.device(name)
+                await limit.give_way()
+            self._keep(keys)
+            if changes != self._changes:
+                self._stale.add(user)
+            found.append(keys)
+        return found
 
     def forget(self, user: str) -> None:
         """Ask anew next time: ``device_lists`` of a ``/sync`` named this person."""
         self._changes += 1
+        self.version += 1
         if user in self._kept:
             self._stale.add(user)
 
     def forget_all(self) -> None:
         """Ask anew for everybody: what ``device_lists`` said was missed."""
         self._changes += 1
+        self.version += 1
         self._stale.update(self._kept)
 
     def claimants(self, sender_key: str) -> frozenset[str]:
@@ -226,14 +284,19 @@ class KeyDirectory:
 
     def _keep(self, keys: UserKeys) -> None:
         self._drop(keys.user)
-        if len(self._kept) >= KEPT_AT_MOST:
-            self._drop(next(iter(self._kept)))
+        self.version += 1
         self._kept[keys.user] = keys
+        self._bytes += keys.size
+        while len(self._kept) > KEPT_AT_MOST or self._bytes > KEPT_BYTES:
+            self._drop(next(iter(self._kept)))
+        if keys.user not in self._kept:
+            return
         for curve25519 in keys.sender_keys():
             self._owners.setdefault(curve25519, set()).add(keys.user)
 
     def _drop(self, user: str) -> None:
         keys = self._kept.pop(user, None)
+        self._bytes -= 0 if keys is None else keys.size
         self._stale.discard(user)
         for curve25519 in keys.sender_keys() if keys is not None else ():
             owners = self._owners.get(curve25519, set())
