@@ -59,6 +59,8 @@ SECONDS = {
     "tests/console/test_breaks.py": 30,
     "tests/console/test_tabs.py": 60,
     "tests/real/ros2/test_rosbridge.py": 45,
+    "tests/real/xmpp/test_conformance.py": 35,
+    "tests/real/xmpp/test_connection.py": 30,
     "tests/real/ros2/test_console.py": 35,
     "tests/real/ros2/test_doubtful_rest.py": 95,
     "tests/cli/test_record.py": 50,

@@ -46,6 +46,8 @@ NEEDS: Final = (
     Need("g++", "g++", "ROS 2 interfaces"),
     Need("node", "nodejs", "clients of rosbridge and of Matrix in JavaScript"),
     Need("npm", "npm", "clients of rosbridge and of Matrix in JavaScript"),
+    Need("openssl", "openssl", "a server of XMPP with a certificate"),
+    Need("prosody", "prosody", "XMPP"),
     Need("zsh", "zsh", "completion in zsh"),
 )
 REQUIREMENTS: Final = Path(__file__).parents[1] / "requirements"

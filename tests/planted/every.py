@@ -27,6 +27,7 @@ from tests.planted.faults_of_scheduling import OF_SCHEDULING
 from tests.planted.faults_of_telling import OF_TELLING
 from tests.planted.faults_of_ways import OF_WAYS
 from tests.planted.faults_of_webhooks import OF_WEBHOOKS
+from tests.planted.faults_of_xmpp import OF_XMPP
 from tests.planted.messenger_faults import MESSENGER_FAULTS
 
 ALL = (
@@ -56,5 +57,6 @@ ALL = (
     *OF_ROSBRIDGE,
     *OF_WAYS,
     *OF_WEBHOOKS,
+    *OF_XMPP,
     *MESSENGER_FAULTS,
 )
