@@ -1,6 +1,6 @@
 """The loop: asks for what is new, hands it over, and confirms what was received to the end.
 
-Matrix gives out again whatever came after a token. The next sync goes on at once where the last
+Matrix gives out again whatever came after a token. The next sync goes on soon where the last
 one ended, so that a stop is seen behind whatever is being received; the token that is kept on disk,
 from which another run begins, follows only when everything before it is settled.
 """
@@ -50,6 +50,10 @@ so an answer must come within the 5 s after which a pause counts as a gap."""
 WAITS_S: Final = (0.2, 0.5, 1.0, 2.0, 5.0)
 SETTLES_WITHIN_S: Final = 1.0
 LONGEST_WAIT_S: Final = 60.0
+ANSWERS_FIRST_S: Final = 0.015
+"""A homeserver does one thing of an account after another: asked for more at once, it looks for
+that before it takes the answer to what it has just brought. A stop may come so much later."""
+
 log = logging.getLogger("rosic.messengers.matrix")
 
 
@@ -165,6 +169,8 @@ class SyncLoop:
                     group.create_task(self._confirm(syncing))
                     while True:
                         await self._sync(syncing)
+                        if window.busy:
+                            await asyncio.sleep(ANSWERS_FIRST_S)
         except ExceptionGroup as several:
             raise several.exceptions[0] from None
         except MessengerFault as error:
