@@ -308,3 +308,62 @@ async def test_answers_go_where_they_were_asked_for() -> None:
         await place.clock.advance(2.0)
         assert any("done" in t.outbound.text for t in list(place.other.told)[before:])
         assert "omni: move" not in place.read(BO)
+
+
+# ---- what an account that is lost reads ----
+
+
+async def test_a_card_in_an_account_that_is_lost_ends() -> None:
+    place = TwoMessengers()
+    async with place.open():
+        await place.link()
+        await place.there("/card omni")
+        await place.here("/card omni")
+        await place.unlink()
+        await place.clock.advance(2.0)
+        await place.quiet()
+        dashboards = place.gateway.kernel.shared.dashboards.get()
+        assert dashboards.of(place.chat, Chat("memory", BO)) is not None
+        assert dashboards.of(place.other, Chat("other", BO_TOO)) is None
+        before = len(place.other.told)
+        await place.here("omni wave")
+        await place.clock.advance(60.0)
+        await place.quiet()
+        assert not list(place.other.told)[before:]
+
+
+async def test_an_account_that_is_lost_hears_no_robot() -> None:
+    place = TwoMessengers()
+    async with place.open():
+        await place.link()
+        await place.there("omni wave")
+        await place.here("omni wave")
+        followers = place.gateway.pipeline.followers
+        assert {m.name for m, _ in followers.of("omni")} == {"memory", "other"}
+        await place.unlink()
+        assert {m.name for m, _ in followers.of("omni")} == {"memory"}
+
+
+async def test_what_was_planned_in_an_account_that_is_lost_is_shown_in_another_one() -> None:
+    place = TwoMessengers()
+    async with place.open():
+        await place.link()
+        told = await place.there("in 10 minutes omni wave")
+        button, under = next(
+            (b, t.message)
+            for t in reversed(place.other.told)
+            for row in t.outbound.buttons
+            for b in row
+            if b.label not in {"Leave it", "Change"}
+        )
+        place.other.tap(button, under=under, account=BO_TOO)
+        await place.quiet()
+        await place.unlink()
+        before, there = len(place.chat.told), len(place.other.told)
+        for _ in range(12):
+            await place.clock.advance(60.0)
+            await place.quiet()
+        assert place.acted() == 1, told
+        assert "omni: wave" in place.read(BO, before)
+        news = [t.outbound.text for t in list(place.other.told)[there:]]
+        assert not [text for text in news if "done" in text or "sent" in text], news

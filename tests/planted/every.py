@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tests.planted.faults import FAULTS
+from tests.planted.faults_of_accounts import OF_ACCOUNTS
 from tests.planted.faults_of_alerts import OF_ALERTS
 from tests.planted.faults_of_among import OF_AMONG
 from tests.planted.faults_of_assurance import OF_ASSURANCE
@@ -36,6 +37,7 @@ ALL = (
     *OF_DISPATCH,
     *OF_CARDS,
     *OF_TELLING,
+    *OF_ACCOUNTS,
     *OF_ALERTS,
     *OF_AMONG,
     *OF_FLEET,

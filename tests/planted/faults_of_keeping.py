@@ -246,9 +246,9 @@ OF_KEEPING = (
     ),
     Fault(
         name="digests of robots bypass the archive",
-        file="features/robot_to_robot/__init__.py",
-        guard="chat_sender, kernel.messengers)",
-        without="chat_sender, [m._messenger for m in kernel.messengers])",
+        file="features/robot_to_robot/digest.py",
+        guard="messenger.name: messenger for messenger in reach.messengers",
+        without="messenger.name: messenger._messenger for messenger in reach.messengers",
         caught_by=(
             "tests/features/robot_to_robot/test_shared_state.py::test_a_digest_is_in_the_archive_of_the_chat_that_reads_it",
         ),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.app.containers import DataContext, data_context_of, folders_of
 from rosic.app.people import named_in_file
+from rosic.contracts.chats import private_chat_of
 from rosic.contracts.store import ContainerStore
 from rosic.gateway.delivery.last_accounts import KIND as LAST_ACCOUNTS
 from rosic.gateway.feature import (
@@ -25,13 +26,13 @@ if TYPE_CHECKING:
     from rosic.container.archive import Archive
     from rosic.container.preferences import PreferenceBook
     from rosic.contracts.robot import Robot
+    from rosic.core.identity import Address, PrincipalId
     from rosic.core.records import Memory
     from rosic.core.robot.profile import Profile, RobotId
     from rosic.gateway import Pipeline
     from rosic.gateway.access_registry import AccessRegistry
     from rosic.gateway.components import Components
     from rosic.gateway.container_context import ContainerContext
-    from rosic.gateway.delivery.last_accounts import LastAccounts
     from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.delivery.sender import ChatSender
     from rosic.gateway.delivery.translation import ChatLanguages
@@ -79,7 +80,7 @@ def kernel_of(
     pipeline.hooks.commands.register("take", handover.take)
     pipeline.hooks.commands.register("end", handover.give_back)
     pipeline.cancels.also(pipeline.confirmation.withdraw)
-    _follow_accounts(gateway, memory, reach.last_accounts)
+    _follow_accounts(gateway, memory, reach)
     orders = OrderServices(
         pipeline.executor,
         gateway.stop_lane,
@@ -122,14 +123,24 @@ def kernel_of(
     )
 
 
-def _follow_accounts(gateway: RunningGateway, memory: Memory, last: LastAccounts) -> None:
+def _follow_accounts(gateway: RunningGateway, memory: Memory, reach: Notifier) -> None:
     """Know where people were last, and let nothing come of what an account that is lost asked."""
+    last = reach.last_accounts
     lost, changes = gateway.access.account_lost, gateway.access.changes
     last.restore(memory.facts.get(LAST_ACCOUNTS, ()))
     changes.keep(LAST_ACCOUNTS, last.apply)
     gateway.pipeline.hooks.met.connect(last.heard)
     lost.connect(last.forget_account)
     lost.connect(gateway.pipeline.confirmation.forget_account)
+
+    def fall_silent(principal: PrincipalId, address: Address) -> None:
+        """Bring an account that is lost no more of what robots say."""
+        for messenger in reach.messengers:
+            if messenger.platform == address.platform:
+                chat = private_chat_of(messenger, address)
+                gateway.pipeline.followers.leave(messenger.name, chat.id, principal)
+
+    lost.connect(fall_silent)
 
 
 def _containers(

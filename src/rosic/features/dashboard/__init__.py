@@ -69,6 +69,7 @@ def setup(kernel: Kernel) -> DashboardFeature:
 
     sides = DashboardQueries(
         sees=sees,
+        reads=kernel.reach.may_read,
         name_of=organiser.name_of,
         shown=lambda robot: rooms.profiles[robot].shown,
         face=pipeline.face,

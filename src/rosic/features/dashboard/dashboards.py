@@ -246,6 +246,8 @@ class Dashboards:
 
     def _robots(self, dashboard: Dashboard) -> tuple[RobotId, ...]:
         """Return what a card shows now: never what its owner may not see (I11)."""
+        if not self._sides.reads(dashboard.owner, dashboard.chat):
+            return ()
         sees = self._sides.sees(dashboard.owner)
         return (
             tuple(r for r in dashboard.robots if r in sees) if dashboard.robots else in_order(sees)

@@ -165,6 +165,7 @@ class DashboardQueries(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         sees: Returns the robots that somebody may see now; none for who is locked or has no key.
+        reads: Whether a chat is still somebody's, by an account that they have.
         name_of: Returns how somebody is called.
         shown: Returns how people read a robot.
         face: Returns what a clock on the wall shows.
@@ -174,6 +175,7 @@ class DashboardQueries(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     sees: Callable[[PrincipalId], frozenset[RobotId]]
+    reads: Callable[[PrincipalId, Chat], bool]
     name_of: Callable[[PrincipalId], str]
     shown: Callable[[RobotId], str]
     face: Face

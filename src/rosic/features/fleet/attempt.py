@@ -158,9 +158,11 @@ class TaskAttempts:
 
     def _where(self, task: Task, text: TaskText) -> tuple[Messenger, Chat]:
         """Return where the order is shown: where the task was given, or else in private."""
-        places = self._hands.reach.chats(task.author)
-        for messenger in self._hands.reach.messengers:
-            if messenger.name == text.messenger:
+        reach = self._hands.reach
+        places = reach.chats(task.author)
+        for messenger in reach.messengers:
+            here = messenger.name == text.messenger
+            if here and reach.may_read(task.author, text.chat):
                 return messenger, text.chat
         if not places:
             raise NotPermitted(words.no_chat(self._rooms.organiser.name_of(task.author)))

@@ -70,7 +70,7 @@ def setup(kernel: Kernel) -> RobotToRobotFeature:
         guard,
         HelpService(book, around, kernel.shared.robot_tasks.find),
         Strategies(around),
-        ConversationDigests(post, rights, rooms.authoriser, chat_sender, kernel.messengers),
+        ConversationDigests(post, rights, rooms.authoriser, chat_sender, reach),
     )
     messaging = RobotMessaging(circle)
     messaging.restore(kernel.memory.facts)

@@ -12,14 +12,13 @@ from rosic.gateway.delivery.sender import OutgoingMessage
 from rosic.gateway.delivery.translation import translated
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     from rosic.authoriser.authoriser import Authoriser
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
     from rosic.core.robot.profile import RobotId
     from rosic.features.robot_to_robot.permissions import PeerPermissions
     from rosic.features.robot_to_robot.subscriptions import SubscriberChat, Subscriptions
+    from rosic.gateway.delivery.notifier import Notifier
     from rosic.gateway.delivery.sender import ChatSender
 
 EVERY_S: Final = 5.0
@@ -49,13 +48,14 @@ class ConversationDigests:
         rights: PeerPermissions,
         authoriser: Authoriser,
         chat_sender: ChatSender,
-        messengers: Iterable[Messenger],
+        reach: Notifier,
     ) -> None:
         self._post = post
         self._rights = rights
         self._authoriser = authoriser
         self._chat_sender = chat_sender
-        self._messengers = {messenger.name: messenger for messenger in messengers}
+        self._messengers = {messenger.name: messenger for messenger in reach.messengers}
+        self._may_read = reach.may_read
         self._pages: dict[str, _Page] = {}
 
     def note(self, robot: RobotId, topic: str, text: str) -> None:
@@ -77,7 +77,7 @@ class ConversationDigests:
         pages, self._pages = self._pages, {}
         for page in pages.values():
             messenger = self._messengers.get(page.where.messenger)
-            if messenger is not None:
+            if messenger is not None and self._may_read(page.who, page.where.chat):
                 self._say(messenger, page)
 
     def _say(self, messenger: Messenger, page: _Page) -> None:

@@ -284,7 +284,8 @@ class ScheduledRuns:
         """Return where the orders are shown: where it was planned, or else in private."""
         reach, author = self._hands.reach, due.order.author
         for messenger in reach.messengers:
-            if messenger.name == due.text.messenger:
+            here = messenger.name == due.text.messenger
+            if here and reach.may_read(author, due.text.chat):
                 return messenger, due.text.chat
         places = reach.chats(author)
         if not places:

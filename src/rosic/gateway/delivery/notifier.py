@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import msgspec
 
 from rosic.authoriser.button_tokens import is_lasting
-from rosic.contracts.chats import private_chat_of
+from rosic.contracts.chats import FindsPrivateChat, private_chat_of
 from rosic.contracts.messenger import Messenger, handle_of
 from rosic.contracts.traffic import is_connected
 from rosic.core.i18n import said
-from rosic.core.message import AnswerState, Button, Chat, Outbound, SendPriority
+from rosic.core.identity import PAGE
+from rosic.core.message import AnswerState, Button, Chat, ChatKind, Outbound, SendPriority
 from rosic.core.signal import Deferred
 from rosic.errors import ChatNotBegun
 from rosic.gateway.delivery.last_accounts import HeardAccount
@@ -238,6 +239,26 @@ class Notifier:
             if messenger.platform == address.platform
         ]
         return tuple(sorted(places, key=lambda place: ranks.get(place.account, len(ranks))))
+
+    def may_read(self, principal: PrincipalId, chat: Chat) -> bool:
+        """Whether a chat where somebody wanted to read something is still theirs. A look-up.
+
+        A private chat is theirs while its account is. Where private chats have ids of their own,
+        while they have any account on that messenger.
+        """
+        if chat.kind is not ChatKind.PRIVATE or chat.platform == PAGE:
+            return True
+        person = self._authoriser.directory.person(principal)
+        there = [
+            one.account
+            for one in (person.addresses if person is not None else ())
+            if one.platform == chat.platform
+        ]
+        return chat.id in there or (bool(there) and self._names_chats(chat.platform))
+
+    def _names_chats(self, platform: str) -> bool:
+        here = (each for each in self.messengers if each.platform == platform)
+        return any(isinstance(each, FindsPrivateChat) for each in here)
 
     def _newest(self, principal: PrincipalId, notice: Notification) -> Iterable[AccountChat]:
         """Return where somebody is told: where they were last, and where it changes a message."""
