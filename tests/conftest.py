@@ -61,6 +61,7 @@ SECONDS = {
     "tests/real/ros2/test_rosbridge.py": 45,
     "tests/real/xmpp/test_conformance.py": 35,
     "tests/real/xmpp/test_connection.py": 30,
+    "tests/real/xmpp/test_scenarios.py": 50,
     "tests/real/ros2/test_console.py": 35,
     "tests/real/ros2/test_doubtful_rest.py": 95,
     "tests/cli/test_record.py": 50,

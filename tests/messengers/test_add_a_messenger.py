@@ -1,4 +1,4 @@
-"""docs/howto/add-a-messenger.md, followed word by word: a folder and an entry point suffice."""
+"""docs/howto/add-a-messenger.md, followed word by word: a package with an entry point suffices."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import os
 import re
 import signal
 import socket
+import subprocess
 import sys
 from contextlib import asynccontextmanager, suppress
 from importlib import import_module, invalidate_caches
@@ -31,7 +32,8 @@ if TYPE_CHECKING:
 
 PAGE = Path(__file__).parents[2] / "docs" / "howto" / "add-a-messenger.md"
 FILE = re.compile(r"^`([\w./-]+)`[^\n]*:\n\n```\w+\n(.*?)^```", re.MULTILINE | re.DOTALL)
-TABLE = re.compile(r"```toml\n(.*?)```", re.DOTALL)
+TABLE = re.compile(r"```toml\n(\[\[messenger.*?)```", re.DOTALL)
+INSTALL = ("install", "--quiet", "--no-index", "--no-deps", "--no-build-isolation", "--target")
 
 
 def free_port() -> int:
@@ -41,21 +43,29 @@ def free_port() -> int:
         return port
 
 
-def install(folder: Path) -> None:
-    """Write the files of the page, as it names them."""
+@pytest.fixture(scope="module")
+def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build the package of the page, and install it into a folder beside ROSIC's environment."""
+    source, target = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("installed")
     for name, content in FILE.findall(PAGE.read_text(encoding="utf-8")):
-        path = folder / name
+        path = source / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(content, encoding="utf-8")
+    pip = (sys.executable, "-m", "pip", *INSTALL, str(target), str(source))
+    done = subprocess.run(  # noqa: S603 - pip, with a package that the page writes
+        pip, capture_output=True, text=True, timeout=120 * pace(), check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert (target / "lines_messenger-1.0.dist-info" / "entry_points.txt").exists()
+    return target
 
 
 @pytest.fixture
-def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    install(tmp_path)
-    monkeypatch.syspath_prepend(str(tmp_path))
+def installed(package: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.syspath_prepend(str(package))
     monkeypatch.delitem(sys.modules, "lines_messenger", raising=False)
     invalidate_caches()
-    return tmp_path
+    return package
 
 
 class Person:
@@ -147,8 +157,11 @@ class LinesStage:
         await self.connected[person].say(text)
 
     async def tap(self, person: str, message: str, label: str) -> None:
-        assert message
-        await self.connected[person].say(f"[{label}]")
+        await self.connected[person].hears(label)
+        text = next(seen.text for seen in self.connected[person].read if seen.message == message)
+        number = re.search(rf"(\d+)\. {re.escape(label)}", text)
+        assert number is not None
+        await self.connected[person].say(number[1])
 
     async def screen(self, person: str) -> list[SeenMessage]:
         await self.connected[person].left()
@@ -198,8 +211,7 @@ def test_the_adapter_says_what_is_wrong_with_its_table(
         made("lines", settings, SystemClock())
 
 
-async def test_somebody_joins_moves_a_robot_and_stops_it(tmp_path: Path) -> None:
-    install(tmp_path)
+async def test_somebody_joins_moves_a_robot_and_stops_it(tmp_path: Path, package: Path) -> None:
     port = free_port()
     [table] = TABLE.findall(PAGE.read_text(encoding="utf-8"))
     config = tmp_path / "rosic.toml"
@@ -207,7 +219,7 @@ async def test_somebody_joins_moves_a_robot_and_stops_it(tmp_path: Path) -> None
         table.replace("7007", str(port)) + '\n[[robot]]\nprofile = "omni"\nlink = "simulated"\n'
     )
     config.chmod(0o600)
-    env = {"PYTHONPATH": f"{environment()['PYTHONPATH']}{os.pathsep}{tmp_path}"}
+    env = {"PYTHONPATH": f"{environment()['PYTHONPATH']}{os.pathsep}{package}"}
     checked = await asyncio.to_thread(cold_rosic, "check", "-c", config, env=env)
     assert checked.status == 0, checked.err
     running = await asyncio.create_subprocess_exec(
@@ -234,7 +246,8 @@ async def test_somebody_joins_moves_a_robot_and_stops_it(tmp_path: Path) -> None
 async def _use(eve: Person, code: str) -> None:
     await eve.say(code)
     await eve.hears("You are invited as operator")
-    await eve.say("[Join]")
+    await eve.hears("1. Join")
+    await eve.say("1")
     await eve.hears("You are in, as operator")
     await eve.say("omni move 10 cm at 0.2 m/s")
     await eve.hears("done")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from xml.etree.ElementTree import Element, fromstring
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from rosic.core.message import Chat, ChatKind, Inbound, MessageValidity
 from rosic.core.time_units import SECOND_NS
 from rosic.messengers.xmpp import stanzas
+from tests.pace import pace
 
 ADA = "ada@example.org"
 NOW_NS = 1_700_000_000 * SECOND_NS
@@ -101,6 +103,14 @@ def test_a_reply_is_without_what_it_repeats() -> None:
     one = read("<body>&gt; a\n&gt; b\nyes</body><reply xmlns='urn:xmpp:reply:0' id='7f3'/>")
     assert (one.text, one.answers) == ("yes", "7f3")
     assert read("<body>&gt; a\nyes</body>").text == "> a\nyes"
+
+
+def test_what_a_reply_repeats_takes_no_longer_than_reading_it() -> None:
+    repeated = "&gt; \n" * 85_000
+    begun_s = time.process_time()
+    one = read(f"<body>{repeated}stop</body><reply xmlns='urn:xmpp:reply:0' id='7f3'/>")
+    assert one.text == "stop"
+    assert time.process_time() - begun_s < 0.2 * pace(), "it was 0.9 s, and is 0.02 s"
 
 
 def test_a_file_is_its_address_and_nothing_else() -> None:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Alarm, Knows, Passed, Reacted, Receive
+    from rosic.core.identity import Address
     from rosic.core.message import Inbound, IncomingFile
     from rosic.messengers.numbered_buttons import OfferedButton
 
@@ -62,7 +63,7 @@ class PlainMessenger:
         self.name = name
         self._ready = asyncio.Event()
         self._clock = clock
-        self._known: Knows = bool
+        self._known: Knows = _anybody
         self._alarm: Alarm = _nobody_is_told
         self._passed: Passed = _nobody_is_told
         self._reacted: Reacted = _nobody_is_told
@@ -198,9 +199,10 @@ class PlainMessenger:
         await self._until_ready()
         token = object()
         text = self._buttons.label(token, outbound)
-        message = await self.deliver(outbound, [*self._pieces(text)] if text else [])
+        alone = outbound.attachment is not None and not text
+        message = await self.deliver(outbound, [] if alone else [*self._pieces(text)])
         self._buttons.called(outbound.chat.id, token, message)
-        remember(self._sent, message, outbound.chat.id if text else "")
+        remember(self._sent, message, "" if alone else outbound.chat.id)
         return message
 
     async def edit(self, message: str, outbound: Outbound) -> None:
@@ -287,6 +289,10 @@ def read_settings(name: str, settings: Mapping[str, Any], kind: type[SettingsT])
         return msgspec.convert(table, kind)
     except msgspec.ValidationError as wrong:
         raise ConfigurationError(f"The messenger {name} cannot be made: {wrong}.") from None
+
+
+def _anybody(_who: Address) -> bool:
+    return True
 
 
 def _nobody_is_told(_what: object) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Self
 from urllib.parse import unquote, urlsplit
 from xml.etree.ElementTree import Element, SubElement
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 WITHIN_S: Final = 20.0
 REPLACE: Final = "{urn:xmpp:message-correct:0}replace"
+REPLY: Final = "{urn:xmpp:reply:0}reply"
 OOB: Final = "{jabber:x:oob}"
 REACTIONS: Final = "{urn:xmpp:reactions:0}"
 
@@ -36,12 +38,14 @@ class Seen(NamedTuple):
         message: Its id, as its author gave it.
         where: The address that it came from: of an account, or of somebody in a room.
         url: Of the file that it is; empty for words.
+        answers: Id of the message that it is shown beneath; empty for none.
     """
 
     message: str
     where: str
     text: str
     url: str
+    answers: str = ""
 
 
 class Person:
@@ -176,6 +180,12 @@ class Person:
                 except TimeoutError:
                     continue
 
+    async def wait(self) -> None:
+        """Wait until something comes, for a moment at most."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(0.2), self._changed:
+                await self._changed.wait()
+
     async def reads(self, text: str) -> Seen:
         """Wait for a message with these words, and return it."""
         await self.until(lambda: any(text in one.text for one in self.seen.values()))
@@ -186,7 +196,11 @@ class Person:
         changed = xml.find(REPLACE)
         key = message["id"] if changed is None else changed.get("id", "")
         url = xml.findtext(f"{OOB}x/{OOB}url", "")
-        self.seen[key] = Seen(key, str(message["from"]), str(message["body"]), url)
+        reply = xml.find(REPLY)
+        answers = "" if reply is None else reply.get("id", "")
+        if changed is not None and key in self.seen:
+            answers = self.seen[key].answers
+        self.seen[key] = Seen(key, str(message["from"]), str(message["body"]), url, answers)
         async with self._changed:
             self._changed.notify_all()
 

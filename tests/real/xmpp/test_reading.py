@@ -81,6 +81,7 @@ async def test_malformed_stanzas_are_passed_over_and_confirmed(stage: XmppStage)
     async with listening(stage) as inbox:
         ada.say(stage.robots.user, "", Element("{urn:xmpp:reactions:0}reactions"))
         ada.say(stage.robots.user, "", Element("{urn:xmpp:receipts}received", id="1"))
+        ada.say(stage.robots.user, "", *(Element("{urn:x}x") for _ in range(5_000)))
         ada.say(stage.robots.user, url, linked(url))
         ada.say(stage.robots.user, "a", reply, stamp)
         ada.say(stage.robots.user, "b" * 200_000)

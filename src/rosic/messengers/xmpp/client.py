@@ -37,6 +37,7 @@ CONNECTS_WITHIN_S: Final = 30.0
 ANSWERS_WITHIN_S: Final = 10.0
 LONGEST_PAUSE_S: Final = 60.0
 UNANSWERED: Final = 1_000
+PARTS: Final = 100
 NOBODY: Final = frozenset({"item-not-found", "gone", "forbidden", "not-allowed", "not-acceptable"})
 
 log = logging.getLogger("rosic.messengers.xmpp")
@@ -216,6 +217,7 @@ class XmppClient(ClientXMPP):
 
     def hear(self, stanza: StanzaBase) -> None:
         """Pass on a message or a presence. Never raises."""
+        del stanza.xml[PARTS:]  # however many follow, looking for what counts takes no longer
         try:
             if stanza["type"] == "error":
                 self._not_delivered(stanza)

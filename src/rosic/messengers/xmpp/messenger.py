@@ -13,8 +13,8 @@ from slixmpp import Message
 from rosic.core.i18n import said
 from rosic.core.identity import Address
 from rosic.core.message import Chat, ChatKind, Reaction
-from rosic.core.time_units import SECOND_NS
 from rosic.errors import ChatGone, MessengerFault
+from rosic.messengers.numbered_buttons import LATE_NS
 from rosic.messengers.plain_messenger import PlainMessenger, read_settings, remember
 from rosic.messengers.xmpp import stanzas
 from rosic.messengers.xmpp.client import XmppClient
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from rosic.core.message import Inbound, IncomingFile, Outbound
     from rosic.core.secret import Secret
 
-LATE_NS: Final = 5 * SECOND_NS
 HIDES_ADDRESSES: Final = said(
     "This room hides who is who, so I follow nothing here. Have it show addresses to everybody."
 )

@@ -25,6 +25,7 @@ DELAY: Final = "{urn:xmpp:delay}delay"
 OOB: Final = "{jabber:x:oob}"
 USER: Final = "{http://jabber.org/protocol/muc#user}"
 LONGEST_ID: Final = 100
+_REPEATED: Final = re.compile(r"\A(?:>[^\n]*\n)+")
 _LINK: Final = re.compile(r"https?://[^\s/?#]+/(?:[^\s?#]*/)?([^\s/?#]+)")
 _UNSPEAKABLE: Final = re.compile("[^\t\n\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -46,10 +47,9 @@ class Moment(NamedTuple):
 def read(xml: Element, who: str, chat: Chat, moment: Moment) -> Inbound:
     """Return what somebody wrote, with or without words."""
     changed, reply = _of(xml, REPLACE, "id"), _of(xml, REPLY, "id")
-    lines = xml.findtext(BODY, "").split("\n")
-    while reply and len(lines) > 1 and lines[0].startswith(">"):
-        del lines[0]  # what it repeats of the message that it answers
-    text, url = "\n".join(lines), xml.findtext(f"{OOB}x/{OOB}url", "").strip()
+    text, url = xml.findtext(BODY, ""), xml.findtext(f"{OOB}x/{OOB}url", "").strip()
+    if reply:  # what it repeats of the message that it answers stands first
+        text = _REPEATED.sub("", text)
     linked = _LINK.match(url) if url == text.strip() else None
     name = "" if linked is None else unquote(linked[1])
     return Inbound(
