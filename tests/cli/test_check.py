@@ -54,6 +54,31 @@ def test_what_could_be_better_is_said_too(
     assert "Nobody is heard at telegram:1001: the messengers of this file are terminal." in said
 
 
+def test_an_assurance_that_no_conversation_has_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    care = '\n[[care]]\nscopes = ["omni:move"]\nassurance = "{}"\n'
+    telegram = CONFIG.replace(
+        'kind = "terminal"', 'kind = "telegram"\ntoken = "1:aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"'
+    ).replace("terminal:", "telegram:")
+    matrix = CONFIG.replace(
+        'kind = "terminal"',
+        'kind = "matrix"\nname = "lab"\nhomeserver = "https://m.example.org"\n'
+        'user = "@robots:example.org"\npassword = "p"\n'
+        f'folder = "{tmp_path}/matrix"\nrequire_verified = false',
+    )
+    for text, wanted, told in (
+        (telegram, "e2ee-unverified", True),
+        (telegram, "provider-readable", False),
+        (matrix, "e2ee-verified", False),
+        (matrix, "local", True),
+        (CONFIG, "local", False),
+    ):
+        main(["check", "-c", str(write_config(tmp_path, text + care.format(wanted)))])
+        said = capsys.readouterr()
+        assert (f"asks for a conversation that is {wanted}" in said.out + said.err) is told, said
+
+
 def test_an_address_that_nobody_hears_is_named_though_another_is_heard(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -147,7 +147,9 @@ async def test_each_message_is_worth_what_its_messenger_says_of_it(assurance: As
         await place.quiet()
         enough = assurance >= Assurance.E2EE_VERIFIED
         assert place.acted() == enough
-        assert ("keys compared" in place.last()[1].text) is not enough
+        told = place.last()[1].text
+        assert ("keys" in told) is not enough
+        assert ("/verify" in told) is (assurance is Assurance.E2EE_UNVERIFIED), "it helps there"
 
         place.chat.deliver(heard(place, "stop omni", assurance=assurance))
         await place.quiet()

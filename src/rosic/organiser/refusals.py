@@ -239,6 +239,16 @@ class RefusalBuilder:
 
     def _too_weak(self, denied: Deny) -> Refusal:
         what, shown = capital(self._named(denied.ask)), self._shown(denied.ask.robot)
+        unverified = denied.ask.channel is Assurance.E2EE_UNVERIFIED
+        if unverified and denied.channel is Assurance.E2EE_VERIFIED:
+            return NotPermitted(
+                said(
+                    "{what} on {robot} needs a device whose keys were compared. Verify me in your "
+                    "client, or say /verify; then this chat is enough.",
+                    what=what,
+                    robot=shown,
+                )
+            )
         wanted = ANY_CHANNEL.get(denied.channel or Assurance.LOCAL, said("a better protected chat"))
         return NotPermitted(
             said(

@@ -12,12 +12,14 @@ from rosic.config.lexicons import known_phrases
 from rosic.config.plugins import check_robot, robot_factory, shared_spaces
 from rosic.config.profiles import known_units
 from rosic.config.secrets import open_to_others
+from rosic.contracts.chats import messenger_assurance
+from rosic.contracts.verification import VerifiesDevices
 from rosic.core.identity import ROBOT
 from rosic.core.language import Vocabulary
 from rosic.core.language.command import NO_COMMANDS
 from rosic.core.policy.limits import unit_converter
 from rosic.core.policy.permissions import Permissions, fleet_of
-from rosic.core.policy.roles import Grant
+from rosic.core.policy.roles import ASSURANCES, Assurance, Grant
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -48,9 +50,8 @@ def check_all(path: Path | str, clock: Clock) -> CheckResult:
     if read.config is None:
         return CheckResult(read.errors, read.advice, "")
     errors = list(_errors(read.config, clock))
-    return CheckResult(
-        errors, read.advice + _advice(read.config), "" if errors else _told(read.config)
-    )
+    advice = read.advice + _advice(read.config) + list(_unmet(read.config, clock))
+    return CheckResult(errors, advice, "" if errors else _told(read.config))
 
 
 def _errors(config: Config, clock: Clock) -> list[ConfigurationError]:
@@ -128,6 +129,38 @@ def _unheard(config: Config) -> Iterator[str]:
             yield f"{person.name} has no address on a messenger of this file."
         named = " and ".join(f"{address.platform}:{address.account}" for address in elsewhere)
         yield f"Nobody is heard at {named}: the messengers of this file are {here}."
+
+
+def _unmet(config: Config, clock: Clock) -> Iterator[ConfigurationError]:
+    """Say which assurance is asked for that no conversation here is ever worth."""
+    best = _best(config, clock)
+    asked = [
+        *((f"The role {name}", role.assurance) for name, role in config.rulebook.roles.items()),
+        *((f"[[care]] for {', '.join(c.scopes)}", c.assurance) for c in config.rulebook.care),
+    ]
+    for what, assurance in asked:
+        if assurance in ASSURANCES and ASSURANCES[assurance] > best:
+            yield ConfigurationError(
+                f"{what} asks for a conversation that is {assurance}, and none of this file is ever"
+                f" more than {best.said}: nobody can use it.",
+                where=str(config.path),
+                hint="Ask for less, or add a messenger that is worth it: docs/configuration.md.",
+            )
+
+
+def _best(config: Config, clock: Clock) -> Assurance:
+    """Return the most that a conversation of this file can be worth."""
+    if config.api is not None:
+        return Assurance.LOCAL  # programs and pages of this machine
+    found = [Assurance.PROVIDER_READABLE]
+    for table in config.messengers:
+        try:
+            messenger = messenger_of(table, clock)
+        except ConfigurationError:
+            return Assurance.LOCAL  # that is said already
+        verifies = isinstance(messenger, VerifiesDevices)
+        found.append(Assurance.E2EE_VERIFIED if verifies else messenger_assurance(messenger))
+    return max(found)
 
 
 def _told(config: Config) -> str:
