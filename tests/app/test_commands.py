@@ -198,7 +198,8 @@ ON_PAGES = {
 def test_the_words_are_those_that_they_were() -> None:
     assert TABLE.words >= set(WORDS)
     assert {f"{word}={name}" for word, name in TABLE.aliases.items()} >= set(ALIASES)
-    assert TABLE.pairs == {("noch", "einmal"): "again", ("request", "information"): "information"}
+    pairs = {("noch", "einmal"): "again", ("request", "information"): "information"}
+    assert TABLE.pairs.items() >= pairs.items()
     assert TABLE.secret.items() >= SECRET.items()
     assert frozenset({"help", "resume", "robots", "start", "status", "use"}) == VERBS
 

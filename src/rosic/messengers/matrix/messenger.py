@@ -19,6 +19,7 @@ from rosic.messengers.matrix.identity_book import KeyChangeKind
 from rosic.messengers.matrix.incoming import PLATFORM
 from rosic.messengers.matrix.outgoing import Offers, RoomSender
 from rosic.messengers.matrix.reading import EventReader, ReadingNotices
+from rosic.messengers.matrix.room_signals import RoomSignals
 from rosic.messengers.matrix.rooms import Rooms
 from rosic.messengers.matrix.settings import USER, MatrixSettings, read_settings
 from rosic.messengers.matrix.signs import Signs
@@ -98,11 +99,18 @@ class MatrixMessenger:
             self._signs,
             ReadingNotices(self._trust.heard, self._cannot_read, self._forged),
         )
+        self._room_signals = RoomSignals(name, self._client, clock)
         self._listener = SyncLoop(
             name,
             SyncParts(self._client, self._rooms, self._reader, self._trust),
             clock,
-            beside=(self._trust.follow, self._signs.follow, self._keep_offers),
+            beside=(
+                self._trust.follow,
+                self._signs.follow,
+                self._keep_offers,
+                self._room_signals.follow_typing,
+                self._room_signals.follow_receipts,
+            ),
             prepared=self._prepare,
             alarm=self._raise_alarm,
         )
@@ -151,7 +159,8 @@ class MatrixMessenger:
         self._reader.begin(self._known, self._reacted)
         self._running = True
         try:
-            await self._listener.run(receive, self._settle)
+            around = self._room_signals.around(receive, self._known, self._settle)
+            await self._listener.run(around, self._settle)
         finally:
             self._running = False
 
