@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
+from rosic.app.admin.api import books_of
+from rosic.app.people import ConfiguredPerson
 from rosic.authoriser import link_messages as words
 from rosic.core.identity import Address
 from rosic.core.message import Chat, ChatKind
-from rosic.core.policy.roles import RoleRules, SkillPrecondition
+from rosic.core.policy.roles import Assurance, RoleRules, SkillPrecondition
 from rosic.core.rate_limit import RateLimit
 from rosic.gateway.delivery.last_accounts import KIND as LAST_ACCOUNTS
 from rosic.messengers.memory import MemoryMessenger
@@ -19,6 +21,8 @@ from tests.gateway.place import ADA, BO, VI, Place
 from tests.gateway.test_rights import rules
 
 if TYPE_CHECKING:
+    import pytest
+
     from rosic.testing.clock import ManualClock
 
 CODE = re.compile(r"\b[0-9A-Z]{4}-[0-9A-Z]{4}\b")
@@ -31,7 +35,7 @@ class OtherMessenger(MemoryMessenger):
 
     def __init__(self, clock: ManualClock) -> None:
         super().__init__("other", clock=clock)
-        self.platform, self.connected = "other", True
+        self.platform, self.assurance, self.connected = "other", "e2ee-verified", True
 
     def is_connected(self) -> bool:
         """Return what the test says."""
@@ -127,6 +131,45 @@ async def test_two_accounts_of_one_person_are_not_two_persons() -> None:
         button, under = place.button("Do it")
         await place.tap(button, under, BO)
         assert place.acted() == 1
+
+
+async def test_an_order_is_worth_what_the_account_is_by_which_it_came() -> None:
+    wanted = SkillPrecondition(scopes=("omni:wave",), assurance="e2ee-verified")
+    place = TwoMessengers(rulebook=rules(wanted))
+    place.chat.assurance = "provider-readable"
+    async with place.open():
+        await place.link()
+        assert "This chat is not enough." in await place.here("omni wave")
+        assert place.acted() == 0
+        await place.there("omni wave")
+        assert place.acted() == 1
+        await place.here("omni wave")
+        assert place.acted() == 1
+        bo = place.gateway.rooms.authoriser.directory.at(Address("other", BO_TOO))
+        assert bo is not None
+        books = books_of(place.gateway, "UTC", place.gateway._parts.messengers)
+        assert books.assurance_of(bo[0]) is Assurance.PROVIDER_READABLE
+
+
+async def test_the_file_takes_no_account_from_whoever_linked_it(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    store = MemoryStore()
+    place = TwoMessengers(store)
+    async with place.open():
+        await place.link()
+    taken, own = Address("other", BO_TOO), Address("other", "23")
+    place = TwoMessengers(store)
+    more = (
+        ConfiguredPerson("Mallory", (taken,), ("admin",)),
+        ConfiguredPerson("Zoe", (taken, own), ("viewer",)),
+    )
+    place.gateway._settings = replace(place._settings, people=(*place.people, *more))
+    async with place.open():
+        assert "You are Bo." in await place.there("/me")
+        assert "You are Zoe." in await place.there("/me", "23")
+        assert not place.gateway.rooms.authoriser.directory.named("Mallory")
+        assert "other:22 is somebody's here already" in caplog.text
 
 
 async def test_what_was_asked_by_an_account_that_goes_comes_to_nothing() -> None:

@@ -26,6 +26,13 @@ OF_ACCOUNTS = (
         ),
     ),
     Fault(
+        name="the file takes an account from whoever linked it",
+        file="app/people.py",
+        guard="found = _with_free_accounts(person, authoriser.directory)",
+        without="found = person",
+        caught_by=(f"{LINKED}::test_the_file_takes_no_account_from_whoever_linked_it",),
+    ),
+    Fault(
         name="a code for an account is good although whoever asked for it is locked",
         file="authoriser/account_links.py",
         guard="return found if good and not self._locks.locked(found.principal) else None",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from hashlib import blake2b
 from typing import TYPE_CHECKING
 
@@ -23,10 +24,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from rosic.authoriser.authoriser import Authoriser
+    from rosic.authoriser.directory import Directory
     from rosic.contracts.clock import Clock, Entropy
     from rosic.contracts.store import Store
 
 
+log = logging.getLogger("rosic.people")
 _encode_record = msgspec.msgpack.Encoder().encode
 
 
@@ -58,7 +61,9 @@ async def seed(
 ) -> dict[PrincipalId, tuple[str, ...]]:
     """Take over everybody whom the record has not taken over before. Return their roles.
 
-    A person who was revoked stays revoked: the record remembers that the file had its say.
+    A person who was revoked stays revoked: the record remembers that the file had its say. An
+    account that is somebody's already, by an invitation or by a code of theirs, stays theirs; who
+    has no other one is not taken over.
     """
     known = {entry.name_digest for entry in memory.seeded}
     roles: dict[PrincipalId, tuple[str, ...]] = {}
@@ -66,11 +71,23 @@ async def seed(
         digest = _digest(person)
         if digest in known:
             continue
-        enrolled, key, records = admitted(person, clock, entropy)
+        found = _with_free_accounts(person, authoriser.directory)
+        if found is None:
+            continue
+        enrolled, key, records = admitted(found, clock, entropy)
         await store.write(*records)
         authoriser.enrol(enrolled, key)
         roles[enrolled.id] = person.roles
     return roles
+
+
+def _with_free_accounts(person: ConfiguredPerson, directory: Directory) -> ConfiguredPerson | None:
+    """Return a person of the file with the accounts that are nobody's; None if there is none."""
+    free = tuple(address for address in person.addresses if directory.at(address) is None)
+    for address in person.addresses:
+        if address not in free:
+            log.warning("%s is somebody's here already, so it is not taken over", address)
+    return msgspec.structs.replace(person, addresses=free) if free else None
 
 
 def named_in_file(

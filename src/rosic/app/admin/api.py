@@ -85,10 +85,13 @@ class AdminContext(NamedTuple):
         return moment(at_ns, self.clock.wall_ns(), self.zone)
 
     def assurance_of(self, person: Principal) -> Assurance:
-        """Return what a private chat with somebody is worth; what is not known, the least."""
+        """Return what a private chat with somebody is worth; what is not known, the least.
+
+        Of several accounts it is that of the least worth: an order may come by any of them.
+        """
         platforms = [address.platform for address in person.addresses]
         known = (self.assurances.get(platform) for platform in platforms)
-        return next((a for a in known if a is not None), Assurance.PROVIDER_READABLE)
+        return min((a for a in known if a is not None), default=Assurance.PROVIDER_READABLE)
 
 
 def books_of(
