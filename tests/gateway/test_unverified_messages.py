@@ -10,9 +10,11 @@ from msgspec.structs import replace
 from rosic.core.language import hears_cancel
 from rosic.core.message import Chat, ChatKind, GeoPoint, MessageValidity
 from rosic.core.policy.roles import DEFAULT_ROLES, Assurance, RoleRules, SkillPrecondition
+from rosic.core.rate_limit import RateLimit
 from rosic.errors import Unverified
 from rosic.gateway.unverified_messages import MAY_LOOK
 from tests.gateway.place import ADA, Place
+from tests.gateway.test_linked_accounts import BO_TOO, TwoMessengers, heard_of
 
 if TYPE_CHECKING:
     from rosic.core.message import Inbound
@@ -154,3 +156,40 @@ async def test_each_message_is_worth_what_its_messenger_says_of_it(assurance: As
         place.chat.deliver(heard(place, "stop omni", assurance=assurance))
         await place.quiet()
         assert place.robot("omni").gate.latched
+
+
+async def test_nothing_is_learnt_from_it_of_whom_it_names() -> None:
+    async with Place().open() as place:
+        await place.say("omni move 1 m")
+        moved = place.acted()
+        followers = place.gateway.pipeline.followers
+        before = [chat.id for _, chat in followers.of("omni")]
+
+        for number in range(20):
+            await unsure(place, "omni look", chat=f"made up {number}")
+
+        assert [chat.id for _, chat in followers.of("omni")] == before
+        looked = place.acted()
+        assert looked > moved
+        assert "omni: move" in await place.say("again")
+
+
+async def test_it_is_counted_apart_from_what_they_say_themselves() -> None:
+    async with Place(limit=RateLimit(burst=5, per_s=0.01)).open() as place:
+        for _ in range(20):
+            await unsure(place, "status")
+        assert await unsure(place, "status") == "", "it was answered without end"
+
+        assert "done" in await place.say("omni move 1 m")
+
+
+async def test_no_notice_follows_it() -> None:
+    place = TwoMessengers()
+    async with place.open():
+        await place.link()
+        await place.here("status")
+        forged = place.other._inbound(BO_TOO, Chat("other", BO_TOO), None, None)
+        place.other.deliver(replace(forged, text="status", standing=UNVERIFIED))
+        await place.quiet()
+
+        assert await heard_of(place, "your turn") == ["memory"]

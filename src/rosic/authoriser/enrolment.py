@@ -267,7 +267,9 @@ class Enrolment:
         if self._locks.locked(asked.principal):
             raise NotPermitted(words.locked(applicant.name))
         known = self._directory.at(applicant.address)
-        if known is not None and known[0].id != asked.principal:
+        whose = self._directory.person(asked.principal) if known is None else known[0]
+        if whose is not None and (known is None or whose.id != asked.principal):
+            # Of somebody else meanwhile; or theirs no more, who are here by other accounts.
             raise Expired(words.SETTLED)
         return self._newcomers.comes_in(applicant, by, self.applicants.gone(pending))
 

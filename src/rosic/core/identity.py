@@ -103,6 +103,8 @@ class Caller(msgspec.Struct, frozen=True, gc=False):
     Attributes:
         key: Id of the authorisation key under which they act.
         session: Id of the session key of this conversation (Algorithm 1, GENERATEKEY).
+        counted_as: By what they are counted against limits; empty: as themselves. What somebody
+            else may have written in their name is counted apart.
     """
 
     principal: PrincipalId
@@ -110,6 +112,7 @@ class Caller(msgspec.Struct, frozen=True, gc=False):
     address: Address
     key: KeyId
     session: str
+    counted_as: str = ""
 
     @property
     def is_program(self) -> bool:

@@ -223,6 +223,7 @@ class AccessRegistry:
     def _locked(self, fact: Fact) -> None:
         self.locks.apply(fact)
         self.two_factor.end(fact.key)
+        self.links.void(fact.key)  # given to whoever had the account then; not good again after
         self._authority.renew(fact.key)
 
     def _key_ends(self, fact: Fact) -> None:

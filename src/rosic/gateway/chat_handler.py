@@ -134,11 +134,11 @@ class ChatHandler:
         Raises:
             Refusal: They are locked out, or what came is not taken; nothing of it is followed.
         """
-        if inbound.locale:
-            self._languages.hear(caller.principal, inbound.locale)
         message = MessageContext(messenger, inbound, caller, arrived_ns, self._hooks.stepped_up)
+        if message.is_sure and inbound.locale:
+            self._languages.hear(caller.principal, inbound.locale)
         self._rooms.organiser.check_unlocked(caller)
-        if self._met.get(caller.principal) != (caller, messenger.name):
+        if message.is_sure and self._met.get(caller.principal) != (caller, messenger.name):
             self._met[caller.principal] = caller, messenger.name
             self._hooks.met.emit(messenger, inbound, caller.principal)
         if inbound.enclosed is not None or inbound.place is not None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from rosic.contracts.chats import assurance_of
 from rosic.core.language.skill_values import is_understood
+from rosic.core.message import MessageValidity
 from rosic.core.policy.query import AuthContext
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ class MessageContext:
         shown_ns: When the button was shown that said it, wall clock; 0: it was typed.
         text: What is read: as it was typed, or what the button says.
         proven: It was asked whether they have shown a second factor lately, and they have.
+        is_sure: It is from whoever it names; else nothing is learnt from it of them.
         unclear: In a chat of many: one of its lines is no command, and was said to others.
     """
 
@@ -55,6 +57,7 @@ class MessageContext:
         "caller",
         "confirmed",
         "inbound",
+        "is_sure",
         "messenger",
         "proven",
         "second",
@@ -82,6 +85,7 @@ class MessageContext:
         self.inbound = inbound
         self.caller = caller
         self.arrived_ns = arrived_ns
+        self.is_sure = inbound.standing is not MessageValidity.UNVERIFIED
         self.asked: tuple[RobotId, ...] = ()
 
     def tapped(self, button: RedeemedButton) -> None:

@@ -182,7 +182,7 @@ class Pipeline:
                     asked, note, requests = line, "", self._requests(message, line, cid)
                     try:
                         permits = rooms.organiser.admit(  # CHECKPERMISSIONS
-                            caller, requests, self._arguments_of, message.auth_context
+                            message.caller, requests, self._arguments_of, message.auth_context
                         )
                     except OutOfBounds as over:
                         asked, requests, permits, note = self._clamping.admit(
@@ -264,11 +264,11 @@ class Pipeline:
             dispatch: Relays one.
         """
         messenger, chat, caller = message.messenger, message.inbound.chat, message.caller
-        if chat.kind is not PRIVATE:
+        if chat.kind is not PRIVATE and message.is_sure:
             self._chat.spoke_to(message, line)
         message.asks(line.robots)
         about, live = line.group or line.robots[0], orders[0].live
-        if not live:  # nobody typed it, and it is nothing to ask for again
+        if message.is_sure and not live:  # nobody typed it: it is nothing to ask for again
             self.command_history.note(caller.principal, chat, about, line.text)
         if len(orders) > 1:
             orders = begin_together(orders, self._clock.monotonic_ns())
@@ -298,7 +298,8 @@ class Pipeline:
                 what = f"{what}, {in_language(note, catalogue)}"
             status = OrderStatus(shown, f"{shown}: {what}", self.face, now_ns, words)
             order_message.show(order.cid, status)
-            self.followers.note(order.robot, messenger, chat, caller.principal)
+            if message.is_sure:
+                self.followers.note(order.robot, messenger, chat, caller.principal)
             relays = self.live.begin(order, message) if order.live else dispatch
             self.executor.begin(order, message, order_message, status, relays)
         self._chat_sender.show(order_message)

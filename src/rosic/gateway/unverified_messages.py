@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from msgspec.structs import replace
+
 from rosic.core.i18n import joined, said
 from rosic.core.language import Answered, CommandLine, Do, Halt, Misunderstood, Start
 from rosic.core.language.ast import Help, Robots, Status
@@ -32,6 +34,8 @@ MAY_LOOK: Final = said(
     "Nothing was done: I cannot be sure that this is from you, so it may look and stop, "
     "and no more."
 )
+APART: Final = " unverified"
+"""No id of anybody ends so: whoever writes in their name spends nothing of theirs."""
 _SHOWN: Final = (Status, Help, Robots, Answered, Misunderstood, Halt)
 
 
@@ -67,6 +71,7 @@ class UnverifiedMessages:
         Raises:
             Refusal: They are locked out, or something came with it; nothing of it is taken.
         """
+        caller = replace(caller, counted_as=f"{caller.principal}{APART}")
         private = inbound.chat.kind is ChatKind.PRIVATE  # in a group nobody meant it for ROSIC
         if private and (inbound.enclosed is not None or inbound.place is not None):
             self._rooms.organiser.check_unlocked(caller)

@@ -148,14 +148,15 @@ class Organiser:
             TooManyRequests: Nothing more was taken. Only the first one is worth an answer.
         """
         now_ns = self._clock.monotonic_ns()
-        wait_s = self.rates.enter(caller.principal, now_ns)
+        who = caller.counted_as or caller.principal
+        wait_s = self.rates.enter(who, now_ns)
         if wait_s:
             refusal = person_full(wait_s)
-            refusal.silent = caller.principal in self._warned
-            self._warned.add(caller.principal)
+            refusal.silent = who in self._warned
+            self._warned.add(who)
             raise refusal
         if self._warned:
-            self._warned.discard(caller.principal)
+            self._warned.discard(who)
 
     def charge_work(self, caller: Caller, lines: float) -> None:
         """Take what a line costs besides itself, as it keeps the gateway busy for long.
@@ -167,7 +168,8 @@ class Organiser:
         Raises:
             TooManyRequests: Nothing was taken.
         """
-        if refusal := self.rates.spend(caller.principal, 1 + lines, (), {}):
+        who = caller.counted_as or caller.principal
+        if refusal := self.rates.spend(who, 1 + lines, (), {}):
             raise refusal
 
     def admit(
@@ -251,7 +253,8 @@ class Organiser:
         rated = (rights.rated(principal, r.robot, r.skill.id, wall_ns) for r in limited)
         roles = {role: rights.rates[role] for found in rated for role in found}
         robots = [(request.robot, request.skill.cost) for request in requests]
-        refusal = self.rates.spend(principal, max(cost for _, cost in robots), robots, roles)
+        who, cost = caller.counted_as or principal, max(cost for _, cost in robots)
+        refusal = self.rates.spend(who, cost, robots, roles)
         if refusal is not None:
             raise refusal
 

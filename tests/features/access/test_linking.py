@@ -348,3 +348,29 @@ async def test_an_account_that_was_taken_away_can_be_linked_anew() -> None:
         await linked(hall)
         await hall.say(DI, "/me")
         assert "You are Cy Young." in hall.last(DI).text
+
+
+async def test_a_code_from_before_a_lock_is_no_good_after_it() -> None:
+    async with a_hall() as hall:
+        code = await code_of(hall)
+        await hall.say(ADA, "/lock Cy Young")
+        await hall.tap(ADA, "Unlock")
+
+        await hall.say(DI, f"link {code}")
+
+        assert at(hall, DI) == ""
+
+
+async def test_an_application_from_an_account_that_was_lost_lets_nobody_in() -> None:
+    async with a_hall() as hall:
+        await linked(hall)
+        code = await hall.invited("operator confirm")
+        await hall.say(DI, code)
+        await hall.tap(DI, hall.labels(DI)[0])
+        await hall.say(CY, "/unlink telegram:4")
+        await hall.tap(CY, "Take it away")
+
+        told = await hall.tap(ADA, "Let them in")
+
+        assert "settled" in told
+        assert (at(hall, DI), at(hall, CY)) == ("", "p-3")

@@ -15,6 +15,7 @@ from rosic.core.policy.roles import Assurance
 from rosic.core.records import Decided
 from rosic.errors import MessengerFault
 from rosic.features.verification import messages as words
+from rosic.features.verification.service import LASTS_S, SHOWN_AT_MOST
 from rosic.gateway.unverified_messages import MAY_LOOK
 from rosic.messengers.memory import MemoryMessenger
 from rosic.stores.memory import MemoryStore
@@ -232,3 +233,42 @@ async def test_whoever_is_verified_need_not_be(worth: Assurance) -> None:
     async with Lab().open() as lab:
         assert await lab.writes(BO, "/verify", assurance=worth) == words.VERIFIED_ALREADY
         assert await lab.say("/verify") == words.NOT_HERE
+
+
+async def test_what_was_compared_counts_for_no_other_that_took_its_place() -> None:
+    async with Lab().open() as lab:
+        lab.keyed.prompt.show(CODE)
+        await lab.quiet()
+        ended = VerificationResult(
+            verification=CODE.verification, user=BO, end=VerificationEnd.CANCELLED, code="m.user"
+        )
+        lab.keyed.prompt.tell(ended)
+        lab.keyed.prompt.show(replace(CODE, verification="other", device="OTHER"))
+        await lab.quiet()
+
+        told = await lab.say("they match")
+
+        assert "More than one verification was shown here" in told
+        assert lab.keyed.done == []
+
+
+async def test_no_alarm_drowns_in_verifications_of_one_account() -> None:
+    async with Lab().open() as lab:
+        ada = lab.gateway.rooms.authoriser.directory.at(Address("memory", "1"))
+        assert ada is not None
+        before = len(lab.chat.told)
+        for number in range(50):
+            lab.keyed.prompt.show(replace(CODE, verification=f"v{number}"))
+            ended = VerificationResult(
+                verification=f"v{number}", user=BO, end=VerificationEnd.CANCELLED, code="m.user"
+            )
+            lab.keyed.prompt.tell(ended)
+        lab.gateway.kernel.reach.tell((ada[0].id,), "keys replaced", urgent=True)
+        await lab.quiet()
+
+        told = [one.outbound.text for one in list(lab.chat.told)[before:]]
+        assert sum("to be verified" in text for text in told) == SHOWN_AT_MOST
+        assert len(told) == 2 * SHOWN_AT_MOST + 1
+        await lab.clock.advance(LASTS_S + 1)
+        await lab.show()
+        assert "to be verified" in lab.chat.told[-1].outbound.text

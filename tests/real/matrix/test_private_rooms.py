@@ -104,3 +104,26 @@ async def test_nothing_is_told_in_the_open_where_keys_count(
             await ada.until(lambda: bool(ada.client.invited_rooms))
         else:
             assert (await ada.hears(room, "Your turn begins.")).id == message
+
+
+@pytest.mark.parametrize("encrypted", [True, False])
+async def test_a_room_that_a_stranger_made_and_left_is_nobodys(
+    synapse: Synapse, tmp_path: Path, encrypted: bool
+) -> None:
+    async with (
+        met(synapse, tmp_path, strict=False) as (messenger, ada),
+        Person(synapse.create_account("mallory"), tmp_path / "mallory") as mallory,
+    ):
+        robots = messenger.account
+        room = await mallory.create_room(robots, ada.user, encrypted=encrypted, direct=True)
+        known = mallory.client.rooms[room]
+        await mallory.until(lambda: robots in known.users and robots not in known.invited_users)
+        await ada.join(room)
+        await mallory.leave(room)
+        await ada.say(room, "hello")
+
+        there = private_chat_of(messenger, Address("matrix", ada.user))
+        await messenger.send(Outbound(chat=there, text="Your turn begins."))
+        await ada.until(lambda: bool(ada.client.invited_rooms))
+        assert room not in ada.client.invited_rooms
+        assert not [seen for seen in await ada.sees(room, robots) if "turn" in seen.text]

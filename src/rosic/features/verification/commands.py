@@ -169,6 +169,7 @@ class VerificationCommands:
         here = [one for one in self._verifications.pending() if where in one.shown_in]
         if not here:
             raise Expired(words.NONE_SHOWN)
-        if len(here) > 1:
+        if len(here) > 1 or self._verifications.were_shown(where, but=here[0]):
+            # Another's emoji stand there, too, and nobody says which they have compared.
             raise NotUnderstood(words.SEVERAL)
         return here[0]

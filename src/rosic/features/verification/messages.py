@@ -19,7 +19,9 @@ VERIFIED_ALREADY: Final = said("You are verified here: what you write counts.")
 ONLY_ADMINS: Final = said("Whoever looks after this place compares emoji. Nothing was done.")
 PROGRAM: Final = said("A program has no device that anybody could verify.")
 NONE_SHOWN: Final = said("No emoji are shown here now. Nothing was done.")
-SEVERAL: Final = said("Several people are being verified. Use the buttons beneath their emoji.")
+SEVERAL: Final = said(
+    "More than one verification was shown here. Use the buttons beneath the emoji you compared."
+)
 NOT_SHOWN_HERE: Final = said("These emoji were not shown in this chat. Nothing was done.")
 NOT_SURE: Final = said(
     "Nothing was done: whoever runs the homeserver could have tapped this. Reply with the number "

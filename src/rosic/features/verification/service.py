@@ -8,6 +8,7 @@ whoever sits at the machine itself, who is the first.
 
 from __future__ import annotations
 
+import logging
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
@@ -36,6 +37,11 @@ if TYPE_CHECKING:
 PENDING_AT_MOST: Final = 200
 LASTS_S: Final = 600.0
 """As long as one lasts at the most, so do the buttons."""
+SHOWN_AT_MOST: Final = 5
+"""Of one account in that time: whoever runs a homeserver begins as many as they like."""
+
+
+log = logging.getLogger("rosic.verification")
 
 
 class PendingVerification:
@@ -48,6 +54,7 @@ class PendingVerification:
         code: What is compared; None: it is not there yet.
         shown_in: Messenger and chat where it was shown.
         result: How it ended; None: it has not.
+        shown_ns: When the code was shown, monotonic clock.
     """
 
     def __init__(self, number: int, messenger: Messenger, account: str, verification: str) -> None:
@@ -59,6 +66,7 @@ class PendingVerification:
         self.shown_in: set[tuple[str, str]] = set()
         self.told: tuple[PrincipalId, ...] = ()
         self.result: VerificationResult | None = None
+        self.shown_ns = 0
 
     @property
     def is_verified(self) -> bool:
@@ -73,9 +81,9 @@ class PendingVerification:
         """Take in how it ended."""
         self.result = result
 
-    def shows(self, code: ShownCode, told: tuple[PrincipalId, ...]) -> None:
-        """Take in what is compared, and by whom."""
-        self.code, self.told = code, told
+    def shows(self, code: ShownCode, told: tuple[PrincipalId, ...], now_ns: int) -> None:
+        """Take in what is compared, by whom, and from when on."""
+        self.code, self.told, self.shown_ns = code, told, now_ns
 
 
 class DeviceVerifications:
@@ -105,6 +113,7 @@ class DeviceVerifications:
         self._number = 0
         self._pending: dict[tuple[str, str], PendingVerification] = {}
         self._ended: dict[int, PendingVerification] = {}
+        self._shown_ns: dict[tuple[str, str], list[int]] = {}
         self._served: dict[str, Messenger] = {}
         self._devices: dict[str, VerifiesDevices] = {}
 
@@ -178,6 +187,15 @@ class DeviceVerifications:
         """Return one that is under way; None: there is none of this number, or it has ended."""
         return next((one for one in self._pending.values() if str(one.number) == number), None)
 
+    def were_shown(self, where: tuple[str, str], *, but: PendingVerification) -> bool:
+        """Whether another was shown in a chat lately that did not end well, as far as is kept."""
+        since_ns = self._clock.monotonic_ns() - int(LASTS_S * 1e9)
+        return any(
+            where in one.shown_in and one is not but and one.shown_ns >= since_ns
+            for one in self._ended.values()
+            if not one.is_verified
+        )
+
     def ended(self, number: int) -> PendingVerification | None:
         """Return one of the last that have ended."""
         return self._ended.get(number)
@@ -234,10 +252,16 @@ class DeviceVerifications:
         return self._directory.at(Address(messenger.platform, account)) is not None
 
     def shown(self, messenger: Messenger, code: ShownCode) -> None:
-        """Show a code to whoever may compare it; where that is nobody, say so to its owner."""
+        """Show a code to whoever may compare it; where that is nobody, say so to its owner.
+
+        Of one account so many are shown and no more: alarms may not drown in them.
+        """
+        if not self._may_show(messenger, code.user):
+            log.warning("%s: too many verifications of one account", messenger.name)
+            return
         pending = self._of(messenger, code.user, code.verification)
         admins = tuple(self._admins())
-        pending.shows(code, admins)
+        pending.shows(code, admins, self._clock.monotonic_ns())
         notice = Notification(
             text=words.compare(self.name(pending), code.user, code.device, code.text),
             buttons=words.buttons(pending.number),
@@ -247,6 +271,16 @@ class DeviceVerifications:
         )
         if not self._give(admins, notice, lambda *there: _is_apart(messenger, *there)):
             self._tell_them(pending, words.NOBODY_COMPARES)
+
+    def _may_show(self, messenger: Messenger, account: str) -> bool:
+        now_ns, key = self._clock.monotonic_ns(), (messenger.name, account)
+        since_ns = now_ns - int(LASTS_S * 1e9)
+        lately = [one for one in self._shown_ns.pop(key, ()) if one > since_ns]
+        may = len(lately) < SHOWN_AT_MOST
+        self._shown_ns[key] = [*lately, now_ns] if may else lately
+        while len(self._shown_ns) > PENDING_AT_MOST:
+            del self._shown_ns[next(iter(self._shown_ns))]
+        return may
 
     def told(self, messenger: Messenger, result: VerificationResult) -> None:
         """Tell both sides how one ended."""

@@ -19,7 +19,7 @@ SEEN_WITHIN_S: Final = 30.0
 
 
 class PrivateRooms:
-    """Finds them for one account. A private room is one of two, invited ones counted.
+    """Finds them for one account. A private room is one of two, which one of both has made.
 
     Args:
         name: Of the messenger.
@@ -61,7 +61,8 @@ class PrivateRooms:
         return last if last in found else max(found, default="")
 
     def _is_with(self, user: str, room: str) -> bool:
-        return self._client.members(room) == {self._client.user, user}
+        known = self._client.rooms.get(room)
+        return known is not None and known.is_between(self._client.user, user)
 
     async def open(self, user: str) -> str:
         """Return the room that we have with somebody alone; make an encrypted one if there is none.

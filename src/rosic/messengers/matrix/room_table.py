@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 MEMBER: Final = "m.room.member"
 ENCRYPTION: Final = "m.room.encryption"
 NAME: Final = "m.room.name"
+CREATE: Final = "m.room.create"
+HISTORY: Final = "m.room.history_visibility"
 ROOMS_AT_MOST: Final = 20_000
 MEMBERS_AT_MOST: Final = 50_000
 """Of one room. It is a group by then; who is more is nobody's member."""
@@ -27,6 +29,8 @@ class JoinedRoom:
         encrypted: Once it was, nothing that the homeserver says undoes it.
         name: As it is shown; empty for none.
         version: Another one after somebody came or went.
+        creator: Who made it; empty while that is not known.
+        is_open: Whoever is in no room at all may read it.
     """
 
     def __init__(self, *, encrypted: bool) -> None:
@@ -35,6 +39,8 @@ class JoinedRoom:
         self.encrypted = encrypted
         self.name = ""
         self.version = 0
+        self.creator = ""
+        self.is_open = False
 
     def follow(self, source: Mapping[str, Any]) -> None:
         """Take a part of the room's state."""
@@ -45,8 +51,30 @@ class JoinedRoom:
             self._member(key, content)
         elif kind == ENCRYPTION and not key:
             self.encrypted = True
-        elif kind == NAME and not key:
+        elif not key:
+            self._described(kind, source, content)
+
+    def _described(
+        self, kind: object, source: Mapping[str, Any], content: Mapping[str, Any]
+    ) -> None:
+        if kind == NAME:
             self.name = shown_name(content.get("name"))
+        elif kind == HISTORY:
+            self.is_open = content.get("history_visibility") == "world_readable"
+        elif kind == CREATE and not self.creator:
+            self.creator = str(source.get("sender"))[:LONGEST_ID]
+
+    def is_between(self, us: str, user: str) -> bool:
+        """Whether one of two has made this room for both, and nobody else reads it.
+
+        A room that somebody else made and left is none: they chose who may read it. Whoever was
+        merely invited is there only if we have invited them.
+        """
+        if len(self.users) != 2 or user not in self.users or us not in self.users:  # noqa: PLR2004
+            return False
+        own = self.creator == us
+        joined = user not in self.invited_users
+        return (own or (joined and self.creator == user)) and (self.encrypted or not self.is_open)
 
     def _member(self, user: str, content: Mapping[str, Any]) -> None:
         now = content.get("membership")

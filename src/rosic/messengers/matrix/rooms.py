@@ -11,6 +11,7 @@ from rosic.errors import MessengerFault
 from rosic.messengers.matrix.incoming import PLATFORM
 from rosic.messengers.matrix.private_rooms import PrivateRooms
 from rosic.messengers.matrix.room_calls import ENCRYPTION, RoomCalls
+from rosic.messengers.matrix.room_table import CREATE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 MEMBER: Final = "m.room.member"
 TOMBSTONE: Final = "m.room.tombstone"
-CREATE: Final = "m.room.create"
 PRIVATE_MEMBERS: Final = 2
 JOINS_AT_MOST: Final = 20
 """Rooms joined after one sync; anybody may invite us into any number."""
