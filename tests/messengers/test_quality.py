@@ -26,6 +26,11 @@ def test_what_an_adapter_says_is_there(name: str) -> None:
     assert quality.untrue(quality.adapters()[name], quality.rules()) == []
 
 
+def test_every_messenger_that_people_have_answers() -> None:
+    folders = {path.parent.name for path in quality.MESSENGERS.glob("*/messenger.py")}
+    assert set(quality.adapters()) == folders - {"mcp", "program"}, "those are for programs"
+
+
 def test_the_page_is_written_of_what_adapters_say() -> None:
     assert quality.PAGE.read_text(encoding="utf-8") == quality.page(), "run: make texts"
 
