@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 MEMBER: Final = "m.room.member"
 TOMBSTONE: Final = "m.room.tombstone"
 PRIVATE_MEMBERS: Final = 2
+MOVES_AT_MOST: Final = 100
+"""Rooms that are waited for until somebody invites us there; anybody may name any."""
 JOINS_AT_MOST: Final = 20
 """Rooms joined after one sync; anybody may invite us into any number."""
 INVITED_AT_MOST: Final = 1_000
@@ -52,12 +54,14 @@ class Rooms:
         self._passed: Passed = _untold
         self._invited: dict[str, bool] = {}
         self._moving: dict[str, str] = {}
+        self._uninvited: dict[str, str] = {}
         self._direct = 0
 
     def begin(self, known: Knows, passed: Passed) -> None:
         """Begin a run: ask and tell these; say first that everything is heard in every room."""
         self._known, self._passed = known, passed
         self._invited, self._moving, self._direct = {}, {}, 0
+        self._uninvited = {}
         self._tell(ChatEvent(chat=Chat(PLATFORM, ""), what=ChatEventKind.HEARING))
 
     def kind(self, room: str) -> ChatKind:
@@ -108,7 +112,9 @@ class Rooms:
 
     def _member(self, room: str, source: Mapping[str, Any], content: Mapping[str, Any]) -> None:
         who, sender = source.get("state_key"), source.get("sender")
-        if not isinstance(who, str) or self.kind(room) is not ChatKind.GROUP:
+        # Whoever has left was there: a group of three is not private before.
+        there = self._client.members(room) | ({who} if isinstance(who, str) else set())
+        if not isinstance(who, str) or len(there) <= PRIVATE_MEMBERS:
             return
         now, before = str(content.get("membership")), _before(source)
         by = Address(PLATFORM, sender) if isinstance(sender, str) else None
@@ -121,7 +127,8 @@ class Rooms:
             what, told = ChatEventKind.LEFT, Address(PLATFORM, who)
         else:
             return
-        self._tell(ChatEvent(chat=self.chat(room), what=what, who=told, title=self._title(room)))
+        chat = Chat(PLATFORM, room, ChatKind.GROUP)
+        self._tell(ChatEvent(chat=chat, what=what, who=told, title=self._title(room)))
 
     def _title(self, room: str) -> str:
         found = self._client.rooms.get(room)
@@ -141,24 +148,31 @@ class Rooms:
     async def follow(self) -> None:
         """Join where we are welcome, decline the rest, and go where rooms have moved."""
         for room in list(self._invited)[:JOINS_AT_MOST]:
-            act = self._calls.join if self._invited.pop(room) else self._calls.leave
-            await self._attempt(act, room)
+            welcome = self._invited.pop(room)
+            done = await self._attempt(self._calls.join if welcome else self._calls.leave, room)
+            if welcome and done and room in self._uninvited:
+                self._moving[self._uninvited.pop(room)] = room
         for old, new in list(self._moving.items())[:JOINS_AT_MOST]:
             del self._moving[old]
-            was_there = new in self._client.rooms
-            if not await self._attempt(self._calls.join, new):
-                continue
-            if not await self._is_successor(old, new):
-                if not was_there:  # anybody who may change a room can name any other
-                    await self._attempt(self._calls.leave, new)
-            else:
-                self._tell(
-                    ChatEvent(
-                        chat=Chat(PLATFORM, old, ChatKind.GROUP),
-                        what=ChatEventKind.MOVED,
-                        new_id=new,
-                    )
-                )
+            await self._move(old, new)
+
+    async def _move(self, old: str, new: str) -> None:
+        """Go where a room has moved: now, or once somebody invites us there."""
+        was_there = new in self._client.rooms
+        if not await self._attempt(self._calls.join, new):
+            self._uninvited[new] = old
+            while len(self._uninvited) > MOVES_AT_MOST:
+                del self._uninvited[next(iter(self._uninvited))]
+            return
+        if not await self._is_successor(old, new):
+            if not was_there:  # anybody who may change a room can name any other
+                await self._attempt(self._calls.leave, new)
+            return
+        self._tell(
+            ChatEvent(
+                chat=Chat(PLATFORM, old, ChatKind.GROUP), what=ChatEventKind.MOVED, new_id=new
+            )
+        )
 
     async def _is_successor(self, old: str, new: str) -> bool:
         """Whether a room says of itself that it follows another: both must say so.
