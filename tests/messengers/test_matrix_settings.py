@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from rosic.contracts.messenger import admins_of
 from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
 from rosic.messengers.matrix.messenger import matrix_messenger
@@ -76,3 +77,8 @@ def test_an_account_is_an_id(account: str) -> None:
 @pytest.mark.parametrize("account", ["ada", "Ada Lovelace", "1001", "@ada", "ada:example.org", ""])
 def test_a_name_is_no_account(account: str) -> None:
     assert not matrix_messenger("lab", TABLE, ManualClock()).is_account(account)
+
+
+def test_power_levels_make_nobody_an_admin() -> None:
+    """A homeserver writes them; so nobody is asked for by them whose stop has no name."""
+    assert admins_of(matrix_messenger("lab", TABLE, ManualClock())) is None
