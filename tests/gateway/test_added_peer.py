@@ -34,7 +34,7 @@ async def test_it_speaks_under_a_key_of_its_own_and_still_does_after_a_restart()
     async with Alone(store).open() as here:
         told = await here.gateway.robot_adder.add(draft(), OPERATOR, owner_may, "fellow")
         assert "Rover 3 may speak with the other robots, as fellow." in told
-        await here.say("/shared rover follow", account=BO)
+        await here.say("/shared rover follow", account=BO, chat=BO)
         assert (await here.says("rover", "share", topic="road", data="wet"))["ok"] is True
         await here.clock.advance(EVERY_S + 1.0)  # somebody looks after it, though nobody did before
         assert any("Rover 3 shares road" in t.outbound.text for t in here.chat.told)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+import pytest
 from msgspec.structs import replace
 
 from rosic.app.admin.api import books_of
@@ -21,8 +22,6 @@ from tests.gateway.place import ADA, BO, VI, Place
 from tests.gateway.test_rights import rules
 
 if TYPE_CHECKING:
-    import pytest
-
     from rosic.testing.clock import ManualClock
 
 CODE = re.compile(r"\b[0-9A-Z]{4}-[0-9A-Z]{4}\b")
@@ -410,3 +409,44 @@ async def test_what_was_planned_in_an_account_that_is_lost_is_shown_in_another_o
         assert "omni: wave" in place.read(BO, before)
         news = [t.outbound.text for t in list(place.other.told)[there:]]
         assert not [text for text in news if "done" in text or "sent" in text], news
+
+
+class RoomsMessenger(OtherMessenger):
+    """A messenger whose private chats have ids of their own."""
+
+    def private_chat(self, account: str) -> Chat:
+        """Return the room with somebody alone."""
+        return Chat("other", f"room-{account}")
+
+
+class TwoMessengersWithRooms(TwoMessengers):
+    besides = (RoomsMessenger,)
+
+    async def there(self, text: str, account: str = BO_TOO) -> str:
+        """Say something in the room with somebody alone; return what was told there."""
+        before = len(self.other.told)
+        await self.clock.advance(0.001)
+        self.other.say(text, account=account, chat=f"room-{account}")
+        await self.quiet()
+        return "\n".join(t.outbound.text for t in list(self.other.told)[before:])
+
+
+@pytest.mark.parametrize("kind", [TwoMessengers, TwoMessengersWithRooms])
+async def test_nothing_more_is_kept_of_an_account_that_is_lost(kind: type[TwoMessengers]) -> None:
+    place = kind()
+    own = Chat("other", BO_TOO if kind is TwoMessengers else f"room-{BO_TOO}")
+    async with place.open():
+        await place.here("/me", ADA)
+        found = CODE.search(await place.here("/link", ADA))
+        assert found is not None
+        await place.there(f"link {found[0]}")
+        archive = place.gateway.archive
+        await place.there("/archive on")
+        await place.here("/archive on", ADA)
+        assert archive.keeps(own)
+        await place.here("/unlink other", ADA)
+        button, under = place.button("Take it away")
+        await place.tap(button, under)
+        assert not archive.keeps(own)
+        assert archive.keeps(Chat("memory", ADA))
+        assert "does not belong to Ada" in place.other.told[-1].outbound.text

@@ -92,6 +92,13 @@ OF_ACCOUNTS = (
         caught_by=(f"{LINKED}::test_a_card_in_an_account_that_is_lost_ends",),
     ),
     Fault(
+        name="the archive of an account that is lost goes on",
+        file="features/personal_data/__init__.py",
+        guard="kernel.access.account_lost.connect(end_archive)",
+        without="pass",
+        caught_by=(f"{LINKED}::test_nothing_more_is_kept_of_an_account_that_is_lost",),
+    ),
+    Fault(
         name="a notice goes to a messenger that is not connected",
         file="gateway/delivery/notifier.py",
         guard="there = [place for place in places if is_connected(place.messenger) is not False]",

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from rosic.app.containers import DataContext, data_context_of, folders_of
 from rosic.app.people import named_in_file
-from rosic.contracts.chats import private_chat_of
 from rosic.contracts.store import ContainerStore
 from rosic.gateway.delivery.last_accounts import KIND as LAST_ACCOUNTS
 from rosic.gateway.feature import (
@@ -135,10 +134,8 @@ def _follow_accounts(gateway: RunningGateway, memory: Memory, reach: Notifier) -
 
     def fall_silent(principal: PrincipalId, address: Address) -> None:
         """Bring an account that is lost no more of what robots say."""
-        for messenger in reach.messengers:
-            if messenger.platform == address.platform:
-                chat = private_chat_of(messenger, address)
-                gateway.pipeline.followers.leave(messenger.name, chat.id, principal)
+        for place in reach.places_of(address):
+            gateway.pipeline.followers.leave(place.messenger.name, place.chat.id, principal)
 
     lost.connect(fall_silent)
 

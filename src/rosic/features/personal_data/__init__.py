@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from rosic.authoriser.directory import SOMEBODY
 from rosic.container.messages import SETTINGS_DAMAGED
 from rosic.container.preferences import IMPERIAL
 from rosic.container.preferences import KIND as PREFERENCE
-from rosic.core.identity import Address, Principal
+from rosic.core.identity import Principal
 from rosic.core.language import skills_of
 from rosic.errors import Refusal
 from rosic.features.personal_data.commands import register_commands, take_over, tidy
@@ -20,7 +21,7 @@ from rosic.gateway.feature import Feature
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from rosic.core.identity import PrincipalId
+    from rosic.core.identity import Address, PrincipalId
     from rosic.core.message import Chat
     from rosic.core.records import Fact, Record
     from rosic.core.robot.profile import RobotId
@@ -118,7 +119,22 @@ def setup(kernel: Kernel) -> Feature:
     kernel.shared.history.provide(history)
     take_over(kernel.memory.facts, containers, erasing)
     kernel.access.forget_newcomer.bind(erasing.stranger)
+
+    def end_archive(_principal: PrincipalId, address: Address) -> None:
+        """Keep nothing more of what is said in an account that somebody has lost."""
+        theirs = partial(_is_private_chat, kernel, address)
+        kernel.changes.note(containers.archive.end_private(theirs))
+
+    kernel.access.account_lost.connect(end_archive)
     return PersonalDataFeature(kernel, containers, erasing)
+
+
+def _is_private_chat(kernel: Kernel, address: Address, chat: Chat) -> bool:
+    """Whether a chat is an account's own: by the account's id, or as its messenger finds it."""
+    if chat.platform != address.platform:
+        return False
+    found = (place.chat.id for place in kernel.reach.places_of(address))
+    return chat.id in {address.account, *found}
 
 
 def _erasure_queries(kernel: Kernel) -> ErasureQueries:
@@ -150,7 +166,8 @@ def _erasure_queries(kernel: Kernel) -> ErasureQueries:
 
     def theirs(principal: PrincipalId, chat: Chat) -> bool:
         person = directory.person(principal)
-        return person is not None and Address(chat.platform, chat.id) in person.addresses
+        accounts = () if person is None else person.addresses
+        return any(_is_private_chat(kernel, address, chat) for address in accounts)
 
     def in_use(robot: RobotId) -> str:
         holder = rooms.organiser.holder(robot)

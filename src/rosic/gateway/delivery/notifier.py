@@ -233,12 +233,19 @@ class Notifier:
         person = self._authoriser.directory.person(principal)
         ranks = {account: rank for rank, account in enumerate(self.last_accounts.of(principal))}
         places = [
-            AccountChat(messenger, private_chat_of(messenger, address), address)
+            place
             for address in (person.addresses if person is not None else ())
-            for messenger in self.messengers
-            if messenger.platform == address.platform
+            for place in self.places_of(address)
         ]
         return tuple(sorted(places, key=lambda place: ranks.get(place.account, len(ranks))))
+
+    def places_of(self, address: Address) -> tuple[AccountChat, ...]:
+        """Return where an account is told something in private, whoever has it."""
+        return tuple(
+            AccountChat(messenger, private_chat_of(messenger, address), address)
+            for messenger in self.messengers
+            if messenger.platform == address.platform
+        )
 
     def may_read(self, principal: PrincipalId, chat: Chat) -> bool:
         """Whether a chat where somebody wanted to read something is still theirs. A look-up.
