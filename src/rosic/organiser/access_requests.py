@@ -247,6 +247,10 @@ class AccessRequests:
         )
         return Fact(kind=ACCESS_REQUEST, key=access_request.id, body=_encode(lapsed))
 
+    def lapse_all(self, principal: PrincipalId) -> tuple[Fact, ...]:
+        """Return what settles whatever somebody has asked for, and nobody has answered."""
+        return tuple(self.lapse(one) for one in self.open() if one.principal == principal)
+
     def stale(self) -> tuple[Fact, ...]:
         """Return what is to be written so that old access requests take no room any more."""
         now_ns = self._wall_ns()

@@ -48,6 +48,7 @@ from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
 from rosic.gateway.policy_service import PolicyService
 from rosic.gateway.replies import LEAVE
 from rosic.messengers.memory import MemoryMessenger
+from rosic.organiser.access_requests import AccessRequests
 from rosic.organiser.grants import GRANT
 from rosic.organiser.organiser import Organiser
 from rosic.organiser.rate_limits import RateLimits
@@ -217,7 +218,8 @@ class Hall:
         self.confirmation = Confirmation(
             self.organiser, registry.reach, OneAct(), self.clock, entropy, self.two_factor.is_set_up
         )
-        linking = AccountLinkCommands(registry, self.admin_policy)
+        wanted = AccessRequests(self.clock.wall_ns, entropy)
+        linking = AccountLinkCommands(registry, self.admin_policy, wanted)
         handlers = AccessCommands(about, self.admitting, revocation, inviting, proving, linking)
         register_access_commands(self.commands, handlers, self.confirmation)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from msgspec.structs import replace
 
@@ -403,3 +405,19 @@ async def test_what_an_older_version_wrote_is_void_and_that_is_said() -> None:
             "itself, have changed since. Ask again if you still want it."
         )
         assert (await place.line(VI, "/ask omni wave")).startswith("I have asked Ada or Eve")
+
+
+async def test_what_an_account_asked_for_that_is_lost_nobody_can_give_any_more() -> None:
+    async with house() as place:
+        await place.line(VI, "omni wave")
+        await place.press(VI, "Ask for it")
+        code = re.search(r"\b[0-9A-Z]{4,5}(-[0-9A-Z]{4,5})+\b", await place.line(VI, "/link"))
+        assert code is not None
+        await place.line("99", f"link {code[0]}")
+        await place.line("99", f"/unlink memory:{VI}")
+        await place.press("99", "Take it away")
+
+        await place.press(EVE, "Allow 1 h")
+
+        await place.line("99", "omni wave")
+        assert place.acted() == 0

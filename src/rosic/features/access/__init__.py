@@ -133,7 +133,7 @@ def setup(kernel: Kernel) -> AccessFeature:
             link=invite_link_of,
         ),
         SecondFactorCommands(registry, admin_policy),
-        AccountLinkCommands(registry, admin_policy),
+        AccountLinkCommands(registry, admin_policy, access.access_requests),
         granting,
         request_commands,
         RoleCommands(registry, admin_policy, policy.rolebook),

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from rosic.features.access.admin_policy import AdminPolicy
     from rosic.features.access.context import AccessContext
     from rosic.gateway.commands import CommandContext
+    from rosic.organiser.access_requests import AccessRequests
 
 
 class AccountArgument(NamedTuple):
@@ -37,10 +38,16 @@ class AccountArgument(NamedTuple):
 
 
 class AccountLinkCommands:
-    """Gives codes for another account, and takes accounts away."""
+    """Gives codes for another account, and takes accounts away.
 
-    def __init__(self, registry: AccessContext, admin_policy: AdminPolicy) -> None:
-        self._registry, self._admin_policy = registry, admin_policy
+    Args:
+        wanted: Rights that are asked for; whoever has an account may have asked in its name.
+    """
+
+    def __init__(
+        self, registry: AccessContext, admin_policy: AdminPolicy, wanted: AccessRequests
+    ) -> None:
+        self._registry, self._admin_policy, self._wanted = registry, admin_policy, wanted
         self._links = registry.links
         self._directory = registry.authoriser.directory
         self._names = PersonNames(registry)
@@ -105,11 +112,15 @@ class AccountLinkCommands:
         by, before = asked.caller.principal, self._notices.places(person.id)
         change = self._links.unlink(person.id, address, by)
 
+        wanted = self._wanted
+
         def again() -> tuple[Record, ...]:
             there = self._links.has(person.id, address)
-            return self._links.unlink(person.id, address, by).records if there else ()
+            records = self._links.unlink(person.id, address, by).records if there else ()
+            return (*records, *wanted.lapse_all(person.id))
 
-        written = await self._registry.changes.take_away(change.records, again)
+        records = (*change.records, *wanted.lapse_all(person.id))
+        written = await self._registry.changes.take_away(records, again)
         asked_in = asked.messenger.name, asked.inbound.chat.id
         self._notices.unlinked(change, before, by, asked_in)
         shown = words.account_shown(address)
