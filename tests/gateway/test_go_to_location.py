@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from rosic.core.message import Chat, ChatKind, GeoPoint, MessageValidity
 from rosic.core.robot.geography import GeographicFrame
 from rosic.core.robot.skill import Parameter, Skill
+from rosic.gateway.unverified_messages import MAY_LOOK
 from tests.gateway.place import ADA, BO, FLEET, VI, Place
 
 if TYPE_CHECKING:
@@ -19,6 +20,7 @@ HERE = GeographicFrame(latitude=47.0, longitude=15.0)
 METRES = Parameter(unit="m", min=-100, max=100)
 GOTO = Skill(id="goto", title="Go to a place", parameters={"x": METRES, "y": METRES})
 NORTH = GeoPoint(47.0005, 15.0)  # 55.6 m
+NOT_OWN = [s for s in MessageValidity if s.value not in {"fresh", "unverified"}]
 
 
 def located(profile: Profile) -> Profile:
@@ -57,10 +59,16 @@ async def test_a_place_asks_and_a_tap_goes() -> None:
         assert "omni: goto, x 55.59 m, y 0.00 m" in place.last()[1].text
 
 
-@pytest.mark.parametrize("standing", [s for s in MessageValidity if s is not MessageValidity.FRESH])
+@pytest.mark.parametrize("standing", NOT_OWN)
 async def test_what_is_not_somebodys_own_asks_nothing(standing: MessageValidity) -> None:
     async with Place(fleet=ONE).open() as place:
         assert await send(place, standing=standing) == ""
+
+
+async def test_what_somebody_else_may_have_sent_asks_nothing_and_its_author_is_told() -> None:
+    async with Place(fleet=ONE).open() as place:
+        assert await send(place, standing=MessageValidity.UNVERIFIED) == MAY_LOOK
+        assert not place.last()[1].buttons
 
 
 async def test_a_group_asks_nothing() -> None:

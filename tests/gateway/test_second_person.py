@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.core.identity import Address
 from rosic.core.policy.query import Deny, PolicyCode, Query
 from rosic.core.policy.roles import Assurance, Grant, Role, SkillPrecondition
 from rosic.gateway.confirmation import ASKED_AT_MOST, _why_not
@@ -251,3 +252,30 @@ async def test_a_cancel_of_another_robot_leaves_the_question_and_one_of_this_wit
         assert told == "Cancelled. The question to a second person is withdrawn."
         assert "Nothing was done." in await place.tap(*place.button("I agree"))
         assert place.acted("kuka1") == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "account", "left", "acted"),
+    [
+        ("Bo", BO, 0, 0),
+        ("Vi", VI, 1, 0),
+        ("Bo", VI, 2, 1),
+        ("Vi", BO, 2, 1),
+        ("Bo", "another", 2, 1),
+    ],
+)
+async def test_nothing_comes_of_what_an_account_that_was_lost_asked_for_or_agreed_to(
+    name: str, account: str, left: int, acted: int
+) -> None:
+    needed = rules(SkillPrecondition(scopes=("omni:wave",), second_person=True))
+    async with lab(needed, {"Vi": "operator"}) as place:
+        await place.say("omni wave", account=BO, chat=BO)
+        await place.say("omni wave", account=VI, chat=VI)
+        agree, asked = place.button("I agree")
+        await place.tap(agree, asked, account=BO)  # to what Vi asked for
+        confirmation = place.gateway.pipeline.confirmation
+        confirmation.forget_account(who(place, name), Address("memory", account))
+        assert len(confirmation._requests) == left
+        do_it, agreed = place.button("Do it")
+        await place.tap(do_it, agreed, account=VI)
+        assert place.acted() == acted

@@ -80,7 +80,7 @@ GUARDS = (
     Fault(
         name="I17 edited and forwarded messages are accepted",
         file="gateway/pipeline.py",
-        guard="if inbound.standing is not FRESH:",
+        guard="if inbound.standing is not FRESH and inbound.standing is not UNVERIFIED:",
         without="if False:",
         caught_by=(f"{JOURNEYS}/test_inert.py",),
     ),

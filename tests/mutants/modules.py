@@ -154,6 +154,9 @@ MODULES = (
             "tests/gateway/test_turned_away.py",
             "tests/gateway/test_agreed_acts.py",
             "tests/gateway/test_withdrawing.py",
+            "tests/gateway/test_programs.py",
+            "tests/gateway/test_meant_in_groups.py",
+            "tests/gateway/test_live_control.py",
         ),
     ),
     Module(

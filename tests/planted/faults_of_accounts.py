@@ -33,10 +33,10 @@ OF_ACCOUNTS = (
         caught_by=(f"{LINKED}::test_the_file_takes_no_account_from_whoever_linked_it",),
     ),
     Fault(
-        name="a code for an account is good although whoever asked for it is locked",
-        file="authoriser/account_links.py",
-        guard="return found if good and not self._locks.locked(found.principal) else None",
-        without="return found",
+        name="a code for an account outlives that whoever asked for it is locked",
+        file="gateway/access_registry.py",
+        guard="self.links.void(fact.key)",
+        without="pass",
         caught_by=(f"{LINKING}::test_a_code_dies_with_the_access_of_whoever_asked_for_it",),
     ),
     Fault(

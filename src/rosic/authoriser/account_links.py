@@ -23,7 +23,6 @@ from rosic.errors import NotPermitted, NotUnderstood
 
 if TYPE_CHECKING:
     from rosic.authoriser.authoriser import Authoriser
-    from rosic.authoriser.locks import AccountLocks
     from rosic.authoriser.page_sessions import PageSessions
     from rosic.contracts.clock import Entropy
     from rosic.core.identity import Caller
@@ -75,12 +74,11 @@ class AccountLinks:
     def __init__(
         self,
         authoriser: Authoriser,
-        locks: AccountLocks,
         page_sessions: PageSessions,
         entropy: Entropy,
     ) -> None:
         self._authoriser, self._directory = authoriser, authoriser.directory
-        self._locks, self._page_sessions, self._entropy = locks, page_sessions, entropy
+        self._page_sessions, self._entropy = page_sessions, entropy
         self._time, self._counters = authoriser.keys.time, authoriser.keys.counters
         self._codes: OrderedDict[bytes, LinkCode] = OrderedDict()
 
@@ -110,7 +108,7 @@ class AccountLinks:
         return code
 
     def void(self, principal: PrincipalId) -> None:
-        """Let somebody's code be good no more."""
+        """Let somebody's code be good no more, as when they are locked."""
         for digest in [d for d, code in self._codes.items() if code.principal == principal]:
             del self._codes[digest]
 
@@ -125,8 +123,7 @@ class AccountLinks:
         found = self._codes.get(_digest(normal(code) or ""))
         if found is None or found.ends_ns <= self._time.wall_ns():
             return None
-        good = self._authoriser.has_access(found.principal)
-        return found if good and not self._locks.locked(found.principal) else None
+        return found if self._authoriser.has_access(found.principal) else None
 
     def burn(self, code: str) -> LinkCode | None:
         """Let a code be good no more that others have read; return whose it was."""

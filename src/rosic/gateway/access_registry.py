@@ -134,7 +134,7 @@ class AccessRegistry:
             self.counters,
             EnrolmentRules(self.may_invite),
         )
-        self.links = AccountLinks(authoriser, self.locks, self.page_sessions, entropy)
+        self.links = AccountLinks(authoriser, self.page_sessions, entropy)
         self.account_lost: Signal[[PrincipalId, Address]] = Signal()
         self.two_factor = TwoFactor(self.time, entropy, self.counters, place=place.place)
         self.refusals: Counter[str] = Counter()

@@ -153,6 +153,9 @@ async def test_a_code_dies_with_the_access_of_whoever_asked_for_it() -> None:
         await hall.say(ADA, "/lock Cy Young")
         assert await hall.say(DI, code) == messages.NOT_GOOD
         assert "locked" in await hall.say(CY, "/link")
+        assert await hall.say(ADA, "/unlock Cy Young") == "Cy Young is unlocked."
+        assert not hall.locks.locked("p-3")
+        assert await hall.say(DI, code) == messages.NOT_GOOD, "whoever had the account may have it"
         assert at(hall, DI) == ""
 
 

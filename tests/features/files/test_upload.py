@@ -15,6 +15,7 @@ from msgspec.structs import replace
 from rosic.container.files import PART, PART_BYTES, FileQuota, FileStore
 from rosic.core.message import Button, ChatKind, MessageValidity
 from rosic.errors import NotUnderstood, TooManyRequests
+from rosic.gateway.unverified_messages import MAY_LOOK
 from rosic.testing.clock import ManualClock
 from tests.features.personal_data.data_gateway import Ward, a_ward
 from tests.gateway.place import ADA, BO, STRANGER
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 
 MAP = b"\x89PNG\r\n\x1a\n" + os.urandom(600_000)
 NOTE = b"speed: 0.2\n"
+NOT_OWN = [s for s in MessageValidity if s.value not in {"fresh", "unverified"}]
 
 
 async def send(ward: Ward, name: str = "map.png", content: bytes = MAP, **how: Any) -> str:  # noqa: ANN401
@@ -110,10 +112,16 @@ async def test_a_stop_beneath_a_file_stops() -> None:
         assert ward.gateway.rooms.stops["omni"].latched
 
 
-@pytest.mark.parametrize("standing", [s for s in MessageValidity if s is not MessageValidity.FRESH])
+@pytest.mark.parametrize("standing", NOT_OWN)
 async def test_what_is_not_somebodys_own_is_not_taken(standing: MessageValidity) -> None:
     async with a_ward() as ward:
         assert await send(ward, standing=standing) == ""
+        assert await parts(ward) == 0
+
+
+async def test_what_somebody_else_may_have_sent_is_not_taken_and_its_author_told() -> None:
+    async with a_ward() as ward:
+        assert await send(ward, standing=MessageValidity.UNVERIFIED) == MAY_LOOK
         assert await parts(ward) == 0
 
 
